@@ -143,8 +143,7 @@ private:
 
     void tell(Entrant& entrant, std::mt19937& random) const {
         choose(entrant, random);
-        for (uint32_t i = entrant.count - changed_count_; i < entrant.count; ++i)
-            value_of(entrant.crowd.set_playback(entrant.instances[i], population_.playback[i]));
+        set_playback(entrant);
     }
 
     void replace(Entrant& entrant, std::mt19937& random) const {
@@ -154,8 +153,14 @@ private:
         const std::vector<InstanceHandle> born = value_of(
             entrant.crowd.spawn(0, population_.placement.subspan(kept, changed_count_)));
         std::ranges::copy(born, entrant.instances.begin() + kept);
-        for (uint32_t i = kept; i < entrant.count; ++i)
-            value_of(entrant.crowd.set_playback(entrant.instances[i], population_.playback[i]));
+        set_playback(entrant);
+    }
+
+    // Of those at the end.
+    void set_playback(Entrant& entrant) const {
+        const uint32_t kept = entrant.count - changed_count_;
+        value_of(entrant.crowd.set_playback(std::span(entrant.instances).subspan(kept),
+                                            population_.playback.subspan(kept, changed_count_)));
     }
 
     Json new_record(const Crowd& crowd) const {

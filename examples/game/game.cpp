@@ -34,6 +34,8 @@ T need(Result<T> result) {
     if constexpr (!std::is_void_v<T>) return *std::move(result);
 }
 
+Affine scaled(float scale) { return {{{{scale, 0, 0, 0}, {0, scale, 0, 0}, {0, 0, scale, 0}}}}; }
+
 struct Attacker {
     InstanceHandle body, thing;
     Affine world_from_model{};
@@ -49,7 +51,7 @@ public:
     Game(const Device& device, const Character& body, const Controller& mind, const Character& thing)
         : body_(body),
           size_(length(body.bounds_max - body.bounds_min)),
-          thing_scale_(0.2f * size_ / length(thing.bounds_max - thing.bounds_min)),
+          joint_from_thing_(scaled(0.2f * size_ / length(thing.bounds_max - thing.bounds_min))),
           crowd_(make_crowd(device, body, mind, thing)) {
         make_fallen();
     }
@@ -109,6 +111,8 @@ private:
 
     // Where the attackers are, and the sound of their feet; as of some frames ago, since nothing waits for the GPU.
     void hear() {
+        std::vector<InstanceHandle> things;
+        std::vector<Affine> world_from_thing;
         for (const Feedback& feedback : need(crowd_.feedback())) {
             for (const CharacterEvent& event : feedback.events)
                 ++(crowd_.is_alive(event.instance) ? steps : steps_of_the_gone);
@@ -116,14 +120,11 @@ private:
                 const auto found = attackers_.find(watched.instance.instance);
                 if (found == attackers_.end() || found->second.body != watched.instance) continue;
                 found->second.world_from_model = watched.world_from_model;
-                hold(found->second, watched.sockets[0]);
+                things.push_back(found->second.thing);
+                world_from_thing.push_back(watched.sockets[0] * joint_from_thing_);
             }
         }
-    }
-
-    void hold(const Attacker& attacker, const Affine& world_from_joint) {
-        const Affine joint_from_thing{{{{thing_scale_, 0, 0, 0}, {0, thing_scale_, 0, 0}, {0, 0, thing_scale_, 0}}}};
-        need(crowd_.set_placement(attacker.thing, world_from_joint * joint_from_thing));
+        need(crowd_.set_placement(things, world_from_thing));
     }
 
     // An attacker near the middle may fall: it drops its thing, lies for a while, and is despawned.
@@ -164,7 +165,8 @@ private:
     }
 
     const Character& body_;
-    float size_, thing_scale_;
+    float size_;
+    Affine joint_from_thing_;
     Crowd crowd_;
     std::vector<Trs<float>> fallen_;
     std::map<uint32_t, Attacker> attackers_;  // by the numbers of their bodies

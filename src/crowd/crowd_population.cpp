@@ -43,10 +43,13 @@ void CrowdState::despawn(std::span<const InstanceHandle> instances) {
     std::ranges::sort(numbers);
     if (const auto twice = std::ranges::adjacent_find(numbers); twice != numbers.end())
         throw Failure(ErrorCode::kInvalidArgument, "despawn", "instance " + std::to_string(*twice) + " is given twice");
+    std::vector<InstanceHandle> without_controller;
+    for (const InstanceHandle& gone : instances)
+        if (!group_of(gone.instance).controller) without_controller.push_back(gone);
+    control->set(without_controller, Each(Playback()));
     for (const auto& [instance, generation] : instances) {
         const Group& group = group_of(instance);
         const InBatch of = at(instance);
-        if (!group.controller) control->set(Instances::numbered(instance), Each(Playback()));
         if (group.steering) steer->set_destination(of, {});
         if (group.procedural)
             for (uint32_t target = 0; target < group.procedural->target_count; ++target)
