@@ -22,8 +22,11 @@ namespace {
 class Twins {
 public:
     Twins() {
-        CrowdSettings settings{
-            .path = UpdatePath::kDevice, .keep_previous_matrices = true, .culls = true, .skips_updates = true};
+        CrowdSettings settings{.path = UpdatePath::kDevice,
+                               .keep_previous_matrices = true,
+                               .culls = true,
+                               .skips_updates = true,
+                               .pose_request_capacity = 64};
         settings.groups = {
             {.character = &character_, .instance_count = kEach, .pose_capacity = kEach / 2},
             {.character = &character_, .instance_count = kEach, .controller = &controller_, .pose_capacity = kEach},
@@ -50,7 +53,7 @@ public:
                        ruled = 3 * kEach + random.below(kEach);
         const float fade_s = random.chance(0.3) ? 0 : static_cast<float>(random.between(0, 0.4));
         const Vec3<float> somewhere = random.vector(6).as<float>();
-        const uint32_t kind = random.chance(0.3) ? 2 : random.below(11);
+        const uint32_t kind = random.chance(0.3) ? 2 : random.below(12);
         const Playback playback = random_playback(random, character_);
         const Affine moved = place(random.below(4 * kEach));
         const auto [parameter, value] = random_change(random, controller_);
@@ -70,6 +73,7 @@ public:
                 case 8: EXPECT_TRUE(crowd.watch(watched)); break;
                 // Two clips' instances have room for half of them, so some are refused: by both crowds.
                 case 9: set_was_refused_.push_back(refusal(crowd.set_pose(InstanceHandle{posed}, pose, fade_s))); break;
+                case 10: EXPECT_TRUE(crowd.request_poses(InstanceHandle{posed})); break;
                 default: born_or_gone(crowd, any % 2 == 0, moved);
             }
         }
@@ -99,7 +103,13 @@ public:
             EXPECT_EQ(copy_of(a.watched[i].parameters), copy_of(b.watched[i].parameters)) << where;
             EXPECT_EQ(copy_of(a.watched[i].layers), copy_of(b.watched[i].layers)) << where;
         }
+        ASSERT_EQ(a.poses.size(), b.poses.size()) << where;
+        for (size_t i = 0; i < a.poses.size(); ++i) {
+            EXPECT_EQ(a.poses[i].instance, b.poses[i].instance) << where;
+            EXPECT_TRUE(same_bits(a.poses[i].parent_from_joint, b.poses[i].parent_from_joint)) << where;
+        }
         event_count += a.events.size();
+        pose_count += a.poses.size();
     }
 
     // From anywhere around: some of them are seen, and most are small enough to be updated less often.
@@ -112,7 +122,7 @@ public:
     }
 
     std::array<Crowd, 2> crowds{Crowd(nullptr), Crowd(nullptr)};
-    size_t event_count = 0;
+    size_t event_count = 0, pose_count = 0;
 
 private:
     static constexpr uint32_t kEach = 12;
@@ -169,6 +179,7 @@ TEST(Frames, DroppedAtRandomCostNothing) {
     }
     EXPECT_GT(dropped, 10u);
     EXPECT_GT(twins.event_count, 0u);
+    EXPECT_GT(twins.pose_count, 0u);
 }
 
 struct DrivenCrowd {

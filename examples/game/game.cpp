@@ -13,6 +13,7 @@
 #include <cstdlib>
 #include <deque>
 #include <map>
+#include <numbers>
 #include <random>
 #include <vector>
 
@@ -21,8 +22,8 @@ using namespace throng;
 namespace {
 
 constexpr float kFrame_s = 1.0f / 60;
-constexpr uint32_t kFrames = 900, kWaveEvery = 60, kWave = 250, kMost = 2000, kMostDying = 600;
-constexpr double kLies_s = 1.5;
+constexpr uint32_t kFrames = 900, kWaveEvery = 60, kWave = 250, kMost = 2000, kMostDying = 600, kMostAtOnce = 32;
+constexpr double kFalls_s = 0.6, kLies_s = 1.5;
 
 // throng reports expected failures as values. This program has no better idea than to stop at the first one.
 template <class T>
@@ -44,6 +45,8 @@ struct Attacker {
 struct Dying {
     InstanceHandle body;
     double gone_s = 0;
+    std::vector<Trs<float>> pose{};  // that it showed when it began to fall; empty until that has come back
+    double falls_s = 0;              // for so long already
 };
 
 class Game {
@@ -52,9 +55,7 @@ public:
         : body_(body),
           size_(length(body.bounds_max - body.bounds_min)),
           joint_from_thing_(scaled(0.2f * size_ / length(thing.bounds_max - thing.bounds_min))),
-          crowd_(make_crowd(device, body, mind, thing)) {
-        make_fallen();
-    }
+          crowd_(make_crowd(device, body, mind, thing)) {}
 
     // Returns how long its calls took, but for the update itself.
     double frame(uint32_t number) {
@@ -62,6 +63,7 @@ public:
         if (number % kWaveEvery == 0) send_wave();
         hear();
         fight(number * double{kFrame_s});
+        fall();
         watch();
         const std::chrono::duration<double, std::milli> calls = std::chrono::steady_clock::now() - begin;
         need(crowd_.update(kFrame_s));
@@ -83,7 +85,8 @@ private:
                                 .pose_capacity = kMostDying,
                                 .capacity = kMost};
         const CrowdGroup things{.character = &thing, .capacity = kMost};
-        return need(Crowd::create(device, {.groups = {bodies, things}, .watch_capacity = kMost}));
+        return need(Crowd::create(
+            device, {.groups = {bodies, things}, .watch_capacity = kMost, .pose_request_capacity = kMostAtOnce}));
     }
 
     // From all sides, as many as there is room for.
@@ -123,14 +126,20 @@ private:
                 things.push_back(found->second.thing);
                 world_from_thing.push_back(watched.sockets[0] * joint_from_thing_);
             }
+            for (const ShownPose& shown : feedback.poses) {
+                const auto found = std::ranges::find(dying_, shown.instance, &Dying::body);
+                if (found != dying_.end())
+                    found->pose.assign(shown.parent_from_joint.begin(), shown.parent_from_joint.end());
+            }
         }
         need(crowd_.set_placement(things, world_from_thing));
     }
 
-    // An attacker near the middle may fall: it drops its thing, lies for a while, and is despawned.
+    // An attacker near the middle may fall: it drops its thing, lies for a while, and is despawned. It goes on walking
+    // until it is known what it looks like, a frame or two.
     void fight(double now_s) {
         std::uniform_real_distribution<float> chance(0, 1);
-        std::vector<InstanceHandle> gone;
+        std::vector<InstanceHandle> gone, hit;
         while (!dying_.empty() && dying_.front().gone_s <= now_s) {
             gone.push_back(dying_.front().body);
             dying_.pop_front();
@@ -139,15 +148,39 @@ private:
             const Attacker& attacker = entry.second;
             const auto& row = attacker.world_from_model.row;
             const bool is_near = std::hypot(row[0][3], row[2][3]) < 12 * size_;
-            if (!is_near || chance(random_) > 0.02f || dying_.size() == kMostDying) return false;
-            need(crowd_.clear_destination(attacker.body));
-            need(crowd_.set_pose(attacker.body, fallen_, 0.3f));
+            if (!is_near || chance(random_) > 0.02f || dying_.size() == kMostDying || hit.size() == kMostAtOnce)
+                return false;
+            hit.push_back(attacker.body);
             dying_.push_back({attacker.body, now_s + kLies_s});
             gone.push_back(attacker.thing);
             ++died;
             return true;
         });
         need(crowd_.despawn(gone));
+        need(crowd_.clear_destination(hit));
+        need(crowd_.request_poses(hit));
+    }
+
+    // On their backs, stiff; physics would be here instead.
+    void fall() {
+        std::vector<InstanceHandle> falling;
+        std::vector<Trs<float>> poses;
+        for (Dying& one : dying_) {
+            if (one.pose.empty() || one.falls_s > kFalls_s) continue;
+            const double part = std::min(one.falls_s / kFalls_s, 1.0), angle_rad = part * part * std::numbers::pi / 2;
+            const Trs<double> back{.rotation = axis_angle(Vec3<double>{-1, 0, 0}, angle_rad)};
+            falling.push_back(one.body);
+            for (uint32_t joint = 0; joint < one.pose.size(); ++joint) {
+                Trs<double> to = one.pose[joint].as<double>();
+                if (body_.rig.parents[joint] == kNone) {
+                    to.translation = transform_point(to_affine(back), to.translation);
+                    to.rotation = back.rotation * to.rotation;
+                }
+                poses.push_back(to.as<float>());
+            }
+            one.falls_s += double{kFrame_s};
+        }
+        need(crowd_.set_pose(falling, poses));
     }
 
     void watch() {
@@ -156,19 +189,10 @@ private:
         need(crowd_.watch(bodies));
     }
 
-    // The rest pose, on its back.
-    void make_fallen() {
-        fallen_ = body_.rig.rest;
-        const Quaternion<float> back{-std::sqrt(0.5f), 0, 0, std::sqrt(0.5f)};
-        for (uint32_t joint = 0; joint < fallen_.size(); ++joint)
-            if (body_.rig.parents[joint] == kNone) fallen_[joint].rotation = back * fallen_[joint].rotation;
-    }
-
     const Character& body_;
     float size_;
     Affine joint_from_thing_;
     Crowd crowd_;
-    std::vector<Trs<float>> fallen_;
     std::map<uint32_t, Attacker> attackers_;  // by the numbers of their bodies
     std::deque<Dying> dying_;
     std::mt19937 random_{1};

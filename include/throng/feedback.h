@@ -41,14 +41,21 @@ struct WatchedInstance {
     std::span<const std::span<const PlayedMotion>> layers{};
 };
 
+// The pose that an instance showed after an update. Refers to its Feedback likewise.
+struct ShownPose {
+    InstanceHandle instance;
+    std::span<const Trs<float>> parent_from_joint{};  // [joint_count], as Crowd::set_pose() takes it
+};
+
 // What came back from one update. Can be moved, and what refers to it stays valid, but not copied.
 struct Feedback {
     uint64_t update = 0;                     // counted from 1
     std::vector<CharacterEvent> events{};    // by instance, then layer, then time
     uint64_t lost_event_count = 0;           // that found no room
     std::vector<WatchedInstance> watched{};  // of watch(), in its order
+    std::vector<ShownPose> poses{};          // of request_poses(), in the order of the calls
 
-    // Internal: what `watched` refers to.
+    // Internal: what `watched` and `poses` refer to.
     struct Arrays {
         Arrays() = default;
         Arrays(Arrays&&) = default;
@@ -58,6 +65,7 @@ struct Feedback {
         std::vector<float> parameters;
         std::vector<PlayedMotion> motions;
         std::vector<std::span<const PlayedMotion>> layers;
+        std::vector<Trs<float>> joints;
     };
     Arrays arrays{};
 };

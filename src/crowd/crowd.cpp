@@ -149,6 +149,10 @@ Result<void> Crowd::watch(const Instances& instances) {
     return as_result([&] { state().watch(instances); });
 }
 
+Result<void> Crowd::request_poses(const Instances& instances) {
+    return as_result([&] { state().request_poses(instances); });
+}
+
 Result<std::vector<Feedback>> Crowd::feedback() {
     return as_result([&] { return state().take_feedback(); });
 }

@@ -172,8 +172,9 @@ void CrowdState::add_output(const Batch& batch) {
 
 void CrowdState::make_feedback(const CrowdSettings& settings) {
     watch_capacity_ = settings.watch_capacity;
-    bool any = false;
-    uint64_t most_bytes = 0;  // of one that is watched
+    pose_request_capacity_ = settings.pose_request_capacity;
+    bool any = pose_request_capacity_ > 0;
+    uint64_t most_bytes = 0, most_skin_bytes = 0;  // of one that is watched, or whose pose is requested
     for (const Group& group : groups) {
         any = any || group.controller || group.sockets || group.steering;
         uint64_t size_bytes = kMatrix_bytes + sizeof(io::RootState::move) + group.socket_count() * kMatrix_bytes;
@@ -181,8 +182,12 @@ void CrowdState::make_feedback(const CrowdSettings& settings) {
             size_bytes += group.controller->parameter_count * sizeof(float) +
                           group.controller->layer_count * sizeof(io::LayerState);
         most_bytes = std::max(most_bytes, size_bytes);
+        if (group.pose_of_skin)
+            most_skin_bytes = std::max(most_skin_bytes, group.palette_count * uint64_t{skin_format_bytes(skin_format)});
     }
-    if (any) feedback.emplace(gpu, settings.event_capacity, watch_capacity_ * most_bytes);
+    if (any)
+        feedback.emplace(gpu, settings.event_capacity,
+                         watch_capacity_ * most_bytes + pose_request_capacity_ * most_skin_bytes);
 }
 
 }  // namespace throng

@@ -57,6 +57,8 @@ void CrowdState::despawn(std::span<const InstanceHandle> instances) {
         if (group.pose_capacity > 0) poses->clear(of, 0);
         population->despawn(instance);
     }
+    for (std::vector<uint32_t>* requests : {&pose_requests_, &recorded_pose_requests_})
+        std::erase_if(*requests, [&](uint32_t instance) { return !is_there(instance); });
     std::erase_if(watched_, [&](const Watched& watched) { return !is_there(watched.instance); });
 }
 

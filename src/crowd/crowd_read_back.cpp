@@ -55,6 +55,39 @@ void CrowdState::watch(const Instances& instances) {
     watched_ = std::move(watched);
 }
 
+void CrowdState::request_poses(const Instances& instances) {
+    check_there(instances, "pose request");
+    if (instances.size() > pose_request_capacity_ - std::min<size_t>(pose_requests_.size(), pose_request_capacity_))
+        throw Failure(ErrorCode::kLimit, "pose request", pose_requests_.size() + instances.size(),
+                      " poses of one update; CrowdSettings::pose_request_capacity is ", pose_request_capacity_);
+    for (uint32_t i = 0; i < instances.size(); ++i) {
+        const Group& group = group_of(instances.number(i));
+        if (group.sockets_only)
+            throw Failure(ErrorCode::kInvalidArgument, "pose request", group.name, " has sockets only");
+        if (!group.pose_of_skin)
+            throw Failure(ErrorCode::kInvalidArgument, "pose request", group.name, " has no CrowdGroup::pose_capacity");
+    }
+    for (uint32_t i = 0; i < instances.size(); ++i) pose_requests_.push_back(instances.number(i));
+}
+
+// Where a discarded record() has put some back, there may be more than there is room for: the others wait.
+std::vector<RequestedPose> CrowdState::take_pose_requests() {
+    const auto end = pose_requests_.begin() + std::min<ptrdiff_t>(std::ssize(pose_requests_), pose_request_capacity_);
+    recorded_pose_requests_.assign(pose_requests_.begin(), end);
+    pose_requests_.erase(pose_requests_.begin(), end);
+    std::vector<RequestedPose> taken;
+    for (const uint32_t instance : recorded_pose_requests_) {
+        const InBatch of = at(instance);
+        const Group& group = group_of(instance);
+        const uint64_t size_bytes = uint64_t{group.palette_count} * skin_format_bytes(skin_format);
+        taken.push_back({.instance = instance,
+                         .skin = {batches[of.batch].skin(), of.instance * size_bytes, size_bytes},
+                         .skin_format = skin_format,
+                         .pose_of_skin = &*group.pose_of_skin});
+    }
+    return taken;
+}
+
 std::vector<Feedback> CrowdState::take_feedback() {
     if (!feedback) return {};
     std::vector<Feedback> taken = feedback->take();
@@ -65,6 +98,7 @@ std::vector<Feedback> CrowdState::take_feedback() {
         };
         std::ranges::for_each(one.events, tell_generation);
         std::ranges::for_each(one.watched, tell_generation);
+        std::ranges::for_each(one.poses, tell_generation);
     }
     return taken;
 }

@@ -146,7 +146,7 @@ void CrowdState::record(VkCommandBuffer commands, float time_step_s, const Crowd
     if (timer) timer->begin(commands);
     for (const auto& stage : stages) stage->record(update);
     if (timer) timer->publish(commands);
-    if (feedback) feedback->end(commands, watched_);
+    if (feedback) feedback->end(commands, watched_, take_pose_requests());
     if (!has_updated_) copy_to_previous(commands);
     had_updated_ = std::exchange(has_updated_, true);
     memory_barrier(*gpu, commands, kShaderWrite | kTransferWrite, kConsumers);
@@ -174,6 +174,8 @@ void CrowdState::discard_last_record() {
     has_updated_ = had_updated_;
     for (const auto& stage : stages) stage->discard();
     if (feedback) feedback->discard();
+    pose_requests_.insert(pose_requests_.begin(), recorded_pose_requests_.begin(), recorded_pose_requests_.end());
+    recorded_pose_requests_.clear();
     take_turns();
 }
 

@@ -49,6 +49,7 @@ struct CrowdState {
     void set_pose(const Instances& instances, std::span<const Trs<float>> parent_from_joint, float fade_s);
     void clear_pose(const Instances& instances, float fade_s);
     void watch(const Instances& instances);
+    void request_poses(const Instances& instances);
     std::vector<Feedback> take_feedback();
     // Whether update() computes natively; with occlusion it does not.
     bool is_native(bool occlusion) const;
@@ -100,6 +101,7 @@ private:
     uint64_t skin_row_count(const Batch& batch) const;
     HostOutputs host_outputs(const Batch& batch) const;
     void make_feedback(const CrowdSettings& settings);
+    std::vector<RequestedPose> take_pose_requests();
     void make_stages(Uploads& uploads, const CrowdSettings& settings);
     Update update_of(VkCommandBuffer commands, float time_step_s, const io::CullView& view) const;
     void check_runs(bool natively);
@@ -130,6 +132,8 @@ private:
     float full_rate_factor_ = 1;    // what the budget makes of CrowdView::full_rate_pixels, as a factor
     std::vector<Watched> watched_;
     uint32_t watch_capacity_ = 0;
+    std::vector<uint32_t> pose_requests_, recorded_pose_requests_;  // for the next record(), and of the last one
+    uint32_t pose_request_capacity_ = 0;
 };
 
 }  // namespace throng

@@ -1,6 +1,7 @@
 #include "crowd/feedback.h"
 
 #include "base/failure.h"
+#include "bind/skin_format.h"
 #include "control/controller_io.h"
 #include "gpu/barrier.h"
 
@@ -23,12 +24,12 @@ Affine over_the_ground(const std::array<float, 4>& move) {
 
 }  // namespace
 
-FeedbackRing::FeedbackRing(std::shared_ptr<Gpu> gpu, uint32_t event_capacity, uint64_t watch_bytes)
+FeedbackRing::FeedbackRing(std::shared_ptr<Gpu> gpu, uint32_t event_capacity, uint64_t instance_bytes)
     : gpu_(std::move(gpu)), event_capacity_(event_capacity) {
     const uint64_t size_bytes = sizeof(io::EventHead) + event_capacity * uint64_t{sizeof(io::EventRecord)};
     events_ = Buffer(gpu_, "events", size_bytes, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT);
     for (Slot& slot : slots_) {
-        slot.copy = Buffer(gpu_, "feedback", size_bytes + watch_bytes, VK_BUFFER_USAGE_TRANSFER_DST_BIT,
+        slot.copy = Buffer(gpu_, "feedback", size_bytes + instance_bytes, VK_BUFFER_USAGE_TRANSFER_DST_BIT,
                            MemoryKind::kReadback);
         slot.done = DeviceEvent(gpu_);
     }
@@ -52,7 +53,7 @@ void FeedbackRing::begin(VkCommandBuffer commands) {
     }
     if (!is_free) slot.update.is_read = true;  // there is nothing to read
     slot.done.reset();
-    slot.before = std::exchange(slot.update, {.number = ++update_count_, .is_read = false, .watched = {}});
+    slot.before = std::exchange(slot.update, {.number = ++update_count_, .is_read = false, .watched = {}, .poses = {}});
     record_fill(*gpu_, commands, BufferRange(events_, 0, sizeof(io::EventHead)), 0);
 }
 
@@ -63,19 +64,19 @@ void FeedbackRing::discard() {
     --update_count_;
 }
 
-void FeedbackRing::end(VkCommandBuffer commands, std::span<const Watched> watched) {
+void FeedbackRing::end(VkCommandBuffer commands, std::span<const Watched> watched, std::vector<RequestedPose> poses) {
     Slot& slot = last_slot();
     memory_barrier(*gpu_, commands, kShaderWrite | kTransferWrite, kTransferRead | kTransferWrite);
     record_copy(*gpu_, commands, events_, BufferRange(slot.copy, 0, events_.size_bytes()));
     VkDeviceSize at = events_.size_bytes();
-    for (const Watched& one : watched) {
-        for (const BufferRange& range : one.parts()) {
-            if (range.size_bytes == 0) continue;
-            record_copy(*gpu_, commands, range, BufferRange(slot.copy, at, range.size_bytes));
-            at += range.size_bytes;
-        }
-    }
+    const auto copy = [&](const BufferRange& range) {
+        if (range.size_bytes > 0) record_copy(*gpu_, commands, range, BufferRange(slot.copy, at, range.size_bytes));
+        at += range.size_bytes;
+    };
+    for (const Watched& one : watched) std::ranges::for_each(one.parts(), copy);
+    for (const RequestedPose& pose : poses) copy(pose.skin);
     slot.update.watched.assign(watched.begin(), watched.end());
+    slot.update.poses = std::move(poses);
     slot.done.record_set(commands);
 }
 
@@ -106,15 +107,16 @@ Feedback FeedbackRing::read(const Slot& slot) const {
     feedback.events.reserve(records.size());
     for (const io::EventRecord& record : records)
         feedback.events.push_back({{record.instance}, record.event, record.layer, record.time_s});
-    read_watched(slot, feedback);
+    const std::byte* at = slot.copy.mapped() + events_.size_bytes();
+    read_watched(slot, at, feedback);
+    read_poses(slot, at, feedback);
     return feedback;
 }
 
 // The arrays are filled before anything refers to them.
-void FeedbackRing::read_watched(const Slot& slot, Feedback& feedback) const {
+void FeedbackRing::read_watched(const Slot& slot, const std::byte*& at, Feedback& feedback) {
     Feedback::Arrays& arrays = feedback.arrays;
     std::vector<uint32_t> motion_counts;  // of each layer
-    const std::byte* at = slot.copy.mapped() + events_.size_bytes();
     const auto take = [&](void* into, uint64_t size_bytes) {
         if (size_bytes > 0) std::memcpy(into, at, size_bytes);
         at += size_bytes;
@@ -156,6 +158,20 @@ void FeedbackRing::read_watched(const Slot& slot, Feedback& feedback) const {
         watched.sockets = next(arrays.sockets, socket, one.sockets.size_bytes / sizeof(Affine));
         watched.parameters = next(arrays.parameters, parameter, one.parameters.size_bytes / sizeof(float));
         watched.layers = next(arrays.layers, layer, one.layer_kinds.size());
+    }
+}
+
+void FeedbackRing::read_poses(const Slot& slot, const std::byte*& at, Feedback& feedback) {
+    std::vector<Trs<float>>& joints = feedback.arrays.joints;
+    for (const RequestedPose& pose : slot.update.poses) {
+        pose.pose_of_skin->append(unpack_skin(pose.skin_format, {at, pose.skin.size_bytes}), joints);
+        at += pose.skin.size_bytes;
+    }
+    size_t first = 0;
+    for (const RequestedPose& pose : slot.update.poses) {
+        const size_t count = pose.pose_of_skin->joint_count();
+        feedback.poses.push_back({{pose.instance}, std::span(joints).subspan(first, count)});
+        first += count;
     }
 }
 

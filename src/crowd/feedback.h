@@ -2,6 +2,7 @@
 // that it is there. Nothing waits.
 #pragma once
 
+#include "bind/pose_of_skin.h"
 #include "control/layer_commands.h"
 #include "gpu/buffer.h"
 #include "gpu/event.h"
@@ -27,10 +28,18 @@ struct Watched {
     std::array<BufferRange, 5> parts() const { return {placement, move, sockets, parameters, layers}; }
 };
 
+// An instance whose pose is read back, once.
+struct RequestedPose {
+    uint32_t instance = 0;  // of the crowd
+    BufferRange skin;       // [palette_count]
+    SkinFormat skin_format = SkinFormat::kAffine;
+    const PoseOfSkin* pose_of_skin = nullptr;  // of the group
+};
+
 class FeedbackRing {
 public:
-    // watch_bytes: of all that end() copies of watched instances at most.
-    FeedbackRing(std::shared_ptr<Gpu> gpu, uint32_t event_capacity, uint64_t watch_bytes);
+    // instance_bytes: of all that end() copies of watched instances and of poses at most.
+    FeedbackRing(std::shared_ptr<Gpu> gpu, uint32_t event_capacity, uint64_t instance_bytes);
     FeedbackRing(const FeedbackRing&) = delete;
     FeedbackRing& operator=(const FeedbackRing&) = delete;
 
@@ -42,7 +51,7 @@ public:
     void begin(VkCommandBuffer commands);
     // Takes the last update back: its commands will never be submitted.
     void discard();
-    void end(VkCommandBuffer commands, std::span<const Watched> watched);
+    void end(VkCommandBuffer commands, std::span<const Watched> watched, std::vector<RequestedPose> poses);
     // Feedback of the updates that have finished and have not been read, oldest first.
     std::vector<Feedback> take();
     uint64_t size_bytes() const;
@@ -52,6 +61,7 @@ private:
         uint64_t number = 0;   // 0: none
         bool is_read = false;  // by take()
         std::vector<Watched> watched;
+        std::vector<RequestedPose> poses;
     };
     struct Slot {
         Buffer copy;
@@ -61,7 +71,9 @@ private:
     Slot& last_slot() { return slots_[(update_count_ - 1) % slots_.size()]; }
     bool was_dropped(const Slot& slot) const;
     Feedback read(const Slot& slot) const;
-    void read_watched(const Slot& slot, Feedback& feedback) const;
+    // Both read from `at` on, and move it on.
+    static void read_watched(const Slot& slot, const std::byte*& at, Feedback& feedback);
+    static void read_poses(const Slot& slot, const std::byte*& at, Feedback& feedback);
 
     std::shared_ptr<Gpu> gpu_;
     uint32_t event_capacity_;

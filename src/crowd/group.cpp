@@ -88,6 +88,7 @@ Group::Group(Uploads& uploads, NativeRigs& rigs, const CrowdGroup& group, const 
     if (group.procedural) make_procedural(uploads, *group.procedural, *group.character);
     uniform_scale = group.character->rig.uniform_scale;
     pose_capacity = std::min(group.pose_capacity, group.instance_count);
+    if (pose_capacity > 0 && settings.pose_request_capacity > 0) pose_of_skin.emplace(*group.character);
     bound_poses(*group.character, settings.skin_blend);
     try {
         make_native(rigs, *group.character, settings, 0);

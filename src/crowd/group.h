@@ -1,6 +1,7 @@
 // One character of a crowd, uploaded: what all of its instances share.
 #pragma once
 
+#include "bind/pose_of_skin.h"
 #include "bind/sockets_io.h"
 #include "control/controller_io.h"
 #include "control/layer_commands.h"
@@ -109,6 +110,7 @@ struct Group {
     std::array<uint32_t, io::kLodCount> set_entry_counts{};  // [fused], palette entries of each set of joints
     bool uniform_scale = false;                              // Rig::uniform_scale
     uint32_t pose_capacity = 0;
+    std::optional<PoseOfSkin> pose_of_skin;  // where poses may be requested
     std::optional<GroupSkinPool> skin_pool;
     uint32_t influence_count = 0;  // of one set of joints; those of each set lie one after another
     uint32_t morph_count = 0;

@@ -1,3 +1,4 @@
+#include "base/affine.h"
 #include "import/readers.h"
 
 #include <algorithm>
@@ -6,62 +7,14 @@
 namespace throng::gltf {
 namespace {
 
-constexpr double kShearLimit = 1e-3;    // cosine between two axes of a matrix; exporters' rounding stays below 1e-5
+constexpr double kShearLimit = 1e-3;    // Decomposed::shear; exporters' rounding stays below 1e-5
 constexpr double kNotUnitLimit = 1e-3;  // of a quaternion's length
 
-// From a rotation matrix given by its columns.
-// Source: S. W. Shepperd, "Quaternion from Rotation Matrix", Journal of Guidance and Control 1(3), 1978.
-Quaternion<double> quaternion_from_axes(const Vec3<double>& x, const Vec3<double>& y, const Vec3<double>& z) {
-    const double trace = x.x + y.y + z.z;
-    Quaternion<double> q;
-    if (trace >= x.x && trace >= y.y && trace >= z.z) {
-        q = {y.z - z.y, z.x - x.z, x.y - y.x, 1 + trace};
-    } else if (x.x >= y.y && x.x >= z.z) {
-        q = {1 + x.x - y.y - z.z, x.y + y.x, z.x + x.z, y.z - z.y};
-    } else if (y.y >= z.z) {
-        q = {x.y + y.x, 1 - x.x + y.y - z.z, y.z + z.y, z.x - x.z};
-    } else {
-        q = {z.x + x.z, y.z + z.y, 1 - x.x - y.y + z.z, x.y - y.x};
-    }
-    return normalized(q);
-}
-
-// Axes of zero length are replaced so that the three stay orthogonal: their scale is zero, but the rotation is not
-// lost.
-void complete_axes(std::array<Vec3<double>, 3>& axes, const std::array<double, 3>& lengths) {
-    const auto missing = std::count(lengths.begin(), lengths.end(), 0.0);
-    if (missing == 3) axes = {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
-    if (missing == 2) {
-        const size_t kept = size_t(std::find_if(lengths.begin(), lengths.end(), [](double l) { return l != 0; }) -
-                                   lengths.begin());
-        const Vec3<double>& axis = axes[kept];
-        const Vec3<double> other = std::abs(axis.x) < 0.5 ? Vec3<double>{1, 0, 0} : Vec3<double>{0, 1, 0};
-        axes[(kept + 1) % 3] = normalized(cross(axis, other));
-        axes[(kept + 2) % 3] = cross(axis, axes[(kept + 1) % 3]);
-    }
-    if (missing == 1) {
-        const size_t lost = size_t(std::find(lengths.begin(), lengths.end(), 0.0) - lengths.begin());
-        axes[lost] = normalized(cross(axes[(lost + 1) % 3], axes[(lost + 2) % 3]));
-    }
-}
-
-// `m` is column-major, as in the file. Where the matrix mirrors, the scale of x is negated, as three.js does.
-Trs<double> decomposed(const std::array<double, 16>& m, bool& has_shear) {
-    std::array<Vec3<double>, 3> axes{{{m[0], m[1], m[2]}, {m[4], m[5], m[6]}, {m[8], m[9], m[10]}}};
-    std::array<double, 3> lengths{};
-    for (size_t i = 0; i < 3; ++i) {
-        lengths[i] = length(axes[i]);
-        axes[i] = normalized(axes[i]);
-    }
-    complete_axes(axes, lengths);
-    has_shear = false;
-    for (size_t i = 0; i < 3; ++i) has_shear = has_shear || std::abs(dot(axes[i], axes[(i + 1) % 3])) > kShearLimit;
-    if (dot(cross(axes[0], axes[1]), axes[2]) < 0) {
-        axes[0] = axes[0] * -1.0;
-        lengths[0] = -lengths[0];
-    }
-    return {
-        quaternion_from_axes(axes[0], axes[1], axes[2]), {m[12], m[13], m[14]}, {lengths[0], lengths[1], lengths[2]}};
+// `m` is column-major, as in the file.
+AffineT<double> affine_of(const std::array<double, 16>& m) {
+    AffineT<double> affine;
+    for (size_t r = 0; r < 3; ++r) affine.row[r] = {m[r], m[4 + r], m[8 + r], m[12 + r]};
+    return affine;
 }
 
 Trs<double> read_transform(Reading& reading, const JsonView& json) {
@@ -70,12 +23,11 @@ Trs<double> read_transform(Reading& reading, const JsonView& json) {
         if (json.has("translation") || json.has("rotation") || json.has("scale"))
             reading.warnings.add(json.place(),
                                  "has both a matrix and translation, rotation or scale: the matrix is used");
-        bool has_shear = false;
-        const Trs<double> out = decomposed(matrix, has_shear);
-        if (has_shear)
+        const Decomposed out = decomposed(affine_of(matrix));
+        if (out.shear > kShearLimit)
             reading.warnings.add(json.place_of("matrix"),
                                  "has shear, which translation, rotation and scale cannot give: it is dropped");
-        return out;
+        return out.trs;
     }
     std::array<double, 3> translation{0, 0, 0}, scale{1, 1, 1};
     std::array<double, 4> rotation{0, 0, 0, 1};

@@ -1,30 +1,11 @@
 #include "compile/clip/row_encoder.h"
 
+#include "base/affine.h"
 #include "compile/clip/packed_track.h"
 
 #include <algorithm>
 
 namespace throng {
-namespace {
-
-// The linear part alone. False where it flattens space.
-bool invert(const AffineT<double>& m, AffineT<double>& inverse) {
-    const auto cofactor = [&](size_t r, size_t c) {
-        const size_t r1 = (r + 1) % 3, r2 = (r + 2) % 3, c1 = (c + 1) % 3, c2 = (c + 2) % 3;
-        return m.row[r1][c1] * m.row[r2][c2] - m.row[r1][c2] * m.row[r2][c1];
-    };
-    const double whole = m.row[0][0] * cofactor(0, 0) + m.row[0][1] * cofactor(0, 1) + m.row[0][2] * cofactor(0, 2);
-    double squares = 0;
-    for (const auto& row : m.row) squares += row[0] * row[0] + row[1] * row[1] + row[2] * row[2];
-    constexpr double kFlat = 1e-6;
-    if (!(std::abs(whole) > kFlat * squares * std::sqrt(squares))) return false;
-    for (size_t r = 0; r < 3; ++r)
-        for (size_t c = 0; c < 3; ++c) inverse.row[r][c] = cofactor(c, r) / whole;
-    return true;
-}
-
-}  // namespace
-
 RowEncoder::RowEncoder(const Character& character, const ClipGrid& grid, ClipMeter& meter)
     : character_(character),
       grid_(grid),
@@ -95,17 +76,18 @@ Trs<double> RowEncoder::encode_joint(std::span<const TrackShape> shapes, std::sp
 // errors of a chain do not add up. Rotations make up for rotations, translations for places.
 Trs<double> RowEncoder::aim(size_t joint, const Trs<double>& local, std::span<const AffineT<double>> wanted) const {
     const uint32_t parent = character_.rig.parents[joint];
-    AffineT<double> parent_from_model;
-    if (parent == kNone || !invert(meter_.model_from_joint(parent), parent_from_model)) return local;
+    if (parent == kNone) return local;
+    const std::optional<AffineT<double>> parent_from_model = inverse(meter_.model_from_joint(parent));
+    if (!parent_from_model) return local;
     const auto& packed = meter_.model_from_joint(parent).row;
     const auto seen = [&](size_t column) {  // the exact parent from the packed one: nearly the identity
         const auto& exact = wanted[parent].row;
-        return transform_vector(parent_from_model, Vec3<double>{exact[0][column], exact[1][column], exact[2][column]});
+        return transform_vector(*parent_from_model, Vec3<double>{exact[0][column], exact[1][column], exact[2][column]});
     };
     const auto& place = wanted[joint].row;
     Trs<double> aimed = local;
     aimed.translation = transform_vector(
-        parent_from_model,
+        *parent_from_model,
         Vec3<double>{place[0][3] - packed[0][3], place[1][3] - packed[1][3], place[2][3] - packed[2][3]});
     const Vec3<double> x = seen(0), y = seen(1), z = seen(2);
     const double trace = x.x + y.y + z.z;
