@@ -119,6 +119,7 @@ TEST_F(CliFilm, FramesOfOtherSettingsAreRefused) {
         {"--placement", {"grid", "placement"}},
         {"--spacing", {"2", "spacing 1.0, not 2.0"}},
         {"--controller", {THRONG_SOURCE_DIR "/examples/controllers/walker.json", "controllers"}},
+        {"--clip", {"dragon.glb=0", "clips"}},
         {"--seed", {"2", "seed 1, not 2"}},
         {"--scan", {"serial", "scan"}},
         {"--path", {"fused", "path 0, not 1"}},
@@ -135,6 +136,7 @@ TEST_F(CliFilm, FramesOfOtherSettingsAreRefused) {
     const std::vector<std::string> flags{"everything", "skeletons", "bounds", "steer", "skin-once"};
     for (const std::string& flag : flags)
         EXPECT_TRUE(film(out, {"--" + flag}).refused(flag + " false, not true")) << flag;
+    EXPECT_TRUE(film(out, {"--clip", "dragon.glb=0", "--blend", "dragon.glb=1"}).refused("blends"));
     Words replaced = arguments(out);
     *std::find(replaced.begin(), replaced.end(), "--count") = "--counts";
     *(std::find(replaced.begin(), replaced.end(), "--counts") + 1) = "4,2";
@@ -145,6 +147,7 @@ TEST_F(CliFilm, FramesOfOtherSettingsAreRefused) {
     // No option has been forgotten: the rest changes no frame.
     std::set<std::string> known{"--help", "--frames", "--shard", "--out",    "--device",
                                 "--json", "--counts", "--eye",   "--target", "--renderer"};
+    known.insert({"--blend", "--weight", "--force"});
     for (const std::string& flag : flags) known.insert("--" + flag);
     for (const auto& [option, other] : others) known.insert(option);
     const std::string help = run_tool("render --help").out;
@@ -229,6 +232,26 @@ TEST_F(CliFilm, AFilmHasItsFrames) {
                                                  out + "' >'" + probed + "'";
     ASSERT_EQ(std::system(probe.c_str()), 0);
     EXPECT_EQ(read_file(probed), "64,36,1/1,4\n");
+
+    const std::string before = read_file(out);
+    EXPECT_TRUE(film(out, "--clip dragon.glb=0").refused("there is a film already; --force"));
+    EXPECT_EQ(read_file(out), before);
+    EXPECT_TRUE(film(out, "--clip dragon.glb=0 --force").succeeded());
+    EXPECT_NE(read_file(out), before);
+}
+
+TEST_F(CliFilm, AnInterruptedOneSaysWhatIsKept) {
+    const std::string folder = new_folder("interrupted"), out = folder + "/%d.png";
+    const Words command = Words{"-s", "INT", "--preserve-status", "3", THRONG_TOOL} +
+                          "render walker.glb --size 64x36 --frames 0:5000" + Words{"--out", out};
+    const Outcome interrupted = run_tool(command, {.program = "timeout"});
+    EXPECT_TRUE(interrupted.refused("interrupted; ")) << interrupted;
+    EXPECT_TRUE(interrupted.refused("the same command draws the others")) << interrupted;
+    std::smatch kept;
+    ASSERT_TRUE(std::regex_search(interrupted.err, kept, std::regex("([0-9]+) of 5000 frames")));
+    const auto count = static_cast<size_t>(std::stoul(kept[1]));
+    EXPECT_GT(count, 0u);
+    EXPECT_EQ(contents(folder).size(), count + 1) << "with the settings, and nothing half-written";
 }
 
 TEST_F(CliFilm, ControllersAreForFilesThatAreThere) {

@@ -5,6 +5,7 @@
 
 #include "tools/film/encode.h"
 #include "tools/film/film_frames.h"
+#include "tools/film/interruption.h"
 #include "tools/cli/inputs.h"
 #include "tools/cli/options.h"
 
@@ -15,6 +16,7 @@
 #include <cstdio>
 #include <fstream>
 #include <future>
+#include <iostream>
 
 namespace throng::tools {
 namespace {
@@ -73,6 +75,9 @@ nlohmann::json settings_of(const RenderOptions& options) {
     return {{"throng", THRONG_VERSION},
             {"files", files},
             {"controllers", controllers},
+            {"clips", scene.clips},
+            {"blends", scene.blends},
+            {"weight", scene.weight},
             {"count", scene.count},
             {"counts", scene.counts},
             {"sizes", scene.sizes},
@@ -129,6 +134,9 @@ std::string duration_text(double seconds) {
     return std::to_string(whole / 3600) + " h " + std::to_string(whole / 60 % 60) + " min";
 }
 
+constexpr size_t kMeasured = 3;  // frames, after which it is said how long a film will take
+constexpr double kLong_s = 600;  // and only of longer ones
+
 // Compresses and writes a picture while the next one is drawn.
 class PictureWriter {
 public:
@@ -157,6 +165,7 @@ Film draw_frames(const Device& device, const RenderOptions& options, const FilmP
     Film film;
     uint32_t next = 0;  // frame that all have yet to step to
     const auto step_to = [&](uint32_t frame) { return frame == 0 ? options.time_s : 1 / options.fps; };
+    const Interruption interruption;
     PictureWriter writer;
     const auto start = std::chrono::steady_clock::now();
     for (const uint32_t frame : frames) {
@@ -168,9 +177,19 @@ Film draw_frames(const Device& device, const RenderOptions& options, const FilmP
         film.frames.push_back(shot.times());
         const double passed_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
         const size_t done = film.frames.size();
+        const double left_s = passed_s / static_cast<double>(done) * static_cast<double>(frames.size() - done);
+        if (done == kMeasured && left_s > kLong_s) {
+            print_progress("");
+            std::cerr << "throng: " << frames.size() << " frames will take some " << duration_text(left_s) << "\n";
+        }
         print_progress("frame " + std::to_string(done) + " of " + std::to_string(frames.size()) + ", " +
-                       duration_text(passed_s / static_cast<double>(done) * static_cast<double>(frames.size() - done)) +
-                       " left");
+                       duration_text(left_s) + " left");
+        if (!interruption.is_asked_for() || done == frames.size()) continue;
+        writer.finish();
+        print_progress("");
+        throw CommandError("interrupted; " + std::to_string(done) + " of " + std::to_string(frames.size()) +
+                           " frames are kept (" + plan.files.path(frame).string() +
+                           " is the last): the same command draws the others");
     }
     writer.finish();
     film.drawn = shot.count_drawn();
@@ -213,6 +232,8 @@ void encode(const RenderOptions& options, const FilmPlan& plan) {
 void render_film(const RenderOptions& options) {
     const FilmPlan plan(options);
     keep_inputs(input_files(options.scene), outs_of(options, plan));
+    if (plan.is_film && fs::exists(options.out) && !options.force)
+        throw CommandError("--out " + options.out + ": there is a film already; --force draws it anew");
     const bool encodes = plan.is_film && plan.shard.count == 1;
     if (encodes) check_ffmpeg();
     nlohmann::json settings = settings_of(options);

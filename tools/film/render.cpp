@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <filesystem>
 #include <map>
 
 namespace throng::tools {
@@ -39,6 +40,9 @@ void run_render(const RenderOptions& options) {
     if (options.out.ends_with(".mp4"))
         throw CommandError("--out " + options.out + ": a film needs --frames, for example 0:240");
     keep_inputs(input_files(options.scene), {options.out});
+    if (!options.out.ends_with(".png"))
+        throw CommandError("--out " + options.out + ": pictures are .png files" +
+                           (std::filesystem::path(options.out).has_extension() ? "" : ": give it that ending"));
     const Device device = open_device(options.device);
     Shot shot(device, options);
     print_progress("drawing");
@@ -55,6 +59,7 @@ void add_render(Command app) {
     Command command = app.add_subcommand("render", "draw a crowd of one or several files to a picture or a film");
     RenderOptions& options = command.options_of(run_render);
     add_scene_options(command, options.scene);
+    add_clip_options(command, options.scene);
     command.add_option("--size", options.size, "of the picture").capture_default_str();
     command.add_option("--time", options.time_s, "seconds after the start; every character starts at a time of its own")
         .check(finite())
@@ -74,6 +79,7 @@ void add_render(Command app) {
         .add_option("--shard", options.shard,
                     "I/N: only the frames whose number divided by N leaves I; the same bytes as without")
         .needs(frames);
+    command.add_flag("--force", options.force, "draw a film.mp4 anew that is there already").needs(frames);
     add_out_option(command, options.out,
                    "the .png file to write; with --frames a film.mp4, or pictures such as frame_%04d.png. Whole frames "
                    "of an interrupted run are kept (those of an .mp4 in a folder .mp4.frames, "
@@ -116,6 +122,8 @@ void add_render(Command app) {
     command.footer(
         "Examples:\n  throng render fox.glb --out fox.png\n  throng render fox.glb knight.glb --count 1000 --size "
         "1280x720 --time 2 --seed 3 --out crowd.png\n"
+        "  throng render fox.glb --clip Run --count 50 --out run.png\n"
+        "  throng render fox.glb --clip Walk --blend Run --weight 0.25 --frames 0:120 --out faster.mp4\n"
         "  throng render fox.glb --device native --out fox.png    # by the processor, without Vulkan\n"
         "  throng render fox.glb --renderer vulkan --out fox.png  # by the device's shaders, a software device's too\n"
         "  throng render walker.glb --count 500 --placement disc --camera orbit:seconds=10 --frames 0:300 --out "

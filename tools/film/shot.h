@@ -22,6 +22,7 @@ struct RenderOptions {
     SkinBlend skin_blend = SkinBlend::kLinear;
     DrawPath renderer = DrawPath::kAuto;
     bool skins_once = false, everything = false, skeletons = false, bounds = false, json = false;
+    bool force = false;  // draw a finished film anew
 };
 
 class Shot {

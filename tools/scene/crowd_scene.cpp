@@ -28,6 +28,36 @@ void check_lengths(const SceneOptions& options) {
         throw CommandError("--counts: " + std::to_string(sum) + " characters in all; give from 1 to 10000000");
 }
 
+// What each file is given by an option of "VALUE" for all of them, or "FILE=VALUE"; empty where nothing.
+std::vector<std::string> of_files(const std::vector<std::string>& files, const std::vector<std::string>& given,
+                                  const std::string& option) {
+    std::vector<std::string> values(files.size());
+    for (const std::string& one : given) {
+        const size_t equals = one.find('=');
+        if (equals == std::string::npos) {
+            std::ranges::fill(values, one);
+            continue;
+        }
+        const auto file = std::ranges::find(files, one.substr(0, equals));
+        if (file == files.end())
+            throw CommandError(option + " " + one + ": '" + one.substr(0, equals) + "' is none of the files");
+        values[static_cast<size_t>(file - files.begin())] = one.substr(equals + 1);
+    }
+    return values;
+}
+
+// The clips that were asked for, in place of those at random; times remain.
+void choose_clips(std::span<Playback> playback, const Character& character, const std::string& clip,
+                  const std::string& blend, double weight) {
+    if (clip.empty()) return;
+    const uint32_t first = find_clip(character, clip), second = blend.empty() ? kNone : find_clip(character, blend);
+    for (Playback& one : playback) {
+        one.first.clip = first;
+        one.second.clip = second;
+        one.weight = blend.empty() ? 1 : static_cast<float>(weight);
+    }
+}
+
 }  // namespace
 
 void add_scene_options(Command app, SceneOptions& options) {
@@ -67,20 +97,19 @@ void add_scene_options(Command app, SceneOptions& options) {
     add_error_option(app, options.compile);
 }
 
+void add_clip_options(Command app, SceneOptions& options) {
+    Option clip = app.add_option("--clip", options.clips,
+                                 "name or number of the clip that all play, each from a time of its own, or FILE=CLIP "
+                                 "for one file (default: two at random, blended)");
+    Option blend = app.add_option("--blend", options.blends, "a second clip to blend with, likewise").needs(clip);
+    app.add_option("--weight", options.weight, "weight of --clip; the second clip has the rest")
+        .needs(blend)
+        .check(range(0.0, 1.0))
+        .capture_default_str();
+}
+
 std::vector<std::string> controller_files(const SceneOptions& options) {
-    std::vector<std::string> of_files(options.files.size());
-    for (const std::string& given : options.controllers) {
-        const size_t equals = given.find('=');
-        if (equals == std::string::npos) {
-            std::ranges::fill(of_files, given);
-            continue;
-        }
-        const auto file = std::ranges::find(options.files, given.substr(0, equals));
-        if (file == options.files.end())
-            throw CommandError("--controller " + given + ": '" + given.substr(0, equals) + "' is none of the files");
-        of_files[static_cast<size_t>(file - options.files.begin())] = given.substr(equals + 1);
-    }
-    return of_files;
+    return of_files(options.files, options.controllers, "--controller");
 }
 
 std::vector<std::string> input_files(const SceneOptions& options) {
@@ -125,8 +154,16 @@ CrowdScene::CrowdScene(const Device& device, const SceneOptions& options, CrowdS
     settings.path = options.path;
     crowd_.emplace(unwrap(Crowd::create(device, settings)));
     director_.emplace(field.groups, options.seed);
+    const std::vector<std::string> clips = of_files(options.files, options.clips, "--clip"),
+                                   blends = of_files(options.files, options.blends, "--blend");
     uint32_t first = 0;
-    for (const CrowdGroup& group : field.groups) {
+    for (size_t k = 0; k < characters.size(); ++k) {
+        const CrowdGroup& group = field.groups[k];
+        if (group.controller && !clips[k].empty())
+            throw CommandError("--clip " + clips[k] + ": " + options.files[k] +
+                               " has a controller, which chooses the clips");
+        choose_clips(std::span(field.playback).subspan(first, group.instance_count), characters[k], clips[k], blends[k],
+                     options.weight);
         if (!group.controller)
             unwrap(crowd_->set_playback(Instances::numbered(first, group.instance_count),
                                         std::span(field.playback).subspan(first, group.instance_count)));

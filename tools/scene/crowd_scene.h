@@ -18,6 +18,9 @@ namespace throng::tools {
 struct SceneOptions {
     std::vector<std::string> files;
     std::vector<std::string> controllers;  // "CONTROLLER.json" for all files, or "FILE=CONTROLLER.json"
+    // A clip's name or number for all files, or "FILE=CLIP"; files without one play clips at random
+    std::vector<std::string> clips, blends;
+    double weight = 0.5;  // of `clips`, where `blends` has a second one
     CompileSettings compile;
     std::string scan = "auto";
     UpdatePath path = UpdatePath::kAuto;
@@ -34,6 +37,7 @@ struct SceneOptions {
 // The files, and all options of a scene. Wrong numbers of counts and sizes are said by the parser.
 class Command;
 void add_scene_options(Command app, SceneOptions& options);
+void add_clip_options(Command app, SceneOptions& options);
 
 // The controller of each file, [files], or an empty name. Throws CommandError.
 std::vector<std::string> controller_files(const SceneOptions& options);
