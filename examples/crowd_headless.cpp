@@ -6,23 +6,11 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <cstdlib>
 #include <vector>
 
 using namespace throng;
 
 namespace {
-
-// throng reports expected failures (a file that is not there, no device) as values. This program has no better idea
-// than to stop at the first one.
-template <class T>
-T need(Result<T> result) {
-    if (!result) {
-        std::fprintf(stderr, "crowd_headless: %s\n", result.error().text().c_str());
-        std::exit(1);
-    }
-    if constexpr (!std::is_void_v<T>) return *std::move(result);
-}
 
 // What individual `i` plays: two neighbouring clips of the file, started at a time and played at a speed of its own,
 // blended a little differently from everyone else's.
@@ -45,27 +33,27 @@ int main(int argc, char** argv) {
     }
 
     // Reading and compiling a file needs no GPU. A Character is plain arrays: look at it as you like.
-    const Character one = need(load_character(argv[1]));
-    const Character other = need(load_character(argv[2]));
+    const Character one = load_character(argv[1]).expect();
+    const Character other = load_character(argv[2]).expect();
 
     // By default a hardware GPU where there is one, else the software device.
-    const Device device = need(Device::create());
+    const Device device = Device::create().expect();
     std::printf("%s, %s\n", device.info().name.c_str(), device.info().driver.c_str());
 
     // A crowd has a group for each character; its individuals are numbered through: 0-299 and 300-499. The matrices of
     // the joints themselves, which most programs do not need, are kept only where that is asked for.
-    Crowd crowd = need(Crowd::create(device, {.groups = {{&one, 300}, {&other, 200}}, .keep_model_matrices = true}));
+    Crowd crowd = Crowd::create(device, {.groups = {{&one, 300}, {&other, 200}}, .keep_model_matrices = true}).expect();
     std::vector<Playback> playback;
     for (uint32_t i = 0; i < 300; ++i) playback.push_back(playback_of(one, i));
     for (uint32_t i = 0; i < 200; ++i) playback.push_back(playback_of(other, i));
-    need(crowd.set_playback(crowd.instances(), playback));
+    crowd.set_playback(crowd.instances(), playback).expect();
 
     // From here on nothing is uploaded: the GPU advances the clocks itself.
     StageTimes sum;
     constexpr int kFrames = 120;
     for (int frame = 0; frame < kFrames; ++frame) {
-        need(crowd.update(1.0f / 60));
-        const StageTimes times = need(crowd.stage_times());
+        crowd.update(1.0f / 60).expect();
+        const StageTimes times = crowd.stage_times().expect();
         for (size_t stage = 0; stage < times.ms.size(); ++stage) sum.ms[stage] += times.ms[stage];
     }
     std::printf("%u characters, mean of %d updates:", crowd.instance_count(), kFrames);
@@ -75,7 +63,7 @@ int main(int argc, char** argv) {
 
     // One individual's joints in model space; a joint's position is the last column of its matrix.
     constexpr uint32_t kIndividual = 301;
-    const std::vector<Affine> joints = need(crowd.read_model_matrices({kIndividual}));
+    const std::vector<Affine> joints = crowd.read_model_matrices({kIndividual}).expect();
     const auto height = [](const Affine& model_from_joint) { return model_from_joint.row[1][3]; };
     const auto highest = std::max_element(joints.begin(), joints.end(),
                                           [&](const auto& a, const auto& b) { return height(a) < height(b); });
@@ -84,7 +72,7 @@ int main(int argc, char** argv) {
                 joint, other.rig.names[joint].c_str(), static_cast<double>(height(*highest)));
 
     // Its skin matrices are the joints' matrices times the file's inverse bind matrices: what a vertex shader wants.
-    const std::vector<Affine> skin = need(crowd.read_skin_matrices({kIndividual}));
+    const std::vector<Affine> skin = crowd.read_skin_matrices({kIndividual}).expect();
     float difference = 0;
     for (size_t entry = 0; entry < skin.size(); ++entry) {
         const PaletteEntry& palette = other.palette[entry];

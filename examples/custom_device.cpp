@@ -27,15 +27,6 @@ struct Push {
     uint32_t first_vertex, first_influences, influence_sets, palette_count;
 };
 
-template <class T>
-T need(Result<T> result) {
-    if (!result) {
-        std::fprintf(stderr, "custom_device: %s\n", result.error().text().c_str());
-        std::exit(1);
-    }
-    if constexpr (!std::is_void_v<T>) return *std::move(result);
-}
-
 // The application's own instance, device and queue, with what AdoptedDevice asks for.
 AdoptedDevice open_vulkan(Cleanup& cleanup) {
     AdoptedDevice out;
@@ -88,9 +79,9 @@ int main(int argc, char** argv) {
         context, {kVertexShader, kFragmentShader, 4, sizeof(Push), kColorFormat, kDepthFormat, kSize});
 
     // Seven of one character in a row, each at another time of another clip.
-    const Character character = need(load_character(argv[1]));
-    const Device device = need(Device::adopt(vulkan));
-    Crowd crowd = need(Crowd::create(device, {.groups = {{&character, 7}}}));
+    const Character character = load_character(argv[1]).expect();
+    const Device device = Device::adopt(vulkan).expect();
+    Crowd crowd = Crowd::create(device, {.groups = {{&character, 7}}}).expect();
     for (uint32_t i = 0; i < crowd.instance_count(); ++i) {
         const ClipPlayback clip{
             .clip = character.clips.empty() ? kNone : i % static_cast<uint32_t>(character.clips.size()),
@@ -98,8 +89,8 @@ int main(int argc, char** argv) {
         const Playback playback{.first = clip};
         const Affine place = to_affine(
             Trs<float>{.translation = {static_cast<float>(i) * character.size * 0.6f, 0, 0}});
-        need(crowd.set_playback(InstanceHandle{i}, playback));
-        need(crowd.set_placement(InstanceHandle{i}, place));
+        crowd.set_playback(InstanceHandle{i}, playback).expect();
+        crowd.set_placement(InstanceHandle{i}, place).expect();
     }
 
     // The mesh in the application's buffers. Character's arrays go to the GPU as they are.
@@ -115,7 +106,7 @@ int main(int argc, char** argv) {
     // vertex shaders.
     const Camera camera = fit_camera(world_bounds(crowd), static_cast<float>(kSize.width) / kSize.height);
     const VkCommandBuffer commands = begin_commands(context, vulkan.queue_family);
-    need(crowd.record(commands, 0.5f));
+    crowd.record(commands, 0.5f).expect();
     begin_drawing(commands, target);
     vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pipeline.handle);
     vkCmdBindIndexBuffer(commands, indices, 0, VK_INDEX_TYPE_UINT32);
@@ -140,7 +131,7 @@ int main(int argc, char** argv) {
 
     const auto* pixels = static_cast<const uint8_t*>(target.pixels.mapped);
     Picture picture{kSize.width, kSize.height, {pixels, pixels + size_t{kSize.width} * kSize.height * 4}};
-    need(write_png(argv[2], picture));
+    write_png(argv[2], picture).expect();
     size_t drawn = 0;
     for (size_t i = 0; i < picture.rgba.size(); i += 4)
         drawn += !std::equal(&picture.rgba[i], &picture.rgba[i] + 4, picture.rgba.data());

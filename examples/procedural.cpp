@@ -14,16 +14,6 @@ using namespace throng;
 
 namespace {
 
-// throng reports expected failures as values. This program has no better idea than to stop at the first one.
-template <class T>
-T need(Result<T> result) {
-    if (!result) {
-        std::fprintf(stderr, "procedural: %s\n", result.error().text().c_str());
-        std::exit(1);
-    }
-    if constexpr (!std::is_void_v<T>) return *std::move(result);
-}
-
 Affine standing_at(float x, float y, float z, float scale = 1) {
     return {{{{scale, 0, 0, x}, {0, scale, 0, y}, {0, 0, scale, z}}}};
 }
@@ -47,8 +37,8 @@ int main(int argc, char** argv) {
         std::fprintf(stderr, "usage: procedural creature.glb picture.png\n");
         return 2;
     }
-    const Character creature = need(load_character(argv[1]));
-    const Device device = need(Device::create());
+    const Character creature = load_character(argv[1]).expect();
+    const Device device = Device::create().expect();
     const ProceduralRules rules{
         .targets = {"prey"},
         .rules = {SpringRule{.joint = joint_of(creature, "tail"),
@@ -60,9 +50,10 @@ int main(int argc, char** argv) {
                   LookAtRule{.joint = joint_of(creature, "trunk", true), .target = "prey", .limit_rad = 1.2f}}};
 
     constexpr uint32_t kSide = 7, kCount = kSide * kSide;
-    Crowd crowd = need(
-        Crowd::create(device, {.groups = {{.character = &creature, .instance_count = kCount, .procedural = &rules},
-                                          {.character = &creature, .instance_count = 1}}}));
+    Crowd crowd = Crowd::create(device,
+                                {.groups = {{.character = &creature, .instance_count = kCount, .procedural = &rules},
+                                            {.character = &creature, .instance_count = 1}}})
+                      .expect();
     const uint32_t walk = creature.find_clip("walk"), fly = creature.find_clip("fly");
     std::vector<Affine> places;
     std::vector<Playback> playbacks;
@@ -71,24 +62,24 @@ int main(int argc, char** argv) {
         playbacks.push_back({.first = {.clip = walk, .time_s = 0.31 * i}});
     }
     playbacks.push_back({.first = {.clip = fly}});
-    need(crowd.set_placement(need(crowd.instances(0)), places));
-    need(crowd.set_playback(crowd.instances(), playbacks));
-    need(crowd.set_wind({.velocity = {6, 0, 0}, .gust = 0.6f, .wavelength = 12}));
+    crowd.set_placement(crowd.instances(0).expect(), places).expect();
+    crowd.set_playback(crowd.instances(), playbacks).expect();
+    crowd.set_wind({.velocity = {6, 0, 0}, .gust = 0.6f, .wavelength = 12}).expect();
 
     // Four seconds, in which the small one flies half a circle.
     for (uint32_t frame = 0; frame < 240; ++frame) {
         const float angle_rad = 0.013f * static_cast<float>(frame), x = 15 - 18 * std::cos(angle_rad),
                     z = 18 + 22 * std::sin(angle_rad);
-        need(crowd.set_placement(InstanceHandle{kCount}, standing_at(x, 6, z, 0.8f)));
-        need(crowd.set_target(need(crowd.instances(0)), 0, {{x, 7, z}, 1}));
-        need(crowd.update(1.0f / 60));
+        crowd.set_placement(InstanceHandle{kCount}, standing_at(x, 6, z, 0.8f)).expect();
+        crowd.set_target(crowd.instances(0).expect(), 0, {{x, 7, z}, 1}).expect();
+        crowd.update(1.0f / 60).expect();
     }
-    const StageTimes times = need(crowd.stage_times());
+    const StageTimes times = crowd.stage_times().expect();
     std::printf("%u characters, %u joints: %.2f ms of %.2f ms for their rules\n", kCount,
                 kCount * creature.rig.joint_count(), times.of("procedural"), times.total());
 
-    Renderer renderer = need(Renderer::create(device, {.width = 1280, .height = 720}));
-    const RenderResult result = need(renderer.render(crowd, fit_camera(world_bounds(crowd), 1280.0f / 720)));
-    need(write_png(argv[2], result.picture));
+    Renderer renderer = Renderer::create(device, {.width = 1280, .height = 720}).expect();
+    const RenderResult result = renderer.render(crowd, fit_camera(world_bounds(crowd), 1280.0f / 720)).expect();
+    write_png(argv[2], result.picture).expect();
     return 0;
 }

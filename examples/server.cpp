@@ -7,23 +7,12 @@
 #include <array>
 #include <chrono>
 #include <cstdio>
-#include <cstdlib>
 #include <random>
 #include <vector>
 
 using namespace throng;
 
 namespace {
-
-// Ends the program at the first failure: a server would log it, and go on without the character.
-template <class T>
-T need(Result<T> result) {
-    if (!result) {
-        std::fprintf(stderr, "server: %s\n", result.error().text().c_str());
-        std::exit(1);
-    }
-    if constexpr (!std::is_void_v<T>) return *std::move(result);
-}
 
 constexpr uint32_t kCount = 2000, kHitBoxes = 6, kTicks = 300, kShots = 20;
 constexpr float kTick_s = 1.0f / 30;
@@ -53,10 +42,10 @@ int main(int argc, char** argv) {
     std::vector<Character> characters;
     std::vector<Controller> controllers;
     for (size_t i = 0; i < kinds; ++i) {
-        characters.push_back(need(load_character(argv[1 + 2 * i])));
-        controllers.push_back(need(load_controller(argv[2 + 2 * i])));
+        characters.push_back(load_character(argv[1 + 2 * i]).expect());
+        controllers.push_back(load_controller(argv[2 + 2 * i]).expect());
     }
-    const Device device = need(Device::create({.select = "native"}));
+    const Device device = Device::create({.select = "native"}).expect();
     CrowdSettings settings;
     for (size_t i = 0; i < kinds; ++i)
         settings.groups.push_back({.character = &characters[i],
@@ -64,21 +53,21 @@ int main(int argc, char** argv) {
                                    .controller = &controllers[i],
                                    .sockets = hit_joints(characters[i]),
                                    .sockets_only = true});
-    Crowd crowd = need(Crowd::create(device, settings));
+    Crowd crowd = Crowd::create(device, settings).expect();
 
     std::mt19937 random(1);
     std::uniform_real_distribution<float> unit(0, 1);
     for (uint32_t i = 0; i < crowd.instance_count(); ++i) {
         const Vec3<float> place{100 * unit(random), 0, 100 * unit(random)};
-        need(crowd.set_placement(InstanceHandle{i}, to_affine(Trs<float>{.translation = place})));
+        crowd.set_placement(InstanceHandle{i}, to_affine(Trs<float>{.translation = place})).expect();
     }
     std::vector<double> ticks_ms;
     uint32_t hit_count = 0;
     for (uint32_t tick = 0; tick < kTicks; ++tick) {
         const auto begin = std::chrono::steady_clock::now();
         const uint32_t player = tick * 7919 % crowd.instance_count();  // somebody else wants something in each tick
-        need(crowd.set_parameter(InstanceHandle{player}, 0, 5 * unit(random)));
-        need(crowd.update(kTick_s));
+        crowd.set_parameter(InstanceHandle{player}, 0, 5 * unit(random)).expect();
+        crowd.update(kTick_s).expect();
         for (uint32_t shot = 0; shot < kShots; ++shot) {
             const Vec3<float> eye{100 * unit(random), 2 * unit(random), 0};
             for (const OutputBlock& block : crowd.outputs())

@@ -8,22 +8,11 @@
 #include <algorithm>
 #include <array>
 #include <cstdio>
-#include <cstdlib>
 #include <vector>
 
 using namespace throng;
 
 namespace {
-
-// throng reports expected failures as values. This program has no better idea than to stop at the first one.
-template <class T>
-T need(Result<T> result) {
-    if (!result) {
-        std::fprintf(stderr, "state_machine: %s\n", result.error().text().c_str());
-        std::exit(1);
-    }
-    if constexpr (!std::is_void_v<T>) return *std::move(result);
-}
 
 Affine standing_at(float x, float y, float z, float scale = 1) {
     return {{{{scale, 0, 0, x}, {0, scale, 0, y}, {0, 0, scale, z}}}};
@@ -31,7 +20,7 @@ Affine standing_at(float x, float y, float z, float scale = 1) {
 
 // The highest joint of the rest pose: where a lantern hangs best.
 uint32_t highest_joint(const Character& character) {
-    const ReferencePose rest = need(reference_pose(character, {}));
+    const ReferencePose rest = reference_pose(character, {}).expect();
     const auto height = [](const auto& model_from_joint) { return model_from_joint.row[1][3]; };
     const auto highest = std::max_element(rest.model_from_joint.begin(), rest.model_from_joint.end(),
                                           [&](const auto& a, const auto& b) { return height(a) < height(b); });
@@ -45,23 +34,24 @@ int main(int argc, char** argv) {
         std::fprintf(stderr, "usage: state_machine creature.glb controller.json picture.png\n");
         return 2;
     }
-    const Character guard = need(load_character(argv[1]));
-    const Controller controller = need(load_controller(argv[2]));
-    const Device device = need(Device::create());
+    const Character guard = load_character(argv[1]).expect();
+    const Controller controller = load_controller(argv[2]).expect();
+    const Device device = Device::create().expect();
 
     // 100 guards that decide for themselves; and what they carry: small creatures that hang where their sockets are.
     constexpr uint32_t kSide = 10, kCount = kSide * kSide;
-    Crowd crowd = need(Crowd::create(device, {.groups = {{.character = &guard,
-                                                          .instance_count = kCount,
-                                                          .controller = &controller,
-                                                          .sockets = {highest_joint(guard)}},
-                                                         {.character = &guard, .instance_count = kCount}},
-                                              .watch_capacity = kCount}));
+    Crowd crowd = Crowd::create(device, {.groups = {{.character = &guard,
+                                                     .instance_count = kCount,
+                                                     .controller = &controller,
+                                                     .sockets = {highest_joint(guard)}},
+                                                    {.character = &guard, .instance_count = kCount}},
+                                         .watch_capacity = kCount})
+                      .expect();
     std::vector<Affine> places;
     for (uint32_t i = 0; i < kCount; ++i)
         places.push_back(standing_at(3.0f * static_cast<float>(i % kSide), 0, 6.0f * static_cast<float>(i / kSide)));
-    need(crowd.set_placement(need(crowd.instances(0)), places));
-    need(crowd.watch(need(crowd.instances(0))));
+    crowd.set_placement(crowd.instances(0).expect(), places).expect();
+    crowd.watch(crowd.instances(0).expect()).expect();
 
     const uint32_t speed = controller.find_parameter("speed"), attack = controller.find_parameter("attack");
     if (speed == kNone || attack == kNone) {
@@ -73,11 +63,11 @@ int main(int argc, char** argv) {
     constexpr uint32_t kFrames = 240;
     uint32_t steps = 0, strikes = 0;
     for (uint32_t frame = 0; frame < kFrames; ++frame) {
-        if (frame < kCount) need(crowd.set_parameter(InstanceHandle{frame}, speed, static_cast<float>(frame % 5)));
-        if (frame % 10 == 0) need(crowd.set_parameter(InstanceHandle{(frame * 7) % kCount}, attack, 1.0f));
-        need(crowd.update(1.0f / 60));
+        if (frame < kCount) crowd.set_parameter(InstanceHandle{frame}, speed, static_cast<float>(frame % 5)).expect();
+        if (frame % 10 == 0) crowd.set_parameter(InstanceHandle{(frame * 7) % kCount}, attack, 1.0f).expect();
+        crowd.update(1.0f / 60).expect();
 
-        for (const Feedback& feedback : need(crowd.feedback())) {
+        for (const Feedback& feedback : crowd.feedback().expect()) {
             for (const CharacterEvent& event : feedback.events) {
                 const std::string& name = controller.events[event.event].name;
                 ++(name == "strike" ? strikes : steps);
@@ -89,14 +79,16 @@ int main(int argc, char** argv) {
             // Lanterns follow on the CPU here; a renderer of one's own reads OutputBlock::socket_buffer and need not
             // wait for anything.
             for (const WatchedInstance& watched : feedback.watched)
-                need(crowd.set_placement(InstanceHandle{kCount + watched.instance.instance},
-                                         watched.sockets[0] * standing_at(0, 0, 0, 0.15f)));
+                crowd
+                    .set_placement(InstanceHandle{kCount + watched.instance.instance},
+                                   watched.sockets[0] * standing_at(0, 0, 0, 0.15f))
+                    .expect();
         }
     }
     std::printf("%u steps and %u strikes of %u guards in %u updates\n", steps, strikes, kCount, kFrames);
 
-    Renderer renderer = need(Renderer::create(device, {.width = 1280, .height = 720}));
-    const RenderResult result = need(renderer.render(crowd, fit_camera(world_bounds(crowd), 1280.0f / 720)));
-    need(write_png(argv[3], result.picture));
+    Renderer renderer = Renderer::create(device, {.width = 1280, .height = 720}).expect();
+    const RenderResult result = renderer.render(crowd, fit_camera(world_bounds(crowd), 1280.0f / 720)).expect();
+    write_png(argv[3], result.picture).expect();
     return steps > 0 && strikes > 0 ? 0 : 1;
 }

@@ -513,6 +513,11 @@ TEST(Crowd, WhatHasBeenMovedFromFails) {
     expect_moved_from(Crowd::create(device, {.groups = {{&character, 1}}}));
     expect_moved_from(Renderer::create(device));
     expect_moved_from(advise_scan(device, character.rig, 1));
+    Crowd none;
+    EXPECT_NE(refusal(none.update(0)).find("was not made by Crowd::create()"), std::string::npos);
+    EXPECT_EQ(none.instances().size(), 0u);
+    none = create({.groups = {{&character, 2}}});
+    EXPECT_TRUE(none.update(0));
     EXPECT_EQ(device.info().name, "");
     EXPECT_EQ(device.validation_message_count(), 0u);
 }

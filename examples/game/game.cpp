@@ -10,7 +10,6 @@
 #include <chrono>
 #include <cmath>
 #include <cstdio>
-#include <cstdlib>
 #include <deque>
 #include <map>
 #include <numbers>
@@ -24,16 +23,6 @@ namespace {
 constexpr float kFrame_s = 1.0f / 60;
 constexpr uint32_t kFrames = 900, kWaveEvery = 60, kWave = 250, kMost = 2000, kMostDying = 600, kMostAtOnce = 32;
 constexpr double kFalls_s = 0.6, kLies_s = 1.5;
-
-// throng reports expected failures as values. This program has no better idea than to stop at the first one.
-template <class T>
-T need(Result<T> result) {
-    if (!result) {
-        std::fprintf(stderr, "game: %s\n", result.error().text().c_str());
-        std::exit(1);
-    }
-    if constexpr (!std::is_void_v<T>) return *std::move(result);
-}
 
 Affine scaled(float scale) { return {{{{scale, 0, 0, 0}, {0, scale, 0, 0}, {0, 0, scale, 0}}}}; }
 
@@ -66,7 +55,7 @@ public:
         fall();
         watch();
         const std::chrono::duration<double, std::milli> calls = std::chrono::steady_clock::now() - begin;
-        need(crowd_.update(kFrame_s));
+        crowd_.update(kFrame_s).expect();
         return calls.count();
     }
 
@@ -85,13 +74,14 @@ private:
                                 .pose_capacity = kMostDying,
                                 .capacity = kMost};
         const CrowdGroup things{.character = &thing, .capacity = kMost};
-        return need(Crowd::create(
-            device, {.groups = {bodies, things}, .watch_capacity = kMost, .pose_request_capacity = kMostAtOnce}));
+        return Crowd::create(
+                   device, {.groups = {bodies, things}, .watch_capacity = kMost, .pose_request_capacity = kMostAtOnce})
+            .expect();
     }
 
     // From all sides, as many as there is room for.
     void send_wave() {
-        const uint32_t room = kMost - need(crowd_.alive_count(0)), count = std::min(kWave, room);
+        const uint32_t room = kMost - crowd_.alive_count(0).expect(), count = std::min(kWave, room);
         refused += kWave - count;
         std::vector<Affine> places;
         std::uniform_real_distribution<float> side(0, 6.2831853f), depth(20, 30);
@@ -100,15 +90,15 @@ private:
             const float c = std::cos(angle), s = std::sin(angle);
             places.push_back({{{{-c, 0, -s, distance * s}, {0, 1, 0, 0}, {s, 0, -c, distance * c}}}});
         }
-        const std::vector<InstanceHandle> bodies = need(crowd_.spawn(0, places)),
-                                          things = need(crowd_.spawn(1, places));
+        const std::vector<InstanceHandle> bodies = crowd_.spawn(0, places).expect(),
+                                          things = crowd_.spawn(1, places).expect();
         std::uniform_real_distribution<float> aside(-6, 6);
         std::vector<Vec3<float>> goals;
         for (uint32_t i = 0; i < count; ++i) {
             goals.push_back({aside(random_) * size_, 0, aside(random_) * size_});
             attackers_[bodies[i].instance] = {bodies[i], things[i], places[i]};
         }
-        need(crowd_.set_destination(bodies, goals));
+        crowd_.set_destination(bodies, goals).expect();
         born += count;
     }
 
@@ -116,7 +106,7 @@ private:
     void hear() {
         std::vector<InstanceHandle> things;
         std::vector<Affine> world_from_thing;
-        for (const Feedback& feedback : need(crowd_.feedback())) {
+        for (const Feedback& feedback : crowd_.feedback().expect()) {
             for (const CharacterEvent& event : feedback.events)
                 ++(crowd_.is_alive(event.instance) ? steps : steps_of_the_gone);
             for (const WatchedInstance& watched : feedback.watched) {
@@ -132,7 +122,7 @@ private:
                     found->pose.assign(shown.parent_from_joint.begin(), shown.parent_from_joint.end());
             }
         }
-        need(crowd_.set_placement(things, world_from_thing));
+        crowd_.set_placement(things, world_from_thing).expect();
     }
 
     // An attacker near the middle may fall: it drops its thing, lies for a while, and is despawned. It goes on walking
@@ -156,9 +146,9 @@ private:
             ++died;
             return true;
         });
-        need(crowd_.despawn(gone));
-        need(crowd_.clear_destination(hit));
-        need(crowd_.request_poses(hit));
+        crowd_.despawn(gone).expect();
+        crowd_.clear_destination(hit).expect();
+        crowd_.request_poses(hit).expect();
     }
 
     // On their backs, stiff; physics would be here instead.
@@ -180,13 +170,13 @@ private:
             }
             one.falls_s += double{kFrame_s};
         }
-        need(crowd_.set_pose(falling, poses));
+        crowd_.set_pose(falling, poses).expect();
     }
 
     void watch() {
         std::vector<InstanceHandle> bodies;
         for (const auto& [instance, attacker] : attackers_) bodies.push_back(attacker.body);
-        need(crowd_.watch(bodies));
+        crowd_.watch(bodies).expect();
     }
 
     const Character& body_;
@@ -205,21 +195,22 @@ int main(int argc, char** argv) {
         std::fprintf(stderr, "usage: game creature.glb controller.json thing.glb picture.png\n");
         return 2;
     }
-    const Character body = need(load_character(argv[1])), thing = need(load_character(argv[3]));
-    const Controller mind = need(load_controller(argv[2]));
-    const Device device = need(Device::create());
+    const Character body = load_character(argv[1]).expect(), thing = load_character(argv[3]).expect();
+    const Controller mind = load_controller(argv[2]).expect();
+    const Device device = Device::create().expect();
     Game game(device, body, mind, thing);
     std::vector<double> calls_ms;
     for (uint32_t frame = 0; frame < kFrames; ++frame) calls_ms.push_back(game.frame(frame));
     std::ranges::sort(calls_ms);
     std::printf("%u attackers came, %u died, %u are there; %u found no room\n", game.born, game.died,
-                need(game.crowd().alive_count(0)), game.refused);
+                game.crowd().alive_count(0).expect(), game.refused);
     std::printf("%u steps, and %u of attackers that had gone when they were heard\n", game.steps,
                 game.steps_of_the_gone);
     std::printf("calls of a frame: median %.3f ms, worst %.3f ms\n", calls_ms[calls_ms.size() / 2], calls_ms.back());
 
-    Renderer renderer = need(Renderer::create(device, {.width = 1280, .height = 720}));
-    const RenderResult result = need(renderer.render(game.crowd(), fit_camera(world_bounds(game.crowd()), 16.0f / 9)));
-    need(write_png(argv[4], result.picture));
+    Renderer renderer = Renderer::create(device, {.width = 1280, .height = 720}).expect();
+    const RenderResult result =
+        renderer.render(game.crowd(), fit_camera(world_bounds(game.crowd()), 16.0f / 9)).expect();
+    write_png(argv[4], result.picture).expect();
     return game.died > 0 && game.steps > 0 ? 0 : 1;
 }

@@ -137,6 +137,8 @@ public:
     // controllers, sockets and procedural rules have wrong, kLimit (names what exceeds which limit of the device),
     // kOutOfMemory.
     static Result<Crowd> create(const Device& device, const CrowdSettings& settings);
+    // None yet, as a member of something that is made before it: takes no call until another is assigned to it.
+    Crowd() noexcept;
     Crowd(Crowd&&) noexcept;
     Crowd& operator=(Crowd&&) noexcept;
     ~Crowd();
@@ -291,7 +293,7 @@ public:
 
     // Internal.
     explicit Crowd(std::unique_ptr<CrowdState> state);
-    CrowdState& state() const;  // throws where the crowd has been moved from
+    CrowdState& state() const;  // throws where there is none
 
 private:
     std::unique_ptr<CrowdState> state_;

@@ -88,6 +88,8 @@ struct RendererState;  // internal
 class Renderer {
 public:
     static Result<Renderer> create(const Device& device, const RendererSettings& settings = {});
+    // None yet, as Crowd().
+    Renderer() noexcept;
     Renderer(Renderer&&) noexcept;
     Renderer& operator=(Renderer&&) noexcept;
     ~Renderer();
@@ -132,7 +134,7 @@ public:
 
     // Internal.
     explicit Renderer(std::unique_ptr<RendererState> state);
-    RendererState& state() const;  // throws where the renderer has been moved from
+    RendererState& state() const;  // throws where there is none
 
 private:
     std::unique_ptr<RendererState> state_;

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <cassert>
+#include <cstdio>
+#include <cstdlib>
 #include <string>
 #include <utility>
 #include <variant>
@@ -28,6 +30,11 @@ struct Error {
     // "place: message", one line.
     std::string text() const { return place.empty() ? message : place + ": " + message; }
 };
+
+[[noreturn]] inline void exit_with(const Error& error) {
+    std::fprintf(stderr, "%s\n", error.text().c_str());
+    std::exit(1);
+}
 
 // A T, or the Error that prevented it. Looking at the one that is not there is a programmer's mistake and asserts.
 template <class T>
@@ -62,6 +69,14 @@ public:
         return std::get<1>(state_);
     }
 
+    T value_or(T other) && { return ok() ? std::move(*this).value() : std::move(other); }
+    // For programs that cannot go on without it: where there is an error, prints it as a line on stderr and ends the
+    // program with exit code 1.
+    T expect() && {
+        if (!ok()) exit_with(error());
+        return std::move(*this).value();
+    }
+
 private:
     std::variant<T, Error> state_;
 };
@@ -78,6 +93,10 @@ public:
     const Error& error() const {
         assert(failed_);
         return error_;
+    }
+    // As that of the others.
+    void expect() const {
+        if (failed_) exit_with(error_);
     }
 
 private:

@@ -31,12 +31,15 @@ Result<Crowd> Crowd::create(const Device& device, const CrowdSettings& settings)
 }
 
 Crowd::Crowd(std::unique_ptr<CrowdState> state) : state_(std::move(state)) {}
+Crowd::Crowd() noexcept = default;
 Crowd::Crowd(Crowd&&) noexcept = default;
 Crowd& Crowd::operator=(Crowd&&) noexcept = default;
 Crowd::~Crowd() = default;
 
 CrowdState& Crowd::state() const {
-    if (!state_) throw Failure(ErrorCode::kInvalidArgument, "crowd", "it has been moved from");
+    if (!state_)
+        throw Failure(ErrorCode::kInvalidArgument, "crowd",
+                      "there is none: it was not made by Crowd::create(), or has been moved from");
     return *state_;
 }
 

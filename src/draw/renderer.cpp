@@ -37,12 +37,15 @@ Result<Renderer> Renderer::create(const Device& device, const RendererSettings& 
 }
 
 Renderer::Renderer(std::unique_ptr<RendererState> state) : state_(std::move(state)) {}
+Renderer::Renderer() noexcept = default;
 Renderer::Renderer(Renderer&&) noexcept = default;
 Renderer& Renderer::operator=(Renderer&&) noexcept = default;
 Renderer::~Renderer() = default;
 
 RendererState& Renderer::state() const {
-    if (!state_) throw Failure(ErrorCode::kInvalidArgument, "renderer", "it has been moved from");
+    if (!state_)
+        throw Failure(ErrorCode::kInvalidArgument, "renderer",
+                      "there is none: it was not made by Renderer::create(), or has been moved from");
     return *state_;
 }
 

@@ -1,0 +1,28 @@
+#include <throng/result.h>
+
+#include <gtest/gtest.h>
+
+#include <memory>
+
+namespace throng {
+namespace {
+
+const Error kError{ErrorCode::kFile, "fox.glb", "cannot be opened"};
+
+TEST(Result, GivesItsValueOrAnother) {
+    EXPECT_EQ(Result<int>(3).value_or(4), 3);
+    EXPECT_EQ(Result<int>(kError).value_or(4), 4);
+    EXPECT_EQ(*Result<std::unique_ptr<int>>(std::make_unique<int>(5)).value_or(nullptr), 5);
+}
+
+TEST(Result, WhatIsExpectedIsThereOrTheProgramEnds) {
+    EXPECT_EQ(Result<int>(3).expect(), 3);
+    EXPECT_EQ(*Result<std::unique_ptr<int>>(std::make_unique<int>(5)).expect(), 5);
+    Result<void>().expect();
+    const auto one_line = "^fox.glb: cannot be opened\n$";
+    EXPECT_EXIT(Result<int>(kError).expect(), testing::ExitedWithCode(1), one_line);
+    EXPECT_EXIT(Result<void>(kError).expect(), testing::ExitedWithCode(1), one_line);
+}
+
+}  // namespace
+}  // namespace throng
