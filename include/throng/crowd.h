@@ -227,7 +227,7 @@ public:
 
     // The poses that these instances show after the next record(), and only then, come back with its feedback: for
     // ragdolls, which begin where the animation ends. They are taken from the skin matrices, so they are as exact as
-    // SkinFormat; joints that no vertex hangs on are in the rest pose. Of an instance that the update does not animate,
+    // SkinFormat; joints that are in no skin have their rest pose. Of an instance that the update does not animate,
     // since its view does not see it, it is the pose in which it was seen last. The CPU takes some 0.07 us a joint when
     // feedback() is called. Errors: kInvalidArgument (a group without CrowdGroup::pose_capacity, or of
     // CrowdGroup::sockets_only), kLimit (more than CrowdSettings::pose_request_capacity).

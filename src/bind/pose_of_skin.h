@@ -11,8 +11,8 @@ namespace throng {
 class PoseOfSkin {
 public:
     explicit PoseOfSkin(const Character& character);
-    // Appends parent_from_joint[joint_count], from model_from_bind[palette_count]. Joints that no vertex hangs on, and
-    // those below a joint that is scaled to nothing, are in the rest pose.
+    // Appends parent_from_joint[joint_count], from model_from_bind[palette_count]. Joints that are in no skin, and
+    // those below a joint that is scaled to nothing, have their rest pose.
     void append(std::span<const Affine> model_from_bind, std::vector<Trs<float>>& pose) const;
     size_t joint_count() const { return joints_.size(); }
 

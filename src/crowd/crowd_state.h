@@ -121,7 +121,6 @@ private:
     uint32_t read_word(const Buffer& words, uint32_t instance) const;
     uint32_t read_skin_row(const Group& group, const Batch& batch, uint32_t instance) const;
     uint32_t joint_set_of(const Batch& batch, uint32_t instance) const;
-    uint32_t index_of(const Batch& batch) const { return static_cast<uint32_t>(&batch - batches.data()); }
 
     std::optional<Kernel> skin_kernel_;  // made when positions are first read back
     bool has_updated_ = false;

@@ -46,15 +46,15 @@ void PoseStage::make_room(std::span<const InBatch> instances) {
     try {
         for (const InBatch& at : instances) {
             std::map<uint32_t, Override>& overrides = of_batches_[at.batch].overrides;
-            const auto [override_at, is_new] = overrides.try_emplace(at.instance);
-            (is_new ? made : had).emplace_back(at.batch, override_at);
-            override_at->second.awaits_pose = true;
-            if (is_new) override_at->second.slot = take_slot(at);
+            if (const auto found = overrides.find(at.instance); found != overrides.end()) {
+                had.emplace_back(at.batch, found);
+                found->second.awaits_pose = true;
+            } else {
+                const Override with_room{.slot = take_slot(at), .fade = {}, .before = {}, .awaits_pose = true};
+                made.emplace_back(at.batch, overrides.emplace(at.instance, with_room).first);
+            }
         }
     } catch (...) {
-        // The last one has found no slot.
-        of_batches_[made.back().first].overrides.erase(made.back().second);
-        made.pop_back();
         for (const auto& [batch, override_at] : had) override_at->second.awaits_pose = false;
         for (const auto& [batch, override_at] : made) erase(batch, override_at);
         throw;
