@@ -144,10 +144,10 @@ struct Asset {
 };
 
 // Reads a .glb or .gltf file (glTF 2.0), its buffers and its images.
-// Extensions: KHR_mesh_quantization, EXT_meshopt_compression, KHR_draco_mesh_compression, KHR_texture_transform is
-// ignored with a warning; another extension in `extensionsRequired` is refused by name. Side files must lie in the
-// file's own folder or below it. Errors: kFile, kInvalidFile, kUnsupported, kLimit; each names the file and the place
-// in it. Thread-safe.
+// Extensions: KHR_mesh_quantization, EXT_ and KHR_meshopt_compression, KHR_draco_mesh_compression,
+// KHR_texture_transform is ignored with a warning; another extension in `extensionsRequired` is refused by name. Side
+// files must lie in the file's own folder or below it. Errors: kFile, kInvalidFile, kUnsupported, kLimit; each names
+// the file and the place in it. Thread-safe.
 Result<Asset> load_asset(const std::filesystem::path& path);
 
 }  // namespace throng

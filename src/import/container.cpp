@@ -85,7 +85,8 @@ Buffers::Buffers(JsonView root, const Container& container, std::filesystem::pat
 Buffers::View Buffers::view_of(const JsonView& user) {
     const uint32_t index = user.required_index("bufferView", views_.size(), "bufferViews");
     const JsonView json = views_[index];
-    const auto compressed = json.extension("EXT_meshopt_compression");
+    auto compressed = json.extension("EXT_meshopt_compression");
+    if (!compressed) compressed = json.extension("KHR_meshopt_compression");
     View out;
     out.stride_bytes = json.optional_uint("byteStride", 0);
     if (!compressed) {

@@ -40,7 +40,7 @@ public:
 
 private:
     std::span<const std::byte> buffer(uint32_t index);
-    // The range of a buffer that `json` (a buffer view, or its EXT_meshopt_compression) names.
+    // The range of a buffer that `json` (a buffer view, or its meshopt extension) names.
     std::span<const std::byte> range(const JsonView& json);
 
     struct Loaded {

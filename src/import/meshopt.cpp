@@ -1,5 +1,7 @@
 #include "import/meshopt.h"
 
+#include "base/failure.h"
+
 #include <meshoptimizer.h>
 
 namespace throng::gltf {
@@ -17,6 +19,13 @@ std::vector<std::byte> decode_meshopt(const JsonView& json, std::span<const std:
                    : stride_bytes != 2 && stride_bytes != 4)
         json.fail("byteStride ", stride_bytes, " is not allowed in mode ", mode);
     if (triangles && count % 3 != 0) json.fail("count ", count, " is not a multiple of 3");
+    constexpr std::byte kAttributesVersion1{0xA1};
+    if (attributes && !compressed.empty() && compressed[0] == kAttributesVersion1)
+        throw Failure(
+            ErrorCode::kUnsupported, json.place(),
+            "the attributes are compressed by version 1 of their codec, only version 0 is supported: compress "
+            "by EXT_meshopt_compression");
+    if (filter == "COLOR") throw Failure(ErrorCode::kUnsupported, json.place(), "the filter COLOR is not supported");
     const bool octahedral = filter == "OCTAHEDRAL", quaternion = filter == "QUATERNION",
                exponential = filter == "EXPONENTIAL";
     if (!octahedral && !quaternion && !exponential && filter != "NONE")

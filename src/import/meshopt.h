@@ -1,4 +1,5 @@
-// EXT_meshopt_compression.
+// EXT_meshopt_compression, and KHR_meshopt_compression as far as it is the same: without its newer codec of attributes
+// and its filter of colours, which the meshoptimizer of our packages (0.18) does not have.
 // Source: "EXT_meshopt_compression", glTF extension by Arseny Kapoulkine, decoded by his meshoptimizer.
 #pragma once
 

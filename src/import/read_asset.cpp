@@ -34,9 +34,8 @@ void check_version(const JsonView& root) {
 
 bool is_known(const std::string& extension) {
     constexpr std::string_view kKnown[] = {
-        "KHR_mesh_quantization", "EXT_meshopt_compression", "KHR_draco_mesh_compression",
-        "KHR_texture_transform", "KHR_lights_punctual",     "KHR_texture_basisu",
-        "EXT_texture_webp"};
+        "KHR_mesh_quantization", "EXT_meshopt_compression", "KHR_meshopt_compression", "KHR_draco_mesh_compression",
+        "KHR_texture_transform", "KHR_lights_punctual",     "KHR_texture_basisu",      "EXT_texture_webp"};
     return extension.starts_with("KHR_materials_") ||
            std::find(std::begin(kKnown), std::end(kKnown), extension) != std::end(kKnown);
 }

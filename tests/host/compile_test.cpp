@@ -551,12 +551,15 @@ TEST(Compile, LimitsAreNamed) {
     EXPECT_TRUE(contains(palette.text(), "65536")) << palette.text();
 }
 
-TEST(Compile, AnAssetWithNothingToAnimateIsRefused) {
+TEST(Compile, AnAssetWithNothingToDrawIsRefused) {
     Builder builder;
     builder.node(kNone);
     const Error error = refusal_of(builder.asset);
     EXPECT_EQ(error.code, ErrorCode::kUnsupported);
-    EXPECT_TRUE(contains(error.text(), "no skin and no mesh")) << error.text();
+    EXPECT_TRUE(contains(error.text(), "no skin and no mesh: there is nothing to draw")) << error.text();
+    EXPECT_FALSE(contains(error.text(), "animation")) << error.text();
+    builder.asset.clips.emplace_back();
+    EXPECT_TRUE(contains(refusal_of(builder.asset).text(), "only animation"));
     EXPECT_EQ(refusal_of({}).code, ErrorCode::kUnsupported);
 }
 

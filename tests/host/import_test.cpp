@@ -1363,6 +1363,32 @@ TEST(Import, Meshopt) {
     EXPECT_EQ(other.meshes.at(0).primitives.at(0).indices, (std::vector<uint32_t>{0, 1, 2}));
 }
 
+// Its newer form: the same, and more that is refused by name.
+TEST(Import, MeshoptOfKhronos) {
+    const auto renamed = [](const GlbBuilder& b) {
+        std::string text = b.json.dump();
+        const std::string old = "EXT_meshopt", now = "KHR_meshopt";
+        for (size_t at = 0; (at = text.find(old, at)) != std::string::npos;) text.replace(at, old.size(), now);
+        GlbBuilder khronos = b;
+        khronos.json = Json::parse(text);
+        return khronos;
+    };
+    const GlbBuilder good = meshopt_character();
+    const Asset wanted = loaded(good), asset = loaded(renamed(good));
+    EXPECT_EQ(asset.meshes.at(0).primitives.at(0).positions, wanted.meshes.at(0).primitives.at(0).positions);
+    EXPECT_EQ(asset.meshes.at(0).primitives.at(0).indices, wanted.meshes.at(0).primitives.at(0).indices);
+    EXPECT_EQ(asset.clips.at(0).tracks.at(0).values, wanted.clips.at(0).tracks.at(0).values);
+
+    const std::string place = "bufferViews[0].extensions.KHR_meshopt_compression";
+    GlbBuilder newer = renamed(good);
+    const Json& extension = newer.json["bufferViews"][0]["extensions"]["KHR_meshopt_compression"];
+    newer.bin[extension["byteOffset"]] = std::byte{0xA1};
+    expect_refused(load(newer), ErrorCode::kUnsupported, place, "version 1 of their codec");
+    GlbBuilder colors = renamed(good);
+    colors.json["bufferViews"][0]["extensions"]["KHR_meshopt_compression"]["filter"] = "COLOR";
+    expect_refused(load(colors), ErrorCode::kUnsupported, place, "COLOR");
+}
+
 TEST(Import, BrokenMeshopt) {
     const std::string place = "bufferViews[0].extensions.EXT_meshopt_compression";
     const auto with = [](const char* key, const Json& value) {

@@ -89,7 +89,8 @@ RigMap build_rig(const Asset& asset) {
         (parent == kNone ? roots : children[parent]).push_back(node);
     }
     if (roots.empty())
-        throw Failure(ErrorCode::kUnsupported, asset.name, "no skin and no mesh: there is nothing to animate");
+        throw Failure(ErrorCode::kUnsupported, asset.name, "no skin and no mesh: there is nothing to draw",
+                      asset.clips.empty() ? "" : ", only animation; clips are read from the file of the character");
 
     RigMap map;
     map.joint_of_node.assign(node_count, kNone);
