@@ -243,7 +243,7 @@ TEST_F(CliFilm, AFilmHasItsFrames) {
 TEST_F(CliFilm, AnInterruptedOneSaysWhatIsKept) {
     const std::string folder = new_folder("interrupted"), out = folder + "/%d.png";
     const Words command = Words{"-s", "INT", "--preserve-status", "3", THRONG_TOOL} +
-                          "render walker.glb --size 64x36 --frames 0:5000" + Words{"--out", out};
+                          "render walker.glb --size 640x360 --frames 0:5000" + Words{"--out", out};
     const Outcome interrupted = run_tool(command, {.program = "timeout"});
     EXPECT_TRUE(interrupted.refused("interrupted; ")) << interrupted;
     EXPECT_TRUE(interrupted.refused("the same command draws the others")) << interrupted;

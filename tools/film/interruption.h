@@ -1,11 +1,14 @@
 // Ctrl-C in work that is worth finishing a piece of.
 #pragma once
 
+#include <time.h>
+
 #include <csignal>
 
 namespace throng::tools {
 
-// While one lives, SIGINT and SIGTERM are only noted; a second one ends the program. What was ignored stays ignored.
+// While one lives, SIGINT and SIGTERM are only noted; one more, half a second later or more, ends the program. (Sooner
+// it is the same wish: timeout(1) signals a process and then the group that it is in.) What was ignored stays ignored.
 class Interruption {
 public:
     Interruption() : before_{take(SIGINT), take(SIGTERM)} {}
@@ -26,11 +29,20 @@ private:
         return before;
     }
     static void note(int signal) {
-        is_noted_ = 1;
-        std::signal(signal, SIG_DFL);
+        timespec now{};
+        clock_gettime(CLOCK_MONOTONIC, &now);
+        const double since = double(now.tv_sec - noted_at_.tv_sec) + 1e-9 * double(now.tv_nsec - noted_at_.tv_nsec);
+        if (!is_noted_) {
+            noted_at_ = now;
+            is_noted_ = 1;
+        } else if (since >= 0.5) {
+            std::signal(signal, SIG_DFL);
+            std::raise(signal);
+        }
     }
 
     inline static volatile std::sig_atomic_t is_noted_ = 0;
+    inline static timespec noted_at_{};
     Handler before_[2];
 };
 
