@@ -29,7 +29,6 @@ inline Crowd create(CrowdSettings settings) {
     return std::move(*crowd);
 }
 
-// What the last update has listed.
 // The message of a call's error; empty where there is none.
 std::string refusal(const auto& result) { return result ? std::string() : result.error().text(); }
 
@@ -44,6 +43,7 @@ inline std::vector<std::vector<PlayedMotion>> copy_of(std::span<const std::span<
     return copies;
 }
 
+// What the last update has listed.
 inline std::vector<DrawnInstance> drawn_of(Crowd& crowd) {
     Result<std::vector<DrawnInstance>> drawn = crowd.read_drawn();
     if (!drawn) {

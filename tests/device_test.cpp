@@ -225,6 +225,23 @@ TEST(Device, AnApplicationsDeviceIsAdoptedAndLeftAlone) {
     EXPECT_TRUE(Device::adopt(application.adopted())) << "after a refusal";
 }
 
+TEST(Device, BuffersOfAnApplicationsDeviceAreSharedByItsQueueFamilies) {
+    const Application application;
+    AdoptedDevice adopted = application.adopted();
+    adopted.more_queue_families = {application.queue_family_count};
+    const Result<Device> refused = Device::adopt(adopted);
+    ASSERT_FALSE(refused);
+    EXPECT_NE(refused.error().text().find("queue family " + std::to_string(application.queue_family_count)),
+              std::string::npos);
+    adopted.more_queue_families.clear();
+    for (uint32_t family = 0; family < application.queue_family_count; ++family)
+        adopted.more_queue_families.push_back(family);
+    const Device device = Device::adopt(adopted).value();
+    const size_t count = application.queue_family_count;
+    EXPECT_EQ(device.gpu()->sharing_families.size(), count > 1 ? count : 0) << "its own queue's family is no other";
+    Show(device, make_character({}), 0.1).update_and_compare(0.2f);
+}
+
 TEST(Device, AnApplicationsPipelineCacheIsUsed) {
     const Application application;
     VkPipelineCacheCreateInfo create{VK_STRUCTURE_TYPE_PIPELINE_CACHE_CREATE_INFO};

@@ -132,10 +132,12 @@ struct CrowdState;  // internal
 // Not thread-safe: one thread at a time per crowd. Different crowds are independent but for their device's queue.
 class Crowd {
 public:
-    // Errors: kInvalidArgument (unknown scan, no instances), kUnsupported (the scan method,
-    // the fused path, the skin format, the skin blend or the skin pool does not apply to a character), what
-    // controllers, sockets and procedural rules have wrong, kLimit (names what exceeds which limit of the device),
-    // kOutOfMemory.
+    // Submits nothing and waits for nothing, so that a thread may make a crowd while others record and submit. What
+    // its buffers begin with is in host memory until the first update, or record_uploads(), has brought it to the
+    // device; tables of a character that another crowd of the device uses by then are shared with it. Errors:
+    // kInvalidArgument (unknown scan, no instances), kUnsupported (the scan method, the fused path, the skin format,
+    // the skin blend or the skin pool does not apply to a character), what controllers, sockets and procedural rules
+    // have wrong, kLimit (names what exceeds which limit of the device), kOutOfMemory.
     static Result<Crowd> create(const Device& device, const CrowdSettings& settings);
     // None yet, as a member of something that is made before it: takes no call until another is assigned to it.
     Crowd() noexcept;
@@ -238,6 +240,12 @@ public:
     // record()s misses nothing. Empty where no group has a controller, sockets or steering, and no pose may be
     // requested.
     Result<std::vector<Feedback>> feedback();
+
+    // Records what the crowd's buffers begin with, so that the first update need not: into commands of any queue that
+    // may copy, of the adopted queue's family or of AdoptedDevice::more_queue_families. They are to be submitted, and
+    // to have run, or to be waited for by a semaphore, before those of the first record() do. Nothing where that has
+    // been called, and on a native device. Errors: kInvalidArgument (no command buffer).
+    Result<void> record_uploads(VkCommandBuffer commands);
 
     // Records one update into the caller's command buffer (recording, outside a render pass, of the adopted queue's
     // family): advances every instance by `time_step_s` times its speed, then control, and sample, blend, scan, bind or

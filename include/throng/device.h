@@ -65,6 +65,10 @@ struct AdoptedDevice {
     // The threads of native updates on a software device, as DeviceSettings::threads and jobs
     uint32_t threads = 0;
     std::shared_ptr<JobSystem> jobs{};
+    // Families of other queues whose commands use throng's buffers: one that computes, for updates beside the drawing,
+    // or one that copies, for Crowd::record_uploads(). Buffers are shared by all of them at once
+    // (VK_SHARING_MODE_CONCURRENT), so none changes owners.
+    std::vector<uint32_t> more_queue_families{};
 };
 
 // What native updates and pictures are computed by, the best that this machine's processor has: "SSE2", "AVX2",

@@ -28,16 +28,15 @@ public:
     template <class T>
     void add_filled(uint32_t number, std::vector<T> of_instance) {
         const uint64_t instance_bytes = of_instance.size() * sizeof(T);
-        add(number, instance_bytes, [=](Uploads& uploads, const std::string& what, uint64_t n) {
-            return upload(uploads, what, repeat(of_instance, n));
-        });
+        add(number, instance_bytes,
+            [=](Uploads& uploads, const std::string& what, uint64_t n) { return fill(uploads, what, of_instance, n); });
     }
     // The same, as a table of words that kernels also write.
     template <class T>
     void add_filled_table(uint32_t number, std::vector<T> of_instance) {
         const uint64_t instance_bytes = of_instance.size() * sizeof(T);
         add(number, instance_bytes, [=](Uploads& uploads, const std::string& what, uint64_t n) {
-            return upload_writable_table(uploads, what, as_words(repeat(of_instance, n)));
+            return fill_table(uploads, what, of_instance, n);
         });
     }
     void add(uint32_t number, uint64_t instance_bytes, Make make);
@@ -65,13 +64,6 @@ private:
         uint64_t instance_bytes = 0;
         Make make;
     };
-    template <class T>
-    static std::vector<T> repeat(const std::vector<T>& of_instance, uint64_t count) {
-        std::vector<T> all;
-        all.reserve(of_instance.size() * count);
-        for (uint64_t i = 0; i < count; ++i) all.insert(all.end(), of_instance.begin(), of_instance.end());
-        return all;
-    }
 
     const Group& group_;
     const CrowdSettings& settings_;

@@ -160,6 +160,16 @@ Result<std::vector<Feedback>> Crowd::feedback() {
     return as_result([&] { return state().take_feedback(); });
 }
 
+Result<void> Crowd::record_uploads(VkCommandBuffer commands) {
+    return as_result(
+        [&] {
+            if (!commands && !state().gpu->is_native())
+                throw Failure(ErrorCode::kInvalidArgument, "command buffer", "there is none");
+            state().record_uploads(commands);
+        },
+        "crowd");
+}
+
 Result<void> Crowd::record(VkCommandBuffer commands, float time_step_s, const CrowdView* view) {
     return as_result(
         [&] {

@@ -103,7 +103,8 @@ std::vector<Feedback> CrowdState::take_feedback() {
     return taken;
 }
 
-std::vector<Affine> CrowdState::read_matrices(const InstanceHandle& handle, bool model) const {
+std::vector<Affine> CrowdState::read_matrices(const InstanceHandle& handle, bool model) {
+    finish_uploads();
     check_there(handle, "read-back");
     const Batch& batch = batch_of(handle.instance);
     const Group& group = groups[batch.group];
@@ -120,6 +121,7 @@ std::vector<Affine> CrowdState::read_matrices(const InstanceHandle& handle, bool
 }
 
 std::vector<Vec3<float>> CrowdState::read_positions(const InstanceHandle& handle) {
+    finish_uploads();
     check_there(handle, "read-back");
     const Batch& batch = batch_of(handle.instance);
     const Group& group = groups[batch.group];
@@ -161,7 +163,8 @@ uint32_t CrowdState::joint_set_of(const Batch& batch, uint32_t instance) const {
     return batch[io::kStatesBuffer] ? read_word(batch[io::kStatesBuffer], instance) >> io::kStateSetShift : 0;
 }
 
-std::vector<DrawnInstance> CrowdState::read_drawn() const {
+std::vector<DrawnInstance> CrowdState::read_drawn() {
+    finish_uploads();
     if (!cull) throw Failure(ErrorCode::kInvalidArgument, "read-back", "CrowdSettings::culls is not set");
     std::vector<DrawnInstance> drawn;
     for (uint32_t batch = 0; batch < batches.size(); ++batch) {

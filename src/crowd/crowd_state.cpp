@@ -36,11 +36,14 @@ CrowdState::CrowdState(std::shared_ptr<Gpu> gpu_in, const CrowdSettings& asked)
     : gpu(std::move(gpu_in)),
       skin_format(asked.skin_format),
       skin_blend(asked.skin_blend),
-      skins_once(asked.skins_once) {
+      skins_once(asked.skins_once),
+      first_uploads_(gpu) {
     const CrowdSettings settings = with_capacity(asked);
     check_groups(settings);
-    Uploads uploads(gpu);
+    Uploads& uploads = first_uploads_.uploads;
+    uploads.shares = true;  // what groups have does not change
     make_groups(uploads, settings);
+    uploads.shares = false;
     for (size_t i = 0; i < groups.size(); ++i) groups[i].initial_count = asked.groups[i].instance_count;
     std::vector<BatchPlan> plans;
     for (const Group& group : groups) plans.push_back(plan_batches(group, settings));
@@ -56,7 +59,7 @@ CrowdState::CrowdState(std::shared_ptr<Gpu> gpu_in, const CrowdSettings& asked)
         if (group.skin_pool) group.skin_pool->shared_skin = {};
     make_feedback(settings);
     make_stages(uploads, settings);
-    uploads.finish();
+    if (gpu->is_native()) first_uploads_.finish();
     if (!settings.timestamps || !gpu->has_timestamps()) return;
     uint32_t end_count = 0;
     for (const auto& stage : stages) end_count += stage->end_count();
@@ -103,6 +106,7 @@ void CrowdState::update(float time_step_s, const CrowdView* view) {
     if (!is_native(view && view->occlusion)) {
         gpu->submit_and_wait([&](VkCommandBuffer commands) { record(commands, time_step_s, view); });
         can_discard_ = false;
+        first_uploads_.poll();
         return;
     }
     if (!gpu->is_native()) gpu->wait_idle();  // what was submitted may still read what is written now
@@ -137,7 +141,8 @@ void CrowdState::record(VkCommandBuffer commands, float time_step_s, const Crowd
     memory_barrier(*gpu, commands, kConsumers | kShaderWrite | kTransferWrite,
                    kShaderRead | kShaderWrite | kTransferWrite);
     check_runs(commands == VK_NULL_HANDLE);
-    if (feedback) feedback->begin(commands);                       // before anything is taken up, since it may refuse
+    if (feedback) feedback->begin(commands);  // before anything is taken up, since it may refuse
+    first_uploads_.begin_update(commands);
     awaits_commands_ = can_discard_ = commands != VK_NULL_HANDLE;  // a native update has run when this returns
     const Update update = update_of(commands, time_step_s, seen);
     for (const auto& stage : stages) stage->begin(update);
@@ -172,6 +177,7 @@ void CrowdState::discard_last_record() {
                       "there is no record() to discard, or it has been discarded, or an update() has run since");
     can_discard_ = false;
     has_updated_ = had_updated_;
+    first_uploads_.discard_update();
     for (const auto& stage : stages) stage->discard();
     if (feedback) feedback->discard();
     pose_requests_.insert(pose_requests_.begin(), recorded_pose_requests_.begin(), recorded_pose_requests_.end());

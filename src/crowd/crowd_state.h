@@ -7,6 +7,7 @@
 #include "crowd/control_stage.h"
 #include "crowd/controller_stage.h"
 #include "crowd/cull_stage.h"
+#include "crowd/first_uploads.h"
 #include "crowd/fused_update.h"
 #include "crowd/morph_stage.h"
 #include "crowd/update_rate_stage.h"
@@ -53,6 +54,9 @@ struct CrowdState {
     std::vector<Feedback> take_feedback();
     // Whether update() computes natively; with occlusion it does not.
     bool is_native(bool occlusion) const;
+    // What the buffers begin with, where no update and neither of these has brought it there; the second waits for it.
+    void record_uploads(VkCommandBuffer commands) { first_uploads_.record(commands); }
+    void finish_uploads() { first_uploads_.finish(); }
     void update(float time_step_s, const CrowdView* view);
     // A command buffer of VK_NULL_HANDLE: natively, at once.
     void record(VkCommandBuffer commands, float time_step_s, const CrowdView* view);
@@ -60,8 +64,8 @@ struct CrowdState {
     void discard_last_record();
     // Whether the last update is in a command buffer of the application's, and may not have run.
     bool awaits_commands() const { return awaits_commands_; }
-    std::vector<DrawnInstance> read_drawn() const;
-    std::vector<Affine> read_matrices(const InstanceHandle& instance, bool model) const;
+    std::vector<DrawnInstance> read_drawn();
+    std::vector<Affine> read_matrices(const InstanceHandle& instance, bool model);
     std::vector<Vec3<float>> read_positions(const InstanceHandle& instance);
     uint64_t size_bytes() const;
 
@@ -122,6 +126,7 @@ private:
     uint32_t read_skin_row(const Group& group, const Batch& batch, uint32_t instance) const;
     uint32_t joint_set_of(const Batch& batch, uint32_t instance) const;
 
+    FirstUploads first_uploads_;
     std::optional<Kernel> skin_kernel_;  // made when positions are first read back
     bool has_updated_ = false;
     bool was_native_ = false;       // the last record() that was begun

@@ -52,7 +52,7 @@ void CullStage::plan(BatchPlan& plan) {
     constexpr uint64_t kWord_bytes = sizeof(uint32_t);
     const auto words = [](uint64_t first, uint64_t of_instance) {
         return [=](Uploads& uploads, const std::string& what, uint64_t n) {
-            return upload_writable_table(uploads, what, std::vector<uint32_t>(first + of_instance * n));
+            return fill_table(uploads, what, std::vector<uint32_t>(1), first + of_instance * n);
         };
     };
     plan.add(io::kListBuffer, kWord_bytes, words(io::kFirstListed, 1));
@@ -66,7 +66,7 @@ void CullStage::plan(BatchPlan& plan) {
     });
     constexpr uint64_t kCell_bytes = 1;  // half a byte of an instance, rounded up
     plan.add(io::kCellsBuffer, kCell_bytes, [](Uploads& uploads, const std::string& what, uint64_t n) {
-        return upload(uploads, what, std::vector<io::Cell>(cell_count(static_cast<uint32_t>(n))));
+        return fill(uploads, what, std::vector<io::Cell>(1), cell_count(static_cast<uint32_t>(n)));
     });
     std::vector<io::DrawCommand> draws;
     for (size_t section = 0; section < group.sections.size(); ++section)

@@ -79,7 +79,7 @@ void plan_skin_pool(BatchPlan& plan) {
                           return skin;
                       });
     plan.add(io::kSkinRowsBuffer, sizeof(uint32_t), [](Uploads& uploads, const std::string& what, uint64_t n) {
-        return upload_writable_table(uploads, what, std::vector<uint32_t>(n));
+        return fill_table(uploads, what, std::vector<uint32_t>(1), n);
     });
 }
 

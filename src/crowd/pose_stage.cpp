@@ -18,7 +18,7 @@ void PoseStage::plan(BatchPlan& plan) {
     if (plan.group().pose_capacity == 0) return;
     plan.add(io::kPoseOverridesBuffer, sizeof(io::InstancePose),
              [](Uploads& uploads, const std::string& what, uint64_t n) {
-                 return upload_table(uploads, what, as_words(std::vector<io::InstancePose>(n)));
+                 return fill_table(uploads, what, std::vector<io::InstancePose>(1), n);
              });
 }
 

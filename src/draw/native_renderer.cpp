@@ -48,7 +48,8 @@ void NativeRenderer::resize(VkExtent2D extent) {
 }
 
 const NativeCrowd& NativeRenderer::kept_of(const Crowd& crowd) {
-    const CrowdState& state = crowd.state();
+    CrowdState& state = crowd.state();
+    state.finish_uploads();
     return crowds_.of(state, [&] { return std::make_unique<const NativeCrowd>(state); });
 }
 

@@ -53,6 +53,7 @@ void VulkanRenderer::resize(VkExtent2D extent) {
 RenderResult VulkanRenderer::render(const Crowd& crowd, const Camera& camera) {
     Frame frame = prepare(crowd, camera);
     gpu->submit_and_wait([&](VkCommandBuffer commands) {
+        crowd.state().record_uploads(commands);
         record_frame(commands, frame);
         targets_.record_read_back(commands);
     });
@@ -93,6 +94,7 @@ VulkanRenderer::Frame VulkanRenderer::prepare(const Crowd& crowd, const Camera& 
 
 void VulkanRenderer::record_drawing(VkCommandBuffer commands, const Crowd& crowd, const Camera& camera) {
     Frame frame = prepare(crowd, camera);
+    crowd.state().record_uploads(commands);
     record_frame(commands, frame);
 }
 

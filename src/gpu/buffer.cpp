@@ -47,10 +47,14 @@ void Buffer::Content::create(VkDeviceSize size, VkBufferUsageFlags usage, Memory
         size_bytes = size;
         return;
     }
+    const std::vector<uint32_t>& families = gpu->sharing_families;
     const VkBufferCreateInfo create{
         .sType = VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO,
         .size = size,
-        .usage = usage | VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT};
+        .usage = usage | VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT,
+        .sharingMode = families.empty() ? VK_SHARING_MODE_EXCLUSIVE : VK_SHARING_MODE_CONCURRENT,
+        .queueFamilyIndexCount = static_cast<uint32_t>(families.size()),
+        .pQueueFamilyIndices = families.data()};
     check(gpu->vk.vkCreateBuffer(gpu->device, &create, nullptr, &buffer), "vkCreateBuffer");
     size_bytes = size;
     VkMemoryRequirements needs{};
@@ -105,6 +109,19 @@ void record_copy(const Gpu& gpu, VkCommandBuffer commands, const BufferRange& fr
     }
     const VkBufferCopy copy{from.offset_bytes, to.offset_bytes, from.size_bytes};
     gpu.vk.vkCmdCopyBuffer(commands, from.buffer, to.buffer, 1, &copy);
+}
+
+void record_repeated(const Gpu& gpu, VkCommandBuffer commands, const BufferRange& from, const BufferRange& to) {
+    std::vector<VkBufferCopy> copies;
+    for (VkDeviceSize at = 0; at < to.size_bytes; at += from.size_bytes) {
+        const VkDeviceSize size_bytes = std::min(from.size_bytes, to.size_bytes - at);
+        if (commands)
+            copies.push_back({from.offset_bytes, to.offset_bytes + at, size_bytes});
+        else
+            std::memcpy(to.bytes() + at, from.bytes(), size_bytes);
+    }
+    if (copies.empty()) return;
+    gpu.vk.vkCmdCopyBuffer(commands, from.buffer, to.buffer, static_cast<uint32_t>(copies.size()), copies.data());
 }
 
 void record_fill(const Gpu& gpu, VkCommandBuffer commands, const BufferRange& target, uint32_t word) {

@@ -44,7 +44,15 @@ public:
     // As long as this lives, so does the VkBuffer.
     std::shared_ptr<const void> keep_alive() const { return content_; }
 
+    // Another hold of the same buffer, of which nobody changes what is in it.
+    Buffer share() const {
+        Buffer same;
+        same.content_ = content_;
+        return same;
+    }
+
 private:
+    friend class SharedBuffers;
     struct Content {
         explicit Content(std::shared_ptr<Gpu> of) : gpu(std::move(of)) {}
         ~Content();
@@ -121,6 +129,8 @@ void record_update(const Gpu& gpu, VkCommandBuffer commands, const BufferRange& 
 
 // Both of the same size.
 void record_copy(const Gpu& gpu, VkCommandBuffer commands, const BufferRange& from, const BufferRange& to);
+// Copies `from` again and again until `to` is full, the last time as much of it as there is room for.
+void record_repeated(const Gpu& gpu, VkCommandBuffer commands, const BufferRange& from, const BufferRange& to);
 // Each word of the range becomes `word`.
 void record_fill(const Gpu& gpu, VkCommandBuffer commands, const BufferRange& target, uint32_t word);
 

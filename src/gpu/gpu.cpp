@@ -4,9 +4,11 @@
 #include "gpu/device_list.h"
 #include "gpu/owned.h"
 #include "gpu/pipeline_cache.h"
+#include "gpu/shared_buffers.h"
 
 #include <algorithm>
 #include <cstdio>
+#include <set>
 
 namespace throng {
 namespace {
@@ -35,7 +37,10 @@ VKAPI_ATTR VkBool32 VKAPI_CALL on_validation_message(VkDebugUtilsMessageSeverity
 }  // namespace
 
 Gpu::Gpu(bool owns_device)
-    : memory(*this, owns_device), kernels(owns_device ? SharedKernels::kKept : 0), owns_device_(owns_device) {}
+    : memory(*this, owns_device),
+      kernels(owns_device ? SharedKernels::kKept : 0),
+      buffers(std::make_unique<SharedBuffers>()),
+      owns_device_(owns_device) {}
 
 std::vector<DeviceInfo> Gpu::list() {
     // Before the lock: its destructor takes the lock, also where something below throws
@@ -138,6 +143,7 @@ std::shared_ptr<Gpu> Gpu::adopt(const AdoptedDevice& adopted) {
     if (!(gpu->queue_flags & VK_QUEUE_COMPUTE_BIT))
         throw Failure(ErrorCode::kInvalidArgument, "adopted device",
                       "queue family " + std::to_string(adopted.queue_family) + " has no compute");
+    gpu->share_with(adopted.more_queue_families);
     volkLoadDeviceTable(&gpu->vk, gpu->device);
     gpu->adopted_cache_ = adopted.pipeline_cache;
     if (gpu->computes_in_host_memory())
@@ -260,6 +266,21 @@ void Gpu::read_properties(VkPhysicalDevice physical) {
                       "the device has " + std::to_string(families.size()));
     queue_flags = families[queue_family].queueFlags;
     timestamp_valid_bits = families[queue_family].timestampValidBits;
+}
+
+// Times are measured on any of the families that compute.
+void Gpu::share_with(const std::vector<uint32_t>& more_families) {
+    const std::vector<VkQueueFamilyProperties> families = queue_families(physical_device);
+    std::set<uint32_t> all{queue_family};
+    for (const uint32_t family : more_families) {
+        if (family >= families.size())
+            throw Failure(ErrorCode::kInvalidArgument, "queue family " + std::to_string(family),
+                          "the device has " + std::to_string(families.size()));
+        all.insert(family);
+        if (families[family].queueFlags & VK_QUEUE_COMPUTE_BIT)
+            timestamp_valid_bits = std::min(timestamp_valid_bits, families[family].timestampValidBits);
+    }
+    if (all.size() > 1) sharing_families.assign(all.begin(), all.end());
 }
 
 Gpu::~Gpu() {

@@ -17,6 +17,7 @@
 namespace throng {
 
 class PipelineCache;
+class SharedBuffers;
 
 // How often the driver was asked for something, for tests and measurements.
 struct GpuCounts {
@@ -88,6 +89,7 @@ public:
     VkDevice device = VK_NULL_HANDLE;
     VkQueue queue = VK_NULL_HANDLE;
     uint32_t queue_family = 0;
+    std::vector<uint32_t> sharing_families;  // that use the buffers, queue_family among them; empty: it alone
     VkQueueFlags queue_flags = 0;
     uint32_t timestamp_valid_bits = 0;
     VolkDeviceTable vk{};
@@ -112,6 +114,7 @@ public:
 
     MemoryBlocks memory;
     SharedKernels kernels;
+    const std::unique_ptr<SharedBuffers> buffers;
     mutable GpuCounts counts;
 
 private:
@@ -122,6 +125,7 @@ private:
     void create_instance(Validation validation);
     void create_device(const DeviceSettings& settings, VkPhysicalDevice physical, const DeviceInfo& of);
     void read_properties(VkPhysicalDevice physical);
+    void share_with(const std::vector<uint32_t>& more_families);
     void set_name(VkObjectType type, uint64_t handle, std::string_view what) const;
     template <class Info, class Create>
     VkPipeline make_pipeline(Info create, uint32_t stage_count, Create function, const char* call) const;

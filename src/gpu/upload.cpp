@@ -14,20 +14,39 @@ VkDeviceSize aligned(VkDeviceSize size_bytes) {
     return (size_bytes + kAlignment_bytes - 1) / kAlignment_bytes * kAlignment_bytes;
 }
 
+// What is zero anyway needs no staging memory: data of a single copy ends with its last word that is not zero, and
+// copies of zeros are no data.
+std::span<const std::byte> without_zeros(std::span<const std::byte> data, uint64_t count) {
+    constexpr size_t kWord_bytes = 4;
+    size_t end = data.size();
+    while (end > 0 && std::ranges::all_of(data.subspan(end - kWord_bytes, kWord_bytes),
+                                          [](std::byte byte) { return byte == std::byte{0}; }))
+        end -= kWord_bytes;
+    return end == 0 || count == 1 ? data.first(end) : data;
+}
+
 }  // namespace
 
-void Uploads::add(const Buffer& target, std::span<const std::byte> data) {
+void Uploads::add(const Buffer& target, std::span<const std::byte> data, uint64_t count) {
+    data = without_zeros(data, count);
+    if (data.empty()) count = 0;
     if (gpu_->is_native()) {  // whose buffers are zero until something is written
-        if (!data.empty()) std::memcpy(target.mapped(), data.data(), data.size());
+        for (uint64_t i = 0; i < count; ++i) std::memcpy(target.mapped() + i * data.size(), data.data(), data.size());
         return;
     }
+    const VkDeviceSize used_bytes = count * data.size();
     Pending pending;
-    std::byte* staged = stage(target.size_bytes(), pending.staged);
-    if (!data.empty()) std::memcpy(staged, data.data(), data.size());
-    std::memset(staged + data.size(), 0, target.size_bytes() - data.size());
-    pending.record = [gpu = gpu_.get(), whole = BufferRange(target), alive = target.keep_alive()](
-                         VkCommandBuffer commands, const BufferRange& range) {
-        record_copy(*gpu, commands, range, whole);
+    if (used_bytes > 0) {
+        const uint64_t staged_count = std::min<uint64_t>(count,
+                                                         std::max<uint64_t>(kStagingBuffer_bytes / data.size(), 1));
+        std::byte* staged = stage(staged_count * data.size(), pending.staged);
+        for (uint64_t i = 0; i < staged_count; ++i) std::memcpy(staged + i * data.size(), data.data(), data.size());
+    }
+    const BufferRange used(target, 0, used_bytes), rest(target, used_bytes, target.size_bytes() - used_bytes);
+    pending.record = [gpu = gpu_.get(), used, rest, alive = target.keep_alive()](VkCommandBuffer commands,
+                                                                                 const BufferRange& range) {
+        if (used.size_bytes > 0) record_repeated(*gpu, commands, range, used);
+        if (rest.size_bytes > 0) record_fill(*gpu, commands, rest, 0);
     };
     pending_.push_back(std::move(pending));
 }
@@ -39,7 +58,7 @@ void Uploads::add(std::span<const std::byte> data, std::function<void(VkCommandB
 }
 
 void Uploads::make_room(VkDeviceSize size_bytes) {
-    if (staged_bytes_ + aligned(size_bytes) > kMostStaged_bytes) finish();
+    if (staged_bytes_ + aligned(size_bytes) > most_staged_bytes_) finish();
 }
 
 std::byte* Uploads::stage(VkDeviceSize size_bytes, BufferRange& staged) {
@@ -56,30 +75,41 @@ std::byte* Uploads::stage(VkDeviceSize size_bytes, BufferRange& staged) {
     return buffer.mapped() + staged.offset_bytes;
 }
 
+Buffer Uploads::share(const SharedBuffers::Key& key, const std::function<Buffer()>& make) {
+    if (const auto pending = shared_.find(key); pending != shared_.end()) return pending->second.share();
+    if (Buffer found = gpu_->buffers->find(key)) return found;
+    Buffer made = make();
+    shared_.emplace(key, made.share());
+    return made;
+}
+
 void Uploads::finish() {
-    if (pending_.empty()) return;
-    gpu_->submit_and_wait([&](VkCommandBuffer commands) {
-        for (const Pending& pending : pending_) pending.record(commands, pending.staged);
-    });
+    if (!pending_.empty()) gpu_->submit_and_wait([&](VkCommandBuffer commands) { record(commands); });
+    complete();
+}
+
+void Uploads::record(VkCommandBuffer commands) const {
+    for (const Pending& pending : pending_) pending.record(commands, pending.staged);
+    memory_barrier(*gpu_, commands, kTransferWrite, kAnyAccess);
+}
+
+void Uploads::complete() {
+    for (const auto& [key, buffer] : shared_) gpu_->buffers->add(key, buffer);
+    shared_.clear();
     pending_.clear();
     staging_.clear();
     used_bytes_ = staged_bytes_ = 0;
 }
 
-Buffer upload_bytes(Uploads& uploads, std::string_view what, std::span<const std::byte> data,
-                    VkBufferUsageFlags usage) {
-    constexpr VkDeviceSize kSmallest_bytes = 16;
-    Buffer buffer(uploads.gpu(), what, std::max<VkDeviceSize>(data.size(), kSmallest_bytes), usage);
-    uploads.add(buffer, data);
-    return buffer;
-}
-
-Buffer upload_table_bytes(Uploads& uploads, std::string_view what, std::span<const std::byte> data,
-                          uint32_t texel_bytes, VkBufferUsageFlags more_usage) {
-    const VkBufferUsageFlags usage = table_usage(*uploads.gpu(), what, data.size(), texel_bytes) | more_usage;
-    Buffer table = upload_bytes(uploads, what, data, usage);
-    if (usage & VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT) table.allow_texels(texel_bytes);
-    return table;
+Buffer upload_bytes(Uploads& uploads, std::string_view what, std::span<const std::byte> data, VkBufferUsageFlags usage,
+                    uint32_t texel_bytes) {
+    const auto make = [&] {
+        Buffer buffer(uploads.gpu(), what, std::max<VkDeviceSize>(data.size(), kSmallestBuffer_bytes), usage);
+        if (usage & VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT) buffer.allow_texels(texel_bytes);
+        uploads.add(buffer, data);
+        return buffer;
+    };
+    return uploads.shares ? uploads.share(SharedBuffers::key_of(data, usage, texel_bytes), make) : make();
 }
 
 }  // namespace throng

@@ -1,36 +1,54 @@
-// Uploads the contents of new buffers together, in one submission.
+// Uploads the contents of new buffers together, in one submission or in commands of the application's.
 #pragma once
 
-#include "gpu/buffer.h"
+#include "gpu/shared_buffers.h"
 
 #include <cstring>
 #include <functional>
+#include <limits>
+#include <map>
 
 namespace throng {
 
-// Collects uploads; finish() submits them and waits, and only then are the contents in their buffers. If it is never
-// called, since an error came first, nothing is submitted. Not thread-safe.
+// Collects uploads. finish() submits them and waits; or record() records them, and complete() says that they have run.
+// Only then are the contents in their buffers. If neither is called, since an error came first, nothing is submitted.
+// On a native device they are there at once. Not thread-safe.
 class Uploads {
 public:
     // The most staging memory in use: before an upload would exceed it, those added so far are submitted. A single
     // larger upload gets as much as it needs.
     static constexpr VkDeviceSize kMostStaged_bytes = VkDeviceSize{64} << 20;
+    // Nothing is submitted before finish().
+    static constexpr VkDeviceSize kUnlimited_bytes = std::numeric_limits<VkDeviceSize>::max();
 
-    explicit Uploads(std::shared_ptr<Gpu> gpu) : gpu_(std::move(gpu)) {}
+    explicit Uploads(std::shared_ptr<Gpu> gpu, VkDeviceSize most_staged_bytes = kMostStaged_bytes)
+        : gpu_(std::move(gpu)), most_staged_bytes_(most_staged_bytes) {}
     Uploads(const Uploads&) = delete;
     Uploads& operator=(const Uploads&) = delete;
 
     const std::shared_ptr<Gpu>& gpu() const { return gpu_; }
-    // Copies `data` to the beginning of `target` and fills the rest with zeros. The target may be destroyed before
-    // finish().
-    void add(const Buffer& target, std::span<const std::byte> data);
+    // Copies `data`, `count` times one after another, to the beginning of `target` and fills the rest with zeros. Sizes
+    // are multiples of four bytes. The target may be destroyed before finish().
+    void add(const Buffer& target, std::span<const std::byte> data, uint64_t count = 1);
     // `record` is called when all is submitted, with the data in staging memory, at a multiple of 16 bytes.
     void add(std::span<const std::byte> data, std::function<void(VkCommandBuffer, const BufferRange&)> record);
     // Submits what has been added so far if so much more would exceed the limit. add() does it too, but who wants to
     // know whether its own upload failed calls this before: what fails here is that of others.
     void make_room(VkDeviceSize size_bytes);
+
+    // Whether upload() and upload_table() may find a buffer with the same contents that is there already, of these
+    // uploads or of others of the device: for contents that nobody changes.
+    bool shares = false;
+    // One that is there, or `make`s one.
+    Buffer share(const SharedBuffers::Key& key, const std::function<Buffer()>& make);
+
     // Submits and waits.
     void finish();
+    // Into commands that come before all others that use the buffers, on any queue that may copy. It may be called
+    // again, where these are never submitted.
+    void record(VkCommandBuffer commands) const;
+    // What has been recorded has run: the staging memory goes, and others may share the buffers.
+    void complete();
 
 private:
     struct Pending {
@@ -40,14 +58,20 @@ private:
     std::byte* stage(VkDeviceSize size_bytes, BufferRange& staged);
 
     std::shared_ptr<Gpu> gpu_;
+    VkDeviceSize most_staged_bytes_;
     std::vector<Buffer> staging_;
     VkDeviceSize used_bytes_ = 0;    // of the last one
     VkDeviceSize staged_bytes_ = 0;  // of all
     std::vector<Pending> pending_;
+    std::map<SharedBuffers::Key, Buffer> shared_;  // among those that are pending
 };
 
+constexpr VkDeviceSize kSmallestBuffer_bytes = 16;
+
 // A device buffer that holds `data`; empty data gives a buffer of 16 zero bytes, since Vulkan has no empty ones.
-Buffer upload_bytes(Uploads& uploads, std::string_view what, std::span<const std::byte> data, VkBufferUsageFlags usage);
+// Shaders read it by gpu/table.glsl where it has texels, of 4 or 16 bytes.
+Buffer upload_bytes(Uploads& uploads, std::string_view what, std::span<const std::byte> data, VkBufferUsageFlags usage,
+                    uint32_t texel_bytes = 0);
 
 template <class T>
 Buffer upload(Uploads& uploads, std::string_view what, const std::vector<T>& data,
@@ -55,21 +79,34 @@ Buffer upload(Uploads& uploads, std::string_view what, const std::vector<T>& dat
     return upload_bytes(uploads, what, std::as_bytes(std::span(data)), usage);
 }
 
-// Tables that shaders declare by gpu/table.glsl, of words (4 bytes) or rows of four (16). They throw kLimit where the
-// device cannot read so many.
-Buffer upload_table_bytes(Uploads& uploads, std::string_view what, std::span<const std::byte> data,
-                          uint32_t texel_bytes, VkBufferUsageFlags more_usage = 0);
-
-// Only shaders that declare it by gpu/table.glsl may read it: on a software device it is no storage buffer.
+// A table that shaders declare by gpu/table.glsl, of words (4 bytes) or rows of four (16); only such may read it: on a
+// software device it is no storage buffer. Throws kLimit where the device cannot read so many.
 template <class T>
 Buffer upload_table(Uploads& uploads, std::string_view what, const std::vector<T>& data) {
-    return upload_table_bytes(uploads, what, std::as_bytes(std::span(data)), texel_bytes_of<T>());
+    const std::span<const std::byte> bytes = std::as_bytes(std::span(data));
+    const uint32_t texel_bytes = texel_bytes_of<T>();
+    return upload_bytes(uploads, what, bytes, table_usage(*uploads.gpu(), what, bytes.size(), texel_bytes),
+                        texel_bytes);
 }
 
-// A table with contents, of words, that kernels also write.
-inline Buffer upload_writable_table(Uploads& uploads, std::string_view what, const std::vector<uint32_t>& words) {
-    return upload_table_bytes(uploads, what, std::as_bytes(std::span(words)), sizeof(uint32_t),
-                              VK_BUFFER_USAGE_STORAGE_BUFFER_BIT);
+// A buffer that begins with `of_one`, `count` times one after another, and that kernels may change.
+template <class T>
+Buffer fill(Uploads& uploads, std::string_view what, const std::vector<T>& of_one, uint64_t count) {
+    const std::span<const std::byte> bytes = std::as_bytes(std::span(of_one));
+    Buffer filled(uploads.gpu(), what, std::max<VkDeviceSize>(bytes.size() * count, kSmallestBuffer_bytes),
+                  VK_BUFFER_USAGE_STORAGE_BUFFER_BIT);
+    uploads.add(filled, bytes, count);
+    return filled;
+}
+
+// The same, as a table of words.
+template <class T>
+Buffer fill_table(Uploads& uploads, std::string_view what, const std::vector<T>& of_one, uint64_t count) {
+    const std::span<const std::byte> bytes = std::as_bytes(std::span(of_one));
+    Buffer filled = make_table_bytes(uploads.gpu(), what, std::max(bytes.size() * count, kSmallestBuffer_bytes),
+                                     texel_bytes_of<uint32_t>());
+    uploads.add(filled, bytes, count);
+    return filled;
 }
 
 // A single buffer; submits and waits.

@@ -1,0 +1,40 @@
+// The first contents of a crowd's buffers. Making a crowd submits nothing: they are recorded into the first update, or
+// before it into commands of the application's.
+#pragma once
+
+#include "gpu/event.h"
+#include "gpu/upload.h"
+
+namespace throng {
+
+class FirstUploads {
+public:
+    explicit FirstUploads(const std::shared_ptr<Gpu>& gpu)
+        : uploads(gpu, Uploads::kUnlimited_bytes), gpu_(gpu), have_run_(gpu) {}
+
+    Uploads uploads;  // to be filled before any of the calls
+
+    // By themselves; nothing where they have been recorded before.
+    void record(VkCommandBuffer commands);
+    // At the beginning of an update, where they may not have been recorded.
+    void begin_update(VkCommandBuffer commands);
+    // The last update will never be submitted.
+    void discard_update();
+    // Frees the staging memory once they have run.
+    void poll();
+    // Before something is read, where they have not been recorded: submits them and waits; on a software device the
+    // processor copies, since nobody uses the buffers yet.
+    void finish();
+
+private:
+    enum class State { kPending, kRecorded, kDone };
+
+    std::shared_ptr<Gpu> gpu_;
+    State state_ = State::kPending;
+    DeviceEvent have_run_;  // set by the first update
+    bool has_event_ = false;
+    // Of the last update, which may be discarded: what it has recorded
+    bool recorded_them_ = false, recorded_event_ = false;
+};
+
+}  // namespace throng
