@@ -50,7 +50,7 @@ FillFloor::FillFloor(const std::shared_ptr<Gpu>& gpu, const Crowd& crowd, SkinFo
     for (const OutputBlock& block : crowd.outputs()) {
         const uint64_t size_bytes = uint64_t{block.instance_count} * block.palette_count * skin_format_bytes(format);
         if (size_bytes < kRow_bytes) continue;
-        targets_.push_back({block.skin_buffer, kernel_.bind({{0, BufferRange(block.skin_buffer, 0, size_bytes)}}),
+        targets_.push_back({block.skin.buffer, kernel_.bind({{0, BufferRange(block.skin.buffer, 0, size_bytes)}}),
                             rows_of(size_bytes)});
     }
 }

@@ -112,7 +112,7 @@ int main(int argc, char** argv) {
     vkCmdBindIndexBuffer(commands, indices, 0, VK_INDEX_TYPE_UINT32);
     for (const OutputBlock& block : crowd.outputs()) {  // a large crowd's matrices lie in several buffers
         bind_storage_buffers(context, commands, pipeline,
-                             {vertices, influences, block.skin_buffer, block.placement_buffer});
+                             {vertices, influences, block.skin.buffer, block.placement.buffer});
         for (const MeshSection& section : character.sections) {
             const Push push{clip_from_world(camera, static_cast<float>(kSize.width) / kSize.height),
                             section.material == kNone ? std::array<float, 4>{1, 1, 1, 1}

@@ -76,7 +76,7 @@ int main(int argc, char** argv) {
                                 (static_cast<double>(feedback.update) - 1) / 60 + static_cast<double>(event.time_s),
                                 event.instance.instance, name.c_str());
             }
-            // Lanterns follow on the CPU here; a renderer of one's own reads OutputBlock::socket_buffer and need not
+            // Lanterns follow on the CPU here; a renderer of one's own reads OutputBlock::socket and need not
             // wait for anything.
             for (const WatchedInstance& watched : feedback.watched)
                 crowd

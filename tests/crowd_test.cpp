@@ -116,9 +116,9 @@ TEST(Crowd, ManyLargeCharactersAreSplitIntoBatchesAndWaves) {
         EXPECT_EQ(block.first_instance, next);
         EXPECT_EQ(block.joint_count, block.group == 1 ? 65535u : 20u);
         EXPECT_LE(block.instance_count * uint64_t{block.palette_count} * sizeof(Affine), range_bytes);
-        EXPECT_TRUE(has_output(block, &OutputBlock::skin_buffer));
-        EXPECT_TRUE(has_output(block, &OutputBlock::placement_buffer));
-        EXPECT_FALSE(has_output(block, &OutputBlock::model_buffer));
+        EXPECT_TRUE(has_output(block, &OutputBlock::skin));
+        EXPECT_TRUE(has_output(block, &OutputBlock::placement));
+        EXPECT_FALSE(has_output(block, &OutputBlock::model));
         next += block.instance_count;
     }
     EXPECT_EQ(next, crowd.instance_count());
@@ -280,7 +280,7 @@ TEST(Crowd, NewInstancesShowTheRestPoseAtTheOrigin) {
     Crowd crowd = create({.groups = {{&character, 2}}});
     ASSERT_TRUE(crowd.update(0.5f));
     EXPECT_LE(instance_error(crowd, 1, character, Playback{}), kPoseBound);
-    EXPECT_EQ(output<Affine>(crowd.outputs()[0], &OutputBlock::placement_buffer, 2), std::vector<Affine>(2));
+    EXPECT_EQ(output<Affine>(crowd.outputs()[0], &OutputBlock::placement, 2), std::vector<Affine>(2));
 }
 
 TEST(Crowd, PlacementsReachTheDevice) {
@@ -292,11 +292,11 @@ TEST(Crowd, PlacementsReachTheDevice) {
     for (uint32_t i = 0; i < kCount; ++i) placements.push_back(to_affine(random.trs(100, 0)).as<float>());
     ASSERT_TRUE(crowd.set_placement(crowd.instances(), placements));
     ASSERT_TRUE(crowd.update(0));
-    EXPECT_EQ(output<Affine>(crowd.outputs()[0], &OutputBlock::placement_buffer, kCount), placements);
+    EXPECT_EQ(output<Affine>(crowd.outputs()[0], &OutputBlock::placement, kCount), placements);
     placements[1234] = {};
     ASSERT_TRUE(crowd.set_placement(InstanceHandle{1234}, placements[1234]));
     ASSERT_TRUE(crowd.update(0));
-    EXPECT_EQ(output<Affine>(crowd.outputs()[0], &OutputBlock::placement_buffer, kCount), placements);
+    EXPECT_EQ(output<Affine>(crowd.outputs()[0], &OutputBlock::placement, kCount), placements);
 }
 
 TEST(Crowd, WrongValuesAreRefusedAndChangeNothing) {
@@ -350,7 +350,7 @@ TEST(Crowd, WrongValuesAreRefusedAndChangeNothing) {
 
     ASSERT_TRUE(crowd.update(0));
     EXPECT_TRUE(same_bits(skins_of(crowd), before));
-    EXPECT_EQ(output<Affine>(crowd.outputs()[0], &OutputBlock::placement_buffer, 4), std::vector<Affine>(4));
+    EXPECT_EQ(output<Affine>(crowd.outputs()[0], &OutputBlock::placement, 4), std::vector<Affine>(4));
 }
 
 TEST(Crowd, WrongSettingsAreRefused) {
@@ -419,7 +419,7 @@ TEST(Crowd, RecordsIntoTheCallersCommandBuffer) {
     ASSERT_EQ(gpu.vk.vkBeginCommandBuffer(commands, &begin), VK_SUCCESS);
     ASSERT_TRUE(crowd.record(commands, 0.2f));
     const VkBufferCopy region{0, 0, size_bytes};
-    gpu.vk.vkCmdCopyBuffer(commands, crowd.outputs()[0].skin_buffer, copy.handle(), 1, &region);
+    gpu.vk.vkCmdCopyBuffer(commands, crowd.outputs()[0].skin.buffer, copy.handle(), 1, &region);
     ASSERT_TRUE(crowd.record(commands, 0.3f));
     ASSERT_EQ(gpu.vk.vkEndCommandBuffer(commands), VK_SUCCESS);
     EXPECT_FALSE(crowd.stage_times()) << "nothing has run";
@@ -468,7 +468,7 @@ TEST(Crowd, ModelMatricesAreReadOnlyWhereKept) {
     ASSERT_FALSE(model);
     EXPECT_EQ(model.error().code, ErrorCode::kInvalidArgument);
     EXPECT_NE(model.error().text().find("keep_model_matrices"), std::string::npos) << model.error().text();
-    EXPECT_FALSE(has_output(crowd.outputs()[0], &OutputBlock::model_buffer));
+    EXPECT_FALSE(has_output(crowd.outputs()[0], &OutputBlock::model));
 }
 
 TEST(Crowd, CanBeMoved) {

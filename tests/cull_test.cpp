@@ -99,7 +99,7 @@ TEST(Cull, ListsWhatTheReferenceSees) {
             const auto draws = download<io::DrawCommand>(
                 test_gpu(), BufferRange(crowd.state().batches[0][io::kDrawsBuffer], 0,
                                         group.sections.size() * io::kLodCount * sizeof(io::DrawCommand)));
-            EXPECT_EQ(crowd.outputs()[0].draw_buffer, crowd.state().batches[0][io::kDrawsBuffer].handle());
+            EXPECT_EQ(crowd.outputs()[0].draw.buffer, crowd.state().batches[0][io::kDrawsBuffer].handle());
             for (size_t k = 0; k < draws.size(); ++k) {
                 const uint32_t lod = k % io::kLodCount;
                 EXPECT_EQ(draws[k].instance_count, std::ranges::count(lods, lod));

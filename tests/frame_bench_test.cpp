@@ -192,7 +192,7 @@ TEST(FrameBench, FillsWriteEveryRow) {
                                  {.groups = {{&character, kCharacters}}, .skin_format = SkinFormat::kHalfAffine});
     const FillFloor fill(test::test_gpu(), crowd, SkinFormat::kHalfAffine);
     EXPECT_EQ(fill.size_bytes(), uint64_t{kCharacters} * kJoints * 24);
-    const BufferRange target(crowd.outputs()[0].skin_buffer, 0, fill.size_bytes());
+    const BufferRange target(crowd.outputs()[0].skin.buffer, 0, fill.size_bytes());
     test::run_on_gpu([&](VkCommandBuffer commands) {
         test::test_gpu()->vk.vkCmdFillBuffer(commands, target.buffer, 0, target.size_bytes, ~0u);
     });

@@ -310,14 +310,13 @@ TEST(Fused, PreviousMatricesAreThoseOfTheUpdateBefore) {
         Crowd crowd = create({.groups = {{&character, 6}}, .path = path, .keep_previous_matrices = true});
         Random random(2);
         ASSERT_TRUE(crowd.set_playback(crowd.instances(), random_playbacks(random, character, 6)));
-        const auto read = [&](VkBuffer OutputBlock::*buffer) {
-            return output<Affine>(crowd.outputs()[0], buffer, 6 * character.palette.size());
+        const auto read = [&](BufferView OutputBlock::*member) {
+            return output<Affine>(crowd.outputs()[0], member, 6 * character.palette.size());
         };
         std::vector<Affine> last;
         for (int update = 0; update < 4; ++update) {
             ASSERT_TRUE(crowd.update(0.13f));
-            const std::vector<Affine> now = read(&OutputBlock::skin_buffer),
-                                      previous = read(&OutputBlock::previous_skin_buffer);
+            const std::vector<Affine> now = read(&OutputBlock::skin), previous = read(&OutputBlock::previous_skin);
             EXPECT_TRUE(same_bits(now, skins_of(crowd)));
             if (update == 0) {
                 EXPECT_TRUE(same_bits(previous, now)) << "nothing has moved yet";
@@ -329,7 +328,7 @@ TEST(Fused, PreviousMatricesAreThoseOfTheUpdateBefore) {
         }
     }
     const Crowd without = create({.groups = {{&character, 1}}});
-    EXPECT_FALSE(has_output(without.outputs()[0], &OutputBlock::previous_skin_buffer));
+    EXPECT_FALSE(has_output(without.outputs()[0], &OutputBlock::previous_skin));
 }
 
 TEST(Fused, ThreadsThatAMethodDoesNotHaveAreRefusedOnEveryPath) {

@@ -59,26 +59,28 @@ private:
     Buffer buffer_;
 };
 
-// What a crowd writes: the VkBuffer, or on a native device the memory in its place; nothing where it has neither.
-inline BufferRange output_range(const OutputBlock& block, VkBuffer OutputBlock::*buffer, VkDeviceSize offset_bytes,
+// What a crowd writes: in its buffer, or on a native device the memory in its place; nothing where it has neither.
+inline BufferRange output_range(const OutputBlock& block, BufferView OutputBlock::*member, VkDeviceSize offset_bytes,
                                 VkDeviceSize size_bytes) {
     const HostOutputs& host = block.host;
-    const std::pair<VkBuffer OutputBlock::*, std::span<const std::byte>> all[]{
-        {&OutputBlock::skin_buffer, host.skin},
-        {&OutputBlock::previous_skin_buffer, host.previous_skin},
-        {&OutputBlock::model_buffer, std::as_bytes(host.model)},
-        {&OutputBlock::placement_buffer, std::as_bytes(host.placement)},
-        {&OutputBlock::socket_buffer, std::as_bytes(host.socket)},
-        {&OutputBlock::parameter_buffer, std::as_bytes(host.parameter)},
-        {&OutputBlock::root_buffer, std::as_bytes(host.root)},
-        {&OutputBlock::target_buffer, std::as_bytes(host.target)},
-        {&OutputBlock::destination_buffer, std::as_bytes(host.destination)},
-        {&OutputBlock::morph_buffer, std::as_bytes(host.morph)},
-        {&OutputBlock::list_buffer, std::as_bytes(host.list)},
-        {&OutputBlock::skinned_buffer, std::as_bytes(host.skinned)}};
-    BufferRange range(block.*buffer, offset_bytes, size_bytes);
+    const std::pair<BufferView OutputBlock::*, std::span<const std::byte>> all[]{
+        {&OutputBlock::skin, host.skin},
+        {&OutputBlock::previous_skin, host.previous_skin},
+        {&OutputBlock::model, std::as_bytes(host.model)},
+        {&OutputBlock::placement, std::as_bytes(host.placement)},
+        {&OutputBlock::socket, std::as_bytes(host.socket)},
+        {&OutputBlock::parameter, std::as_bytes(host.parameter)},
+        {&OutputBlock::root, std::as_bytes(host.root)},
+        {&OutputBlock::target, std::as_bytes(host.target)},
+        {&OutputBlock::destination, std::as_bytes(host.destination)},
+        {&OutputBlock::morph, std::as_bytes(host.morph)},
+        {&OutputBlock::list, std::as_bytes(host.list)},
+        {&OutputBlock::skinned, std::as_bytes(host.skinned)}};
+    const BufferView& view = block.*member;
+    EXPECT_LE(view ? offset_bytes + size_bytes : 0, view.size_bytes);
+    BufferRange range(view.buffer, view.offset_bytes + offset_bytes, size_bytes);
     for (const auto& [of, bytes] : all) {
-        if (of != buffer || bytes.empty()) continue;
+        if (of != member || bytes.empty()) continue;
         EXPECT_LE(offset_bytes + size_bytes, bytes.size());
         range.mapped = const_cast<std::byte*>(bytes.data());
     }
@@ -86,13 +88,13 @@ inline BufferRange output_range(const OutputBlock& block, VkBuffer OutputBlock::
 }
 
 template <class T>
-std::vector<T> output(const OutputBlock& block, VkBuffer OutputBlock::*buffer, uint64_t count,
+std::vector<T> output(const OutputBlock& block, BufferView OutputBlock::*member, uint64_t count,
                       const std::shared_ptr<Gpu>& gpu = test_gpu()) {
-    return download<T>(gpu, output_range(block, buffer, 0, count * sizeof(T)));
+    return download<T>(gpu, output_range(block, member, 0, count * sizeof(T)));
 }
 
-inline bool has_output(const OutputBlock& block, VkBuffer OutputBlock::*buffer) {
-    return bool(output_range(block, buffer, 0, 0));
+inline bool has_output(const OutputBlock& block, BufferView OutputBlock::*member) {
+    return bool(output_range(block, member, 0, 0));
 }
 
 // Of vectors or spans.

@@ -275,19 +275,19 @@ TEST(Morph, CrowdsOfTwoClipsShowThem) {
                                 {.error = error}),
                             plain = make_character({.joint_count = 6});
             Crowd crowd = create({.groups = {{&plain, 3}, {&character, 40}}, .path = path});
-            EXPECT_FALSE(has_output(crowd.outputs()[0], &OutputBlock::morph_buffer));
+            EXPECT_FALSE(has_output(crowd.outputs()[0], &OutputBlock::morph));
             Character unmorphed = character;
             unmorphed.morphs.clear();
             const Crowd other = create({.groups = {{&plain, 3}, {&unmorphed, 40}}, .path = path});
             EXPECT_GE(crowd.size_bytes(), other.size_bytes() + 40 * kActiveMorphLimit * sizeof(io::ActiveMorph) +
                                               character.morph_deltas.size() * sizeof(MorphDelta))
                 << "its memory is counted";
-            ASSERT_TRUE(has_output(crowd.outputs()[1], &OutputBlock::morph_buffer));
+            ASSERT_TRUE(has_output(crowd.outputs()[1], &OutputBlock::morph));
             Random random(3);
             const std::vector<Playback> playbacks = random_playbacks(random, character, 40);
             ASSERT_TRUE(crowd.set_playback(Instances::numbered(3, 40), playbacks));
             ASSERT_TRUE(crowd.update(0.2f));
-            const auto active = output<io::ActiveMorph>(crowd.outputs()[1], &OutputBlock::morph_buffer,
+            const auto active = output<io::ActiveMorph>(crowd.outputs()[1], &OutputBlock::morph,
                                                         40 * io::kActiveMorphs);
             for (uint32_t i = 0; i < 40; ++i) {
                 const ReferencePose pose = *reference_pose(character, advanced(playbacks[i], character, 0.2f));
@@ -351,7 +351,7 @@ TEST(Morph, CrowdsWithAControllerShowThem) {
                 }
             ASSERT_TRUE(crowd.update(0.07f));
             for (ReferenceCharacter& one : wanted) ASSERT_TRUE(one.update(0.07f));
-            const auto active = output<io::ActiveMorph>(crowd.outputs()[0], &OutputBlock::morph_buffer,
+            const auto active = output<io::ActiveMorph>(crowd.outputs()[0], &OutputBlock::morph,
                                                         kInstances * io::kActiveMorphs);
             for (uint32_t i = 0; i < kInstances; ++i) {
                 const auto first = active.begin() + i * io::kActiveMorphs;
@@ -389,7 +389,7 @@ TEST(Morph, AClipOfWeightsAloneIsPlayed) {
     for (int update = 1; update <= 3; ++update) {
         ASSERT_TRUE(crowd.update(0.25f));
         for (const OutputBlock& block : crowd.outputs()) {
-            const auto active = output<io::ActiveMorph>(block, &OutputBlock::morph_buffer, io::kActiveMorphs);
+            const auto active = output<io::ActiveMorph>(block, &OutputBlock::morph, io::kActiveMorphs);
             EXPECT_EQ(active[0].morph, 0u);
             EXPECT_NEAR(active[0].weight, 0.25 * update, 1e-6);
         }

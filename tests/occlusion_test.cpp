@@ -156,7 +156,7 @@ TEST(Occlusion, WhatAppearsIsAnimatedAtOnce) {
     }
     const std::vector<Affine> previous = download<Affine>(
         test_gpu(),
-        BufferRange(crowd.outputs()[0].previous_skin_buffer, 0, crowd.outputs()[0].palette_count * sizeof(Affine)));
+        BufferRange(crowd.outputs()[0].previous_skin.buffer, 0, crowd.outputs()[0].palette_count * sizeof(Affine)));
     EXPECT_TRUE(same_bits(previous, *crowd.read_skin_matrices({0}))) << "what appears has not moved";
 }
 

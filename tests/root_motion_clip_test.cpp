@@ -428,10 +428,10 @@ public:
         ASSERT_TRUE(crowd_.update(time_step_s));
         const OutputBlock& block = crowd_.outputs()[0];
         const uint64_t count = references_.size();
-        const std::vector<Affine> placements = output<Affine>(block, &OutputBlock::placement_buffer, count,
+        const std::vector<Affine> placements = output<Affine>(block, &OutputBlock::placement, count,
                                                               crowd_.state().gpu);
         ASSERT_EQ(crowd_.state().batches[0][io::kRootsBuffer].size_bytes(), count * sizeof(io::RootState));
-        const std::vector<io::RootState> roots = output<io::RootState>(block, &OutputBlock::root_buffer, count,
+        const std::vector<io::RootState> roots = output<io::RootState>(block, &OutputBlock::root, count,
                                                                        crowd_.state().gpu);
         const std::vector<Feedback> feedback = *crowd_.feedback();
         ASSERT_TRUE(feedback.size() == 1 && feedback[0].watched.size() == 1);

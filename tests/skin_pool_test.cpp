@@ -250,7 +250,7 @@ TEST(SkinPool, EachBatchHasAPool) {
     ASSERT_TRUE(crowd) << crowd.error().text();
     const std::vector<OutputBlock> blocks(crowd->outputs().begin(), crowd->outputs().end());
     ASSERT_EQ(blocks.size(), 3u);
-    EXPECT_FALSE(blocks[2].skin_row_buffer);
+    EXPECT_FALSE(blocks[2].skin_row);
     const std::vector<Affine> placements = places(kCount + 2, 20);
     std::vector<Playback> playbacks(kCount + 2);
     for (uint32_t i = 0; i < playbacks.size(); ++i) playbacks[i] = {.first = {.clip = 0, .time_s = 0.01 * i}};

@@ -26,9 +26,9 @@ std::vector<SkinnedVertex> skinned_of(Crowd& crowd, uint32_t instance) {
     for (const OutputBlock& block : crowd.outputs()) {
         if (instance < block.first_instance || instance >= block.first_instance + block.instance_count) continue;
         const uint64_t size_bytes = uint64_t{block.vertex_count} * sizeof(SkinnedVertex);
-        return download<SkinnedVertex>(test_gpu(),
-                                       output_range(block, &OutputBlock::skinned_buffer,
-                                                    (instance - block.first_instance) * size_bytes, size_bytes));
+        return download<SkinnedVertex>(
+            test_gpu(),
+            output_range(block, &OutputBlock::skinned, (instance - block.first_instance) * size_bytes, size_bytes));
     }
     return {};
 }

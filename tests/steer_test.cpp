@@ -43,17 +43,17 @@ Controller walker(const Character& character) {
 constexpr uint32_t kSpeed = 1;
 
 template <class T>
-std::vector<T> all_of(Crowd& crowd, VkBuffer OutputBlock::*buffer, uint32_t per_instance = 1) {
+std::vector<T> all_of(Crowd& crowd, BufferView OutputBlock::*member, uint32_t per_instance = 1) {
     std::vector<T> all;
     for (const OutputBlock& block : crowd.outputs()) {
         const uint32_t count = block.instance_count * per_instance;
-        const std::vector<T> part = has_output(block, buffer) ? output<T>(block, buffer, count, crowd.state().gpu)
+        const std::vector<T> part = has_output(block, member) ? output<T>(block, member, count, crowd.state().gpu)
                                                               : std::vector<T>(count);
         all.insert(all.end(), part.begin(), part.end());
     }
     return all;
 }
-std::vector<Affine> placements_of(Crowd& crowd) { return all_of<Affine>(crowd, &OutputBlock::placement_buffer); }
+std::vector<Affine> placements_of(Crowd& crowd) { return all_of<Affine>(crowd, &OutputBlock::placement); }
 
 Affine at(double x, double z, double yaw = 0, double scale = 1) {
     return to_affine(Trs<double>{axis_angle(Vec3<double>{0, 1, 0}, yaw), {x, 0, z}, {scale, scale, scale}}).as<float>();
@@ -89,9 +89,9 @@ public:
         ASSERT_TRUE(crowd_.update(time_step_s));
         const std::vector<Affine> after = placements_of(crowd_);
         const std::vector<io::AgentState> states = states_now();
-        const std::vector<io::vec4> roots = all_of<io::vec4>(crowd_, &OutputBlock::root_buffer,
+        const std::vector<io::vec4> roots = all_of<io::vec4>(crowd_, &OutputBlock::root,
                                                              sizeof(io::RootState) / sizeof(io::vec4));
-        const std::vector<float> parameters = all_of<float>(crowd_, &OutputBlock::parameter_buffer, 2);
+        const std::vector<float> parameters = all_of<float>(crowd_, &OutputBlock::parameter, 2);
         std::vector<SteeredAgent> agents;
         std::vector<uint32_t> who;
         for (uint32_t i = 0; i < after.size(); ++i) {
@@ -368,7 +368,7 @@ TEST(Steer, ClipsCarryThoseThatHaveRootMotion) {
     for (uint32_t i = 0; i < 2; ++i)
         EXPECT_LE(std::hypot(arrived[i].row[0][3] - destinations[i].x, arrived[i].row[2][3] - destinations[i].z), 0.3);
     EXPECT_LT(walked, 8);
-    EXPECT_EQ(all_of<float>(crowd, &OutputBlock::parameter_buffer, 2)[kSpeed], 0);
+    EXPECT_EQ(all_of<float>(crowd, &OutputBlock::parameter, 2)[kSpeed], 0);
 }
 
 TEST(Steer, NobodyMovesWithoutADestinationOrTime) {
@@ -402,15 +402,15 @@ TEST(Steer, ADestinationIsTakenAwayOrWrittenOnTheGpu) {
         return std::array{apart(before[0], after[0]), apart(before[1], after[1])};
     };
     EXPECT_GT(walk()[0], 0.5);
-    EXPECT_GT(all_of<float>(crowd, &OutputBlock::parameter_buffer, 2)[kSpeed], 1);
+    EXPECT_GT(all_of<float>(crowd, &OutputBlock::parameter, 2)[kSpeed], 1);
     ASSERT_TRUE(crowd.clear_destination(Instances::numbered(0, 2)));
     EXPECT_EQ(walk(), (std::array{0.0, 0.0}));
-    EXPECT_EQ(all_of<float>(crowd, &OutputBlock::parameter_buffer, 2)[kSpeed], 0);
+    EXPECT_EQ(all_of<float>(crowd, &OutputBlock::parameter, 2)[kSpeed], 0);
     run_on_gpu([&](VkCommandBuffer commands) {
         const std::array there{io::vec4{9, 0, 9, 1}};
         record_update(*test_gpu(), commands,
-                      output_range(crowd.outputs()[0], &OutputBlock::destination_buffer, 0, 2 * sizeof there),
-                      sizeof there, std::as_bytes(std::span(there)));
+                      output_range(crowd.outputs()[0], &OutputBlock::destination, 0, 2 * sizeof there), sizeof there,
+                      std::as_bytes(std::span(there)));
         memory_barrier(*test_gpu(), commands, kTransferWrite, kShaderRead);
     });
     const std::array moved = walk();

@@ -56,7 +56,7 @@ std::vector<Affine> previous_of(Crowd& crowd, uint32_t instance) {
     const OutputBlock& block = crowd.outputs()[0];
     const uint64_t size_bytes = uint64_t{block.palette_count} * sizeof(Affine);
     return download<Affine>(test_gpu(),
-                            output_range(block, &OutputBlock::previous_skin_buffer, instance * size_bytes, size_bytes));
+                            output_range(block, &OutputBlock::previous_skin, instance * size_bytes, size_bytes));
 }
 
 uint32_t animated_in_last_update(Crowd& crowd) {

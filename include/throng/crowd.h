@@ -105,6 +105,12 @@ struct CrowdSettings {
     bool keep_model_matrices = false;  // else they live only within a frame, and read_model_matrices() is an error
     // Skin matrices of the update before the last, for motion vectors; doubles their memory
     bool keep_previous_matrices = false;
+    // Updates whose outputs are there side by side, 1 to 4, so that one may be computed while those before it are
+    // drawn: on the same queue, or on one for asynchronous compute (AdoptedDevice::more_queue_families). Each takes the
+    // memory of skin matrices, skinned vertices, placements, sockets, lists and what else OutputBlock offers. When the
+    // commands of a record() run, whatever reads the outputs of the update so many before must have finished, by a
+    // fence or a semaphore.
+    uint32_t frames_in_flight = 1;
     std::optional<Terrain> terrain{};  // that instances of groups with CrowdGroup::on_terrain stand on
     bool culls = false;                // updates may be for a view
     // Such updates may animate what is small on the screen less often than others, with culls; its skin matrices go on
@@ -116,7 +122,7 @@ struct CrowdSettings {
     // Not of groups with CrowdGroup::pose_capacity.
     bool reduces_joints = false;
     SkinBlend skin_blend = SkinBlend::kLinear;
-    // Every vertex that is drawn is skinned once, in compute, into OutputBlock::skinned_buffer, for several passes
+    // Every vertex that is drawn is skinned once, in compute, into OutputBlock::skinned, for several passes
     // (shadow maps, depths, the picture) or others who read vertices; Renderer does so then. 16 bytes a vertex and
     // instance.
     bool skins_once = false;
@@ -278,7 +284,13 @@ public:
     // record(), submit to the device's queue, and wait; a native device computes here.
     Result<void> update(float time_step_s, const CrowdView* view = nullptr);
 
+    // Of the last record(), or of a frame slot: record() writes to one after another in turn. Slots are so many as
+    // CrowdSettings::frames_in_flight, and one more with keep_previous_matrices; their outputs stay where they are, so
+    // what is bound to them is made once for each. Empty where there is no such slot.
     std::span<const OutputBlock> outputs() const;
+    std::span<const OutputBlock> outputs(uint32_t frame_slot) const;
+    uint32_t frame_slot_count() const;
+    uint32_t frame_slot() const;
     // Times of the newest of the last four updates that has finished. Errors: kInvalidArgument where timestamps are off
     // or nothing has run yet.
     Result<StageTimes> stage_times() const;

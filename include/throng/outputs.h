@@ -11,13 +11,13 @@
 
 namespace throng {
 
-// A vertex in OutputBlock::skinned_buffer.
+// A vertex in OutputBlock::skinned.
 struct SkinnedVertex {
     Vec3<float> position{};
     uint32_t normal_octahedral = 0;  // of length 1, as Vertex's
 };
 
-// An entry of OutputBlock::root_buffer.
+// An entry of OutputBlock::root.
 struct RootMotion {
     std::array<float, 4> move{};  // as there
     std::array<std::array<float, 4>, 4> internal{};
@@ -29,9 +29,18 @@ struct ShownMorph {
     float weight = 0;
 };
 
-// What an OutputBlock says of its buffers, on a native device in host memory; empty on others. The spans stay where
-// they are as long as the crowd lives, but for skin and previous_skin, which change places as their buffers do. What is
-// not const may be written between two updates.
+// A part of a buffer: entries of consecutive instances, one after another. None where `buffer` is VK_NULL_HANDLE.
+struct BufferView {
+    VkBuffer buffer = VK_NULL_HANDLE;
+    VkDeviceSize offset_bytes = 0;
+    VkDeviceSize size_bytes = 0;
+    VkDeviceSize stride_bytes = 0;  // from one instance's entry to the next
+
+    explicit operator bool() const { return buffer != VK_NULL_HANDLE; }
+};
+
+// What an OutputBlock says of its buffers, on a native device in host memory; empty on others. What is not const may be
+// written between two updates.
 struct HostOutputs {
     std::span<const std::byte> skin{}, previous_skin{};
     std::span<const Affine> model{}, placement{}, socket{};
@@ -43,14 +52,16 @@ struct HostOutputs {
     std::span<const SkinnedVertex> skinned{};
 };
 
-// Results of consecutive instances of one group. Each buffer holds one entry after the other from offset 0, in the
-// shape that stands beside it; VK_NULL_HANDLE where the crowd does not have it. Buffers fit the device's storage-buffer
-// range. Valid once the recorded commands have run, until the next record() runs: written by compute shaders, and made
-// visible by record() to later compute, vertex, indirect and transfer reads on the same queue.
+// Results of consecutive instances of one group. The views stay the same as long as the crowd lives, and those that the
+// crowd does not have are empty. Written by compute shaders, and made visible by record() to later compute, vertex,
+// indirect and transfer reads on the same queue. They are valid once the recorded commands have run, until those of a
+// later record() that writes to the same frame slot do: of the next one, which waits for what reads them; or with
+// CrowdSettings::frames_in_flight above 1, of that many later, and only if the application has seen to it that the
+// reading has finished.
 //
-// Where CrowdSettings::culls, without a skin pool, instances that are not listed keep the matrices of the last update
-// that drew them (with previous ones, which take turns, those of the last two); in an update that draws them anew, the
-// previous matrices are those of that update.
+// Where CrowdSettings::culls, without a skin pool, instances that are not listed have the matrices of an earlier update
+// that drew them. In an update that draws them anew, the previous matrices are those of that update: they are written
+// then, also where the slot of the update before, which did not list these instances, is in flight.
 struct OutputBlock {
     uint32_t group = 0;
     uint32_t first_instance = 0;  // of the crowd
@@ -60,56 +71,55 @@ struct OutputBlock {
 
     // Skin matrices, [instance_count][palette_count] in CrowdSettings::skin_format, model space: skinned position =
     // matrix * bind position. With CrowdGroup::skin_pool [skin_row_count][palette_count].
-    VkBuffer skin_buffer = VK_NULL_HANDLE;
-    // Those of the update before, with CrowdSettings::keep_previous_matrices; changes places with skin_buffer in every
-    // record().
-    VkBuffer previous_skin_buffer = VK_NULL_HANDLE;
+    BufferView skin{};
+    // Those of the update before, with CrowdSettings::keep_previous_matrices.
+    BufferView previous_skin{};
     uint32_t skin_row_count = 0;  // instance_count, or of the pool: shared poses, then those of instances
-    // With a skin pool: which row of skin_buffer an instance has, uint32_t[instance_count]. Only instances that are
-    // listed have one.
-    VkBuffer skin_row_buffer = VK_NULL_HANDLE;
+    // With a skin pool: which row of `skin` an instance has, uint32_t[instance_count]. Only instances that are listed
+    // have one.
+    BufferView skin_row{};
     // model_from_joint, Affine[instance_count][joint_count], with CrowdSettings::keep_model_matrices.
-    VkBuffer model_buffer = VK_NULL_HANDLE;
+    BufferView model{};
     // world_from_model, Affine[instance_count].
-    VkBuffer placement_buffer = VK_NULL_HANDLE;
+    BufferView placement{};
 
     uint32_t socket_count = 0;
     // Transforms of CrowdGroup::sockets, Affine[instance_count][socket_count] in CrowdGroup::socket_space.
-    VkBuffer socket_buffer = VK_NULL_HANDLE;
+    BufferView socket{};
 
     uint32_t parameter_count = 0;
     // Parameters of the controller, float[instance_count][parameter_count]. Between two updates the application's own
-    // shaders or copies may write it.
-    VkBuffer parameter_buffer = VK_NULL_HANDLE;
+    // shaders or copies may write it. The same in all frame slots.
+    BufferView parameter{};
     // Root motion of a group with a controller, float4[instance_count][5], of which the first is the last update's move
     // over the ground: x, z, then cosine and sine of the turn about +y, in the character's space before it.
-    VkBuffer root_buffer = VK_NULL_HANDLE;
+    BufferView root{};
 
     uint32_t target_count = 0;
     // Targets of procedural rules, float4[instance_count][target_count]: a place in world space, and its weight in w.
-    // May be written like the parameters.
-    VkBuffer target_buffer = VK_NULL_HANDLE;
+    // May be written like the parameters, and is the same in all frame slots too.
+    BufferView target{};
     // Destinations of agents, float4[instance_count]: a place in world space, and in w whether the agent has one (1 or
-    // 0). May be written like the parameters.
-    VkBuffer destination_buffer = VK_NULL_HANDLE;
+    // 0). Likewise.
+    BufferView destination{};
 
     // Morphs that each instance shows, {uint32_t morph; float weight;}[instance_count][kActiveMorphLimit], the largest
     // weight by magnitude first, weight 0 where there are fewer. Before skinning: bind position += weight * MorphDelta.
-    VkBuffer morph_buffer = VK_NULL_HANDLE;
+    BufferView morph{};
 
     // Instances that are drawn, uint32_t[5 + instance_count], with CrowdSettings::culls: their number, where those of
     // each of four levels of detail begin behind the fifth word, then their numbers in the block, level by level,
     // ascending.
-    VkBuffer list_buffer = VK_NULL_HANDLE;
+    BufferView list{};
     // Draw calls, VkDrawIndexedIndirectCommand[section_count][4 levels of detail], with CrowdSettings::culls; the n-th
-    // instance of a call is the n-th of its level in the list.
-    VkBuffer draw_buffer = VK_NULL_HANDLE;
+    // instance of a call is the n-th of its level in the list. The stride is that of a command.
+    BufferView draw{};
 
     uint32_t vertex_count = 0;
     // Morphed and skinned vertices, SkinnedVertex[instance_count][vertex_count], model space, in the order of
     // Character::vertices, with CrowdSettings::skins_once; where the crowd culls, only those that the listed instances
     // have in their level of detail.
-    VkBuffer skinned_buffer = VK_NULL_HANDLE;
+    BufferView skinned{};
 
     // On a native device, in place of the buffers.
     HostOutputs host{};

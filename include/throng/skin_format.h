@@ -5,7 +5,7 @@
 
 namespace throng {
 
-// How OutputBlock::skin_buffer stores a skin matrix.
+// How OutputBlock::skin stores a skin matrix.
 enum class SkinFormat {
     kAffine,  // 48 bytes: three rows of four floats
     // 24 bytes: three rows of four half floats; each within 2^-10 of its value or 2^-24, whichever is larger; beyond
@@ -18,7 +18,7 @@ enum class SkinFormat {
 // Bytes of one matrix.
 uint32_t skin_format_bytes(SkinFormat format);
 
-// How throng skins vertices: in Crowd::read_positions(), OutputBlock::skinned_buffer and Renderer. docs/skinning.md
+// How throng skins vertices: in Crowd::read_positions(), OutputBlock::skinned and Renderer. docs/skinning.md
 // compares them.
 enum class SkinBlend {
     kLinear,  // the weighted sum of the skin matrices: any character; joints that bend or twist far lose volume

@@ -52,7 +52,7 @@ struct DepthImage {
     bool reversed = true;  // nearer is greater
 };
 
-// An instance that is drawn, its level of detail (0 is the finest), and which row of OutputBlock::skin_buffer it has:
+// An instance that is drawn, its level of detail (0 is the finest), and which row of OutputBlock::skin it has:
 // its number in the block or, with a skin pool, a shared pose's or one of its own.
 struct DrawnInstance {
     uint32_t instance = 0, lod = 0, skin_row = 0;

@@ -8,6 +8,12 @@
 
 namespace throng {
 
+// Outputs that are copied into a frame slot at the end of an update, since the next one goes on from them or their
+// kernels know one place only; small beside skin matrices.
+inline constexpr std::array kShownBuffers{io::kPlacementsBuffer,   io::kRootsBuffer,   io::kSocketsBuffer,
+                                          io::kActiveMorphsBuffer, io::kModelBuffer,   io::kListBuffer,
+                                          io::kDrawsBuffer,        io::kSkinRowsBuffer};
+
 struct Batch {
     uint32_t group = 0;
     uint32_t first_instance = 0, instance_count = 0;
@@ -18,13 +24,21 @@ struct Batch {
     bool is_moved = false;    // whether placements have been set for that update
     uint32_t move_count = 0;  // updates so far of which that is so
     Buffers buffers;          // those that its settings ask for
-    // Skin matrices; the second only where CrowdSettings::keep_previous_matrices, and then they take turns.
-    std::array<Buffer, 2> skins;
-    uint32_t current_skin = 0;  // written by the last update
+    // What updates leave for those who read it, in frame slots that take turns: skin matrices, and where
+    // CrowdSettings::frames_in_flight is above 1 the skinned vertices and copies of other outputs (kShownBuffers).
+    std::vector<Buffer> skins;   // [slot]
+    std::vector<Buffers> shown;  // [slot], or none
+    uint32_t slot = 0;           // of the last update
 
     Buffer& operator[](uint32_t number) { return buffers[number]; }
     const Buffer& operator[](uint32_t number) const { return buffers[number]; }
-    const Buffer& skin() const { return skins[current_skin]; }
+    const Buffer& skin() const { return skins[slot]; }
+    uint32_t slot_before(uint32_t of) const { return (of == 0 ? static_cast<uint32_t>(skins.size()) : of) - 1; }
+    // An output in its slot, for those who read it.
+    const Buffer& shown_in(uint32_t of_slot, uint32_t number) const {
+        const bool is_copied = !shown.empty() && shown[of_slot].has(number);
+        return is_copied ? shown[of_slot][number] : buffers[number];
+    }
 
     // What kernels find of the batch and its group. `absent` stands for storage buffers that they do not have.
     BufferTable table(const Group& of, const BufferRange& absent) const {
@@ -34,6 +48,12 @@ struct Batch {
             .set({{io::kLayersBeforeBuffer, buffers[io::kLayersBuffer]},
                   {io::kParametersBeforeBuffer, buffers[io::kParametersBuffer]}})
             .set_absent(absent, of[io::kWordsBuffer]);
+    }
+    // What a picture is drawn from.
+    BufferTable shown_table(const Group& of, const BufferRange& absent, uint32_t of_slot) const {
+        BufferTable all = table(of, absent);
+        if (!shown.empty()) all.add(shown[of_slot]);
+        return all.set({{io::kSkinBuffer, skins[of_slot]}});
     }
 };
 

@@ -59,6 +59,9 @@ public:
     void make(Uploads& uploads, Batch& batch) const;
 
 private:
+    // How many buffers of this number a batch has.
+    uint64_t buffer_count(uint32_t number) const;
+
     struct Entry {
         uint32_t number = 0;
         uint64_t instance_bytes = 0;
@@ -70,6 +73,11 @@ private:
     std::vector<Entry> entries_;
     uint64_t largest_bytes_ = 0, unbuffered_bytes_ = 0, batch_bytes_ = 0;
 };
+
+// Skin matrices of so many updates are there at a time.
+inline uint32_t frame_slot_count(const CrowdSettings& settings) {
+    return settings.frames_in_flight + (settings.keep_previous_matrices ? 1 : 0);
+}
 
 // What the poses of CrowdGroup::pose_capacity take.
 uint64_t pose_bytes(const CrowdSettings& settings);

@@ -204,9 +204,16 @@ Result<std::vector<DrawnInstance>> Crowd::read_drawn() {
     return as_result([&] { return state().read_drawn(); });
 }
 
-std::span<const OutputBlock> Crowd::outputs() const {
-    return state_ ? std::span<const OutputBlock>(state_->outputs) : std::span<const OutputBlock>();
+std::span<const OutputBlock> Crowd::outputs() const { return outputs(frame_slot()); }
+
+std::span<const OutputBlock> Crowd::outputs(uint32_t frame_slot) const {
+    return frame_slot < frame_slot_count() ? std::span<const OutputBlock>(state_->outputs[frame_slot])
+                                           : std::span<const OutputBlock>();
 }
+
+uint32_t Crowd::frame_slot_count() const { return state_ ? static_cast<uint32_t>(state_->outputs.size()) : 0; }
+
+uint32_t Crowd::frame_slot() const { return state_ ? state_->slot : 0; }
 
 Result<StageTimes> Crowd::stage_times() const {
     return as_result([&] {

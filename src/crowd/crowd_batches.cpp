@@ -35,6 +35,10 @@ void CrowdState::check_groups(const CrowdSettings& settings) const {
     if (total > UINT32_MAX)
         throw Failure(ErrorCode::kLimit, "crowd", std::to_string(total) + " instances; at most 4,294,967,295");
     check_terrain(settings);
+    constexpr uint32_t kMostInFlight = 4;  // as updates whose feedback is kept
+    if (settings.frames_in_flight < 1 || settings.frames_in_flight > kMostInFlight)
+        throw Failure(ErrorCode::kInvalidArgument, "frames in flight", settings.frames_in_flight, "; 1 to ",
+                      kMostInFlight);
     check_memory(pose_bytes(settings));
 }
 
@@ -91,7 +95,6 @@ void CrowdState::make_batches(Uploads& uploads, const BatchPlan& plan, uint32_t 
         batch.first_instance = instance_count + first;
         batch.instance_count = batch.used_count = end - first;
         plan.make(uploads, batch);
-        add_output(batch);
     }
     instance_count += count;
 }
@@ -112,7 +115,7 @@ uint64_t CrowdState::skin_row_count(const Batch& batch) const {
     return pool ? uint64_t{pool->shared_row_count} + pool->row_count(batch.instance_count) : batch.instance_count;
 }
 
-HostOutputs CrowdState::host_outputs(const Batch& batch) const {
+HostOutputs CrowdState::host_outputs(const Batch& batch, uint32_t of_slot) const {
     static_assert(sizeof(RootMotion) == sizeof(io::RootState) && sizeof(ShownMorph) == sizeof(io::ActiveMorph));
     const Group& group = groups[batch.group];
     const uint64_t n = batch.instance_count,
@@ -121,53 +124,67 @@ HostOutputs CrowdState::host_outputs(const Batch& batch) const {
                    targets = group.procedural ? group.procedural->target_count : 0;
     const auto bytes = [&](const Buffer& skin) { return in_host_memory<const std::byte>(*gpu, skin, skin_bytes); };
     const auto items = [&]<class T>(std::type_identity<T>, uint32_t number, uint64_t of_instance) {
-        return in_host_memory<T>(*gpu, batch[number], n * of_instance);
+        return in_host_memory<T>(*gpu, batch.shown_in(of_slot, number), n * of_instance);
     };
     constexpr std::type_identity<const Affine> kAffines;
     constexpr std::type_identity<std::array<float, 4>> kRows;
-    return {.skin = bytes(batch.skins[0]),
-            .previous_skin = bytes(batch.skins[1]),
-            .model = items(kAffines, io::kModelBuffer, group.joint_count),
-            .placement = items(kAffines, io::kPlacementsBuffer, 1),
-            .socket = items(kAffines, io::kSocketsBuffer, group.socket_count()),
-            .parameter = items(std::type_identity<float>(), io::kParametersBuffer, parameters),
-            .root = items(std::type_identity<const RootMotion>(), io::kRootsBuffer, 1),
-            .target = items(kRows, io::kTargetsBuffer, targets),
-            .destination = items(kRows, io::kDestinationsBuffer, 1),
-            .morph = items(std::type_identity<const ShownMorph>(), io::kActiveMorphsBuffer, kActiveMorphLimit),
-            .list = in_host_memory<const uint32_t>(*gpu, batch[io::kListBuffer], io::kFirstListed + n),
-            .skin_row = in_host_memory<const uint32_t>(*gpu, batch[io::kSkinRowsBuffer], n),
-            .skinned = items(std::type_identity<const SkinnedVertex>(), io::kSkinnedBuffer,
-                             group.sockets_only ? 0 : group.vertex_count)};
+    return {
+        .skin = bytes(batch.skins[of_slot]),
+        .previous_skin = keeps_previous_ ? bytes(batch.skins[batch.slot_before(of_slot)])
+                                         : std::span<const std::byte>(),
+        .model = items(kAffines, io::kModelBuffer, group.joint_count),
+        .placement = items(kAffines, io::kPlacementsBuffer, 1),
+        .socket = items(kAffines, io::kSocketsBuffer, group.socket_count()),
+        .parameter = items(std::type_identity<float>(), io::kParametersBuffer, parameters),
+        .root = items(std::type_identity<const RootMotion>(), io::kRootsBuffer, 1),
+        .target = items(kRows, io::kTargetsBuffer, targets),
+        .destination = items(kRows, io::kDestinationsBuffer, 1),
+        .morph = items(std::type_identity<const ShownMorph>(), io::kActiveMorphsBuffer, kActiveMorphLimit),
+        .list = in_host_memory<const uint32_t>(*gpu, batch.shown_in(of_slot, io::kListBuffer), io::kFirstListed + n),
+        .skin_row = in_host_memory<const uint32_t>(*gpu, batch.shown_in(of_slot, io::kSkinRowsBuffer), n),
+        .skinned = items(std::type_identity<const SkinnedVertex>(), io::kSkinnedBuffer,
+                         group.sockets_only ? 0 : group.vertex_count)};
 }
 
-void CrowdState::add_output(const Batch& batch) {
+OutputBlock CrowdState::output_of(const Batch& batch, uint32_t of_slot) const {
     const Group& group = groups[batch.group];
-    outputs.push_back({.group = batch.group,
-                       .first_instance = batch.first_instance,
-                       .instance_count = batch.instance_count,
-                       .palette_count = group.palette_count,
-                       .joint_count = group.joint_count,
-                       .skin_buffer = batch.skins[0].handle(),
-                       .previous_skin_buffer = batch.skins[1].handle(),
-                       .skin_row_count = static_cast<uint32_t>(skin_row_count(batch)),
-                       .skin_row_buffer = batch[io::kSkinRowsBuffer].handle(),
-                       .model_buffer = batch[io::kModelBuffer].handle(),
-                       .placement_buffer = batch[io::kPlacementsBuffer].handle(),
-                       .socket_count = group.socket_count(),
-                       .socket_buffer = batch[io::kSocketsBuffer].handle(),
-                       .parameter_count = group.controller ? group.controller->parameter_count : 0,
-                       .parameter_buffer = batch[io::kParametersBuffer].handle(),
-                       .root_buffer = batch[io::kRootsBuffer].handle(),
-                       .target_count = group.procedural ? group.procedural->target_count : 0,
-                       .target_buffer = batch[io::kTargetsBuffer].handle(),
-                       .destination_buffer = batch[io::kDestinationsBuffer].handle(),
-                       .morph_buffer = batch[io::kActiveMorphsBuffer].handle(),
-                       .list_buffer = batch[io::kListBuffer].handle(),
-                       .draw_buffer = batch[io::kDrawsBuffer].handle(),
-                       .vertex_count = group.vertex_count,
-                       .skinned_buffer = batch[io::kSkinnedBuffer].handle(),
-                       .host = host_outputs(batch)});
+    const uint64_t n = batch.instance_count, rows = skin_row_count(batch),
+                   matrices_bytes = uint64_t{group.palette_count} * skin_format_bytes(skin_format);
+    const uint32_t parameters = group.controller ? group.controller->parameter_count : 0,
+                   targets = group.procedural ? group.procedural->target_count : 0;
+    const auto view = [](const Buffer& buffer, uint64_t count, uint64_t stride_bytes) {
+        return buffer ? BufferView{buffer.handle(), 0, count * stride_bytes, stride_bytes} : BufferView();
+    };
+    const auto output = [&](uint32_t number, uint64_t stride_bytes) {
+        return view(batch.shown_in(of_slot, number), n, stride_bytes);
+    };
+    return {.group = batch.group,
+            .first_instance = batch.first_instance,
+            .instance_count = batch.instance_count,
+            .palette_count = group.palette_count,
+            .joint_count = group.joint_count,
+            .skin = view(batch.skins[of_slot], rows, matrices_bytes),
+            .previous_skin = keeps_previous_ ? view(batch.skins[batch.slot_before(of_slot)], rows, matrices_bytes)
+                                             : BufferView(),
+            .skin_row_count = static_cast<uint32_t>(rows),
+            .skin_row = output(io::kSkinRowsBuffer, sizeof(uint32_t)),
+            .model = output(io::kModelBuffer, group.joint_count * kMatrix_bytes),
+            .placement = output(io::kPlacementsBuffer, kMatrix_bytes),
+            .socket_count = group.socket_count(),
+            .socket = output(io::kSocketsBuffer, group.socket_count() * kMatrix_bytes),
+            .parameter_count = parameters,
+            .parameter = output(io::kParametersBuffer, parameters * sizeof(float)),
+            .root = output(io::kRootsBuffer, sizeof(RootMotion)),
+            .target_count = targets,
+            .target = output(io::kTargetsBuffer, targets * sizeof(io::vec4)),
+            .destination = output(io::kDestinationsBuffer, sizeof(io::vec4)),
+            .morph = output(io::kActiveMorphsBuffer, kActiveMorphLimit * sizeof(ShownMorph)),
+            .list = view(batch.shown_in(of_slot, io::kListBuffer), io::kFirstListed + n, sizeof(uint32_t)),
+            .draw = view(batch.shown_in(of_slot, io::kDrawsBuffer), group.sections.size() * io::kLodCount,
+                         sizeof(io::DrawCommand)),
+            .vertex_count = group.vertex_count,
+            .skinned = output(io::kSkinnedBuffer, group.sockets_only ? 0 : group.vertex_count * sizeof(SkinnedVertex)),
+            .host = host_outputs(batch, of_slot)};
 }
 
 void CrowdState::make_feedback(const CrowdSettings& settings) {

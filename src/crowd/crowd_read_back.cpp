@@ -183,8 +183,11 @@ uint64_t CrowdState::size_bytes() const {
         for (const FusedJoints& joints : group.fused)
             if (joints.native && rigs.insert(joints.native.get()).second) sum += joints.native->size_bytes();
     }
-    for (const Batch& batch : batches)
-        sum += batch.buffers.size_bytes() + batch.skins[0].size_bytes() + batch.skins[1].size_bytes();
+    for (const Batch& batch : batches) {
+        sum += batch.buffers.size_bytes();
+        for (const Buffer& skin : batch.skins) sum += skin.size_bytes();
+        for (const Buffers& shown : batch.shown) sum += shown.size_bytes();
+    }
     return sum;
 }
 

@@ -37,7 +37,9 @@ CrowdState::CrowdState(std::shared_ptr<Gpu> gpu_in, const CrowdSettings& asked)
       skin_format(asked.skin_format),
       skin_blend(asked.skin_blend),
       skins_once(asked.skins_once),
-      first_uploads_(gpu) {
+      first_uploads_(gpu),
+      keeps_previous_(asked.keep_previous_matrices),
+      is_in_flight_(asked.frames_in_flight > 1) {
     const CrowdSettings settings = with_capacity(asked);
     check_groups(settings);
     Uploads& uploads = first_uploads_.uploads;
@@ -55,6 +57,10 @@ CrowdState::CrowdState(std::shared_ptr<Gpu> gpu_in, const CrowdSettings& asked)
     }
     check_memory(needed_bytes);
     for (uint32_t i = 0; i < groups.size(); ++i) make_batches(uploads, plans[i], i, settings.groups[i].instance_count);
+    for (uint32_t of = 0; of < frame_slot_count(settings); ++of) {
+        outputs.emplace_back();
+        for (const Batch& batch : batches) outputs.back().push_back(output_of(batch, of));
+    }
     for (Group& group : groups)
         if (group.skin_pool) group.skin_pool->shared_skin = {};
     make_feedback(settings);
@@ -136,9 +142,10 @@ void CrowdState::record(VkCommandBuffer commands, float time_step_s, const Crowd
         throw Failure(ErrorCode::kUnsupported, "occlusion", "a native device has no depths to test");
     if (!std::isfinite(time_step_s)) throw Failure(ErrorCode::kInvalidArgument, "time step", "must be finite");
     const io::CullView seen = cull_view_of(view, budgeted_full_rate_pixels(view));
-    constexpr Access kConsumers = kShaderRead | kVertexRead | kTransferRead | kIndirectRead;
-    // Whoever reads the last update's results must be done.
-    memory_barrier(*gpu, commands, kConsumers | kShaderWrite | kTransferWrite,
+    // Whoever reads the last update's results must be done; with frames in flight the application sees to that, and
+    // drawing may go on beside this update.
+    const Access readers = is_in_flight_ ? kShaderRead | kTransferRead : consumers();
+    memory_barrier(*gpu, commands, readers | kShaderWrite | kTransferWrite,
                    kShaderRead | kShaderWrite | kTransferWrite);
     check_runs(commands == VK_NULL_HANDLE);
     if (feedback) feedback->begin(commands);  // before anything is taken up, since it may refuse
@@ -146,27 +153,33 @@ void CrowdState::record(VkCommandBuffer commands, float time_step_s, const Crowd
     awaits_commands_ = can_discard_ = commands != VK_NULL_HANDLE;  // a native update has run when this returns
     const Update update = update_of(commands, time_step_s, seen);
     for (const auto& stage : stages) stage->begin(update);
-    take_turns();
-    memory_barrier(*gpu, commands, kTransferWrite, kShaderRead | kShaderWrite | kVertexRead);
+    go_to_slot((slot + 1) % static_cast<uint32_t>(outputs.size()));
+    memory_barrier(*gpu, commands, kTransferWrite, kShaderRead | kShaderWrite | consumers());
     if (timer) timer->begin(commands);
     for (const auto& stage : stages) stage->record(update);
     if (timer) timer->publish(commands);
     if (feedback) feedback->end(commands, watched_, take_pose_requests());
     if (!has_updated_) copy_to_previous(commands);
     had_updated_ = std::exchange(has_updated_, true);
-    memory_barrier(*gpu, commands, kShaderWrite | kTransferWrite, kConsumers);
+    copy_shown(commands);
+    memory_barrier(*gpu, commands, kShaderWrite | kTransferWrite, consumers());
 }
 
 void CrowdState::record_disoccluded(VkCommandBuffer commands, const DepthImage& depths) {
     if (!cull) throw Failure(ErrorCode::kInvalidArgument, "disoccluded", "CrowdSettings::culls is not set");
     if (gpu->is_native())
         throw Failure(ErrorCode::kUnsupported, "disoccluded", "a native device has no depths to test");
-    constexpr Access kConsumers = kShaderRead | kVertexRead | kTransferRead | kIndirectRead;
-    memory_barrier(*gpu, commands, kConsumers, kShaderWrite);  // what was listed has been drawn
+    memory_barrier(*gpu, commands, consumers(), kShaderWrite | kTransferWrite);  // what was listed has been drawn
     const Update update = update_of(commands, 0, {});
     for (const auto& stage : stages) stage->record_disoccluded(update, depths);
     if (timer) timer->publish(commands);
-    memory_barrier(*gpu, commands, kShaderWrite, kConsumers);
+    copy_shown(commands);
+    memory_barrier(*gpu, commands, kShaderWrite | kTransferWrite, consumers());
+}
+
+// Those that read results: of other kinds of queues nothing is known, and not all may name what drawing does.
+Access CrowdState::consumers() const {
+    return gpu->sharing_families.empty() ? kShaderRead | kVertexRead | kTransferRead | kIndirectRead : kAnyAccess;
 }
 
 // What the update has taken up is pending again, and what it let go on goes back; the timer notices by itself that it
@@ -182,7 +195,7 @@ void CrowdState::discard_last_record() {
     if (feedback) feedback->discard();
     pose_requests_.insert(pose_requests_.begin(), recorded_pose_requests_.begin(), recorded_pose_requests_.end());
     recorded_pose_requests_.clear();
-    take_turns();
+    go_to_slot((slot == 0 ? static_cast<uint32_t>(outputs.size()) : slot) - 1);
 }
 
 // Raised by what the last update took more than the budget, at most by half, and lowered more slowly, so that it
@@ -201,23 +214,25 @@ float CrowdState::budgeted_full_rate_pixels(const CrowdView* view) {
     return full_rate_factor_ > 1 ? std::max(view->full_rate_pixels, 1.0f) * full_rate_factor_ : view->full_rate_pixels;
 }
 
-// What was current becomes previous.
-void CrowdState::take_turns() {
-    for (size_t i = 0; i < batches.size(); ++i) {
-        if (!batches[i].skins[1]) continue;
-        batches[i].current_skin ^= 1;
-        std::swap(outputs[i].skin_buffer, outputs[i].previous_skin_buffer);
-        std::swap(outputs[i].host.skin, outputs[i].host.previous_skin);
-    }
+void CrowdState::go_to_slot(uint32_t next) {
+    slot = next;
+    for (Batch& batch : batches) batch.slot = next;
 }
 
 // The first update has none before it: nothing has moved.
 void CrowdState::copy_to_previous(VkCommandBuffer commands) const {
+    if (!keeps_previous_) return;
     memory_barrier(*gpu, commands, kShaderRead | kShaderWrite, kTransferRead | kTransferWrite);
-    for (const Batch& batch : batches) {
-        const Buffer& previous = batch.skins[1 - batch.current_skin];
-        if (previous) record_copy(*gpu, commands, batch.skin(), previous);
-    }
+    for (const Batch& batch : batches)
+        record_copy(*gpu, commands, batch.skin(), batch.skins[batch.slot_before(batch.slot)]);
+}
+
+void CrowdState::copy_shown(VkCommandBuffer commands) const {
+    if (!is_in_flight_) return;
+    memory_barrier(*gpu, commands, kShaderWrite | kTransferRead | kTransferWrite, kTransferRead | kTransferWrite);
+    for (const Batch& batch : batches)
+        for (const uint32_t number : kShownBuffers)
+            if (batch[number]) record_copy(*gpu, commands, batch[number], batch.shown[slot][number]);
 }
 
 }  // namespace throng

@@ -78,7 +78,8 @@ struct CrowdState {
     bool skins_once = false;
     std::vector<Group> groups;
     std::vector<Batch> batches;
-    std::vector<OutputBlock> outputs;
+    std::vector<std::vector<OutputBlock>> outputs;  // [frame slot][batch]
+    uint32_t slot = 0;                              // of the last update
     std::unique_ptr<StageTimer> timer;
     std::optional<FeedbackRing> feedback;
 
@@ -101,15 +102,17 @@ private:
     void check_memory(uint64_t needed_bytes) const;
     uint64_t batch_count_of(const BatchPlan& plan, uint32_t count) const;
     void make_batches(Uploads& uploads, const BatchPlan& plan, uint32_t group, uint32_t count);
-    void add_output(const Batch& batch);
+    OutputBlock output_of(const Batch& batch, uint32_t slot) const;
     uint64_t skin_row_count(const Batch& batch) const;
-    HostOutputs host_outputs(const Batch& batch) const;
+    HostOutputs host_outputs(const Batch& batch, uint32_t slot) const;
     void make_feedback(const CrowdSettings& settings);
     std::vector<RequestedPose> take_pose_requests();
     void make_stages(Uploads& uploads, const CrowdSettings& settings);
     Update update_of(VkCommandBuffer commands, float time_step_s, const io::CullView& view) const;
     void check_runs(bool natively);
-    void take_turns();
+    void go_to_slot(uint32_t next);
+    Access consumers() const;
+    void copy_shown(VkCommandBuffer commands) const;
     float budgeted_full_rate_pixels(const CrowdView* view);
     void send(uint32_t instance, io::ControlCommand command);
     template <class MakeCommand>
@@ -127,6 +130,8 @@ private:
     uint32_t joint_set_of(const Batch& batch, uint32_t instance) const;
 
     FirstUploads first_uploads_;
+    bool keeps_previous_ = false;
+    bool is_in_flight_ = false;          // drawing may read the outputs of one update while the next one runs
     std::optional<Kernel> skin_kernel_;  // made when positions are first read back
     bool has_updated_ = false;
     bool was_native_ = false;       // the last record() that was begun

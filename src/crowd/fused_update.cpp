@@ -29,7 +29,7 @@ void FusedUpdate::plan(BatchPlan& plan) {
     const CrowdSettings& settings = plan.settings();
     if (group.skin_pool) return plan_skin_pool(plan);
     // The update_rate stage reads skin matrices as rows of 16 bytes.
-    const auto add_skin = [&](uint32_t number) {
+    const auto add_skin = [&](uint32_t number) {  // of each frame slot
         const uint64_t bytes = uint64_t{std::max(group.palette_count, 1u)} * skin_format_bytes(settings.skin_format);
         if (!group.skips_updates(settings)) return plan.add_storage(number, bytes);
         plan.add(number, bytes, [=](Uploads& uploads, const std::string& what, uint64_t n) {
@@ -37,7 +37,6 @@ void FusedUpdate::plan(BatchPlan& plan) {
         });
     };
     add_skin(io::kSkinBuffer);
-    if (settings.keep_previous_matrices) add_skin(io::kPreviousSkinBuffer);
     if (settings.skips_updates && group.skips_updates(settings)) add_skin(io::kSkinTargetBuffer);
     if (group.sockets) plan.add_storage(io::kSocketsBuffer, group.socket_count() * sizeof(Affine));
     if (settings.keep_model_matrices && !group.sockets_only)
@@ -112,8 +111,7 @@ void FusedUpdate::bind(Member& member) const {
             return kernels_[batch.group][set].blending.bind(
                 batch.table(group, skin).add(group.fused[set].tables).set({{io::kSkinBuffer, skin}}));
         };
-        for (size_t k = 0; k < batch.skins.size(); ++k)
-            if (batch.skins[k]) bindings.skins[k] = bound(batch.skins[k]);
+        for (const Buffer& skin : batch.skins) bindings.skins.push_back(bound(skin));
         if (batch[io::kSkinTargetBuffer]) bindings.target = bound(batch[io::kSkinTargetBuffer]);
     }
 }
@@ -160,10 +158,9 @@ void FusedUpdate::record_set(VkCommandBuffer commands, const Member& member, uin
                        .palette_count = group.palette_count,
                        .rest_track = static_cast<uint32_t>(group.clip_durations_s.size()) * group.joint_count,
                        .active_clip_limit = group.controller ? group.controller->active_clip_limit : 0};
-    if (!is_listed(group)) return record_fused(commands, kernel, bindings.skins[batch.current_skin], joints.plan, push);
+    if (!is_listed(group)) return record_fused(commands, kernel, bindings.skins[batch.slot], joints.plan, push);
     push.section = io::kAnimated + set;
-    kernel.dispatch_indirect(commands, bindings.skins[batch.current_skin], push, batch[io::kDispatchesBuffer],
-                             push.section);
+    kernel.dispatch_indirect(commands, bindings.skins[batch.slot], push, batch[io::kDispatchesBuffer], push.section);
     if (!batch[io::kSkinTargetBuffer]) return;
     push.section = io::kAnimatedAhead + set;
     kernel.dispatch_indirect(commands, bindings.target, push, batch[io::kDispatchesBuffer], push.section);

@@ -27,8 +27,8 @@ private:
         Kernel blending, single;
     };
     struct SetBindings {
-        std::array<Bindings, 2> skins;  // one for each of the batch's skin buffers
-        Bindings target;                // where instances are animated ahead
+        std::vector<Bindings> skins;  // [frame slot]
+        Bindings target;              // where instances are animated ahead
     };
     struct Member {
         uint32_t batch = 0;

@@ -32,13 +32,13 @@ SkinStage::SkinStage(const StageContext& context)
     : Stage(context),
       kernel_(skin_kernel(gpu_, context.settings.skin_format, context.settings.skin_blend, context.settings.culls)) {
     for (uint32_t i = 0; i < batches_.size(); ++i) {
-        std::array<Bindings, 2>& member = members_.emplace_back();
+        std::vector<Bindings>& member = members_.emplace_back();
         const Batch& batch = batches_[i];
         const Group& group = group_of(batch);
         if (!skins(group)) continue;
-        for (size_t k = 0; k < member.size(); ++k)
-            if (batch.skins[k])
-                member[k] = kernel_.bind(skin_buffers(group, batch, batch.skins[k], batch[io::kSkinnedBuffer]));
+        for (uint32_t slot = 0; slot < batch.skins.size(); ++slot)
+            member.push_back(
+                kernel_.bind(skin_buffers(group, batch, batch.skins[slot], batch.shown_in(slot, io::kSkinnedBuffer))));
     }
 }
 
@@ -50,7 +50,7 @@ void SkinStage::record(const Update& update, bool only_animated) const {
         if (!skins(group)) continue;
         io::SkinPush push = skin_push(group);
         push.only_animated = only_animated;
-        const Bindings& bindings = members_[i][batch.current_skin];
+        const Bindings& bindings = members_[i][batch.slot];
         if (batch[io::kListBuffer])
             kernel_.dispatch_indirect(update.commands, bindings, push, batch[io::kDispatchesBuffer], io::kWorkSections);
         else

@@ -22,7 +22,7 @@ private:
     void record(const Update& update, bool only_animated) const;
 
     Kernel kernel_;
-    std::vector<std::array<Bindings, 2>> members_;  // [batch][current_skin]
+    std::vector<std::vector<Bindings>> members_;  // [batch][frame slot]
 };
 
 // For one batch. `skin_matrices`: those that are current; `skinned`: where its vertices go.

@@ -95,8 +95,7 @@ void StagedUpdate::bind_member(Member& member) {
                                         {io::kScanLinksBuffer, group.scan->links()}});
     if (group.procedural) member.procedural = procedural_.bind(member.batch, local);
     member.scan = group.scan->bind(table);
-    for (size_t i = 0; i < batch.skins.size(); ++i)
-        if (batch.skins[i]) member.bind[i] = bind_->bind(table.with({{io::kSkinBuffer, batch.skins[i]}}));
+    for (const Buffer& skin : batch.skins) member.bind.push_back(bind_->bind(table.with({{io::kSkinBuffer, skin}})));
     if (group.sockets) {
         if (!sockets_) sockets_ = socket_kernel(gpu_);
         member.sockets = sockets_->bind(table);
@@ -177,7 +176,7 @@ void StagedUpdate::record_wave(const Update& update, const Wave& wave) const {
                 io::SocketPush{instance_count, group.joint_count, group.socket_count(),
                                io::kSocketsGather | group.socket_flags(), batches_[member.batch].birth},
                 instance_count * group.socket_count());
-        bind_->dispatch_workgroups(commands, member.bind[batches_[member.batch].current_skin],
+        bind_->dispatch_workgroups(commands, member.bind[batches_[member.batch].slot],
                                    io::BindPush{group.joint_count, group.palette_count}, instance_count);
     });
 }

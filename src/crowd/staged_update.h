@@ -37,7 +37,7 @@ private:
         Bindings layered;                             // of layers
         ProceduralStage::KindBindings procedural;
         Bindings scan, sockets;
-        std::array<Bindings, 2> bind;  // one for each of the batch's skin buffers
+        std::vector<Bindings> bind;  // [frame slot]
     };
     struct Wave {
         uint32_t first_member = 0, member_count = 0;

@@ -12,24 +12,23 @@ UpdateRateStage::UpdateRateStage(const StageContext& context)
         if (!group_of(batch).skips_updates(context.settings)) continue;
         if (!kernel_) kernel_ = update_rate_kernel(gpu_, context.settings.skin_format);
         Member& member = members_.emplace_back(Member{.batch = i, .to_current = {}, .to_previous = {}});
-        for (size_t k = 0; k < (keeps_previous_ ? 2 : 1); ++k) {
-            const Buffer& current = batch.skins[k];
-            const Buffer& previous = keeps_previous_ ? batch.skins[1 - k] : current;
+        for (uint32_t slot = 0; slot < batch.skins.size(); ++slot) {
+            const Buffer &current = batch.skins[slot], &previous = batch.skins[batch.slot_before(slot)];
             const BufferTable table = batch.table(group_of(batch), {})
                                           .set(
                                               {{io::kSkinTargetBuffer, batch[io::kSkinTargetBuffer].or_else(current)}});
-            member.to_current[k] = kernel_->bind(
-                table.with({{io::kPreviousSkinBuffer, previous}, {io::kSkinBuffer, current}}));
+            member.to_current.push_back(
+                kernel_->bind(table.with({{io::kPreviousSkinBuffer, previous}, {io::kSkinBuffer, current}})));
             if (keeps_previous_)
-                member.to_previous[k] = kernel_->bind(
-                    table.with({{io::kPreviousSkinBuffer, current}, {io::kSkinBuffer, previous}}));
+                member.to_previous.push_back(
+                    kernel_->bind(table.with({{io::kPreviousSkinBuffer, current}, {io::kSkinBuffer, previous}})));
         }
     }
 }
 
 void UpdateRateStage::record(const Update& update) {
     if (members_.empty()) return;
-    const auto record_section = [&](uint32_t section, std::array<Bindings, 2> Member::*bindings) {
+    const auto record_section = [&](uint32_t section, std::vector<Bindings> Member::*bindings) {
         for (const Member& member : members_) {
             const Batch& batch = batches_[member.batch];
             const Group& group = group_of(batch);
@@ -39,7 +38,7 @@ void UpdateRateStage::record(const Update& update) {
                                           .unused0 = 0,
                                           .unused1 = 0,
                                           .entry_counts = {set0, set1, set2, set3}};
-            kernel_->dispatch_indirect(update.commands, (member.*bindings)[batch.current_skin], push,
+            kernel_->dispatch_indirect(update.commands, (member.*bindings)[batch.slot], push,
                                        batch[io::kDispatchesBuffer], section);
         }
         separate_kernels(update.commands);

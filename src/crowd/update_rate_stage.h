@@ -20,8 +20,8 @@ public:
 private:
     struct Member {
         uint32_t batch = 0;
-        std::array<Bindings, 2> to_current;   // for each of the batch's skin buffers that is current
-        std::array<Bindings, 2> to_previous;  // where there are two
+        std::vector<Bindings> to_current;   // [frame slot]
+        std::vector<Bindings> to_previous;  // the same, with CrowdSettings::keep_previous_matrices
     };
 
     bool keeps_previous_;

@@ -18,13 +18,11 @@ CrowdBindings::CrowdBindings(const ShaderLayout& layout, const MaterialSampling&
     uploads.finish();
     for (const Batch& batch : crowd.batches) {
         const Group& group = crowd.groups[batch.group];
-        const BufferTable table =
-            batch.table(group, group[io::kVerticesBuffer]).set({{io::kJointLevelsBuffer, joint_levels_[batch.group]}});
-        std::array<Bindings, 2>& of_batch = batches_.emplace_back();
-        for (size_t skin = 0; skin < 2; ++skin)
-            if (batch.skins[skin])
-                of_batch[skin] = Bindings(crowd.gpu, group.name, layout.set(kBatchSet),
-                                          table.with({{io::kSkinBuffer, batch.skins[skin]}}));
+        std::vector<Bindings>& of_batch = batches_.emplace_back();
+        for (uint32_t slot = 0; slot < batch.skins.size(); ++slot)
+            of_batch.emplace_back(crowd.gpu, group.name, layout.set(kBatchSet),
+                                  batch.shown_table(group, group[io::kVerticesBuffer], slot)
+                                      .set({{io::kJointLevelsBuffer, joint_levels_[batch.group]}}));
     }
 }
 

@@ -4,7 +4,6 @@
 #include "crowd/crowd_state.h"
 #include "draw/materials.h"
 
-#include <array>
 #include <string>
 #include <vector>
 
@@ -15,15 +14,15 @@ struct CrowdBindings {
     CrowdBindings(const ShaderLayout& layout, const MaterialSampling& sampling, const CrowdState& crowd);
 
     VkDescriptorSet set_of(const CrowdState& crowd, uint32_t batch) const {
-        return batches_[batch][crowd.batches[batch].current_skin].set();
+        return batches_[batch][crowd.batches[batch].slot].set();
     }
 
     std::vector<GroupMaterials> materials;  // [group_count]
     std::vector<std::string> warnings;
 
 private:
-    std::vector<Buffer> joint_levels_;              // [group_count], where model matrices are kept
-    std::vector<std::array<Bindings, 2>> batches_;  // [batch_count][current_skin]
+    std::vector<Buffer> joint_levels_;            // [group_count], where model matrices are kept
+    std::vector<std::vector<Bindings>> batches_;  // [batch_count][frame slot]
 };
 
 }  // namespace throng

@@ -75,7 +75,7 @@ void CrowdDrawing::draw_section(VkCommandBuffer commands, const Batch& batch, si
     bind(commands, kMaterialSet, bindings.materials[batch.group].textures_of(section));
     vk.vkCmdSetCullMode(commands, shows_back ? VK_CULL_MODE_NONE : VK_CULL_MODE_BACK_BIT);
     io::DrawPush push = push_of(group, section, material);
-    const VkBuffer draws = batch[io::kDrawsBuffer].handle();
+    const VkBuffer draws = batch.shown_in(batch.slot, io::kDrawsBuffer).handle();
     if (!draws) {
         set_push(commands, crowd, layout, push);
         vk.vkCmdDrawIndexed(commands, section.index_count, batch.instance_count, section.first_index, 0, 0);

@@ -120,7 +120,8 @@ void place_skinned(const PosedInstance& of, const NativeSection& section, float*
     const NativeDispatch none;
     VertexText text(none);
     const auto placement = std::bit_cast<io::Affine>(of.placement());
-    const auto* const skinned = reinterpret_cast<const SkinnedVertex*>(of.batch[io::kSkinnedBuffer].mapped()) +
+    const auto* const skinned = reinterpret_cast<const SkinnedVertex*>(
+                                    of.batch.shown_in(of.batch.slot, io::kSkinnedBuffer).mapped()) +
                                 size_t{of.instance} * of.group.vertex_count + section.of->first_vertex;
     for (size_t i = 0; i < section.sources.size(); ++i) {
         const SkinnedVertex& vertex = skinned[section.sources[i]];

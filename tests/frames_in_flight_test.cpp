@@ -1,0 +1,200 @@
+// Outputs of several updates side by side: each frame slot keeps its own until its turn comes again.
+#include "tests/crowd_cases.h"
+#include "tests/kernel_runner.h"
+#include "tests/recorder.h"
+
+#include <throng/draw.h>
+
+#include <gtest/gtest.h>
+
+#include <deque>
+#include <map>
+#include <numeric>
+#include <set>
+
+namespace throng::test {
+namespace {
+
+constexpr std::pair<const char*, BufferView OutputBlock::*> kOutputs[]{
+    {"skin", &OutputBlock::skin},     {"previous skin", &OutputBlock::previous_skin},
+    {"model", &OutputBlock::model},   {"placement", &OutputBlock::placement},
+    {"socket", &OutputBlock::socket}, {"root", &OutputBlock::root},
+    {"morph", &OutputBlock::morph},   {"skinned", &OutputBlock::skinned}};
+
+// By the block's number and what it is, bytes: of what is drawn, where there are lists, and then not of skinned
+// vertices, of which a level of detail has some only.
+using Contents = std::map<std::string, std::string>;
+
+Contents contents_of(std::span<const OutputBlock> blocks) {
+    Contents all;
+    for (const OutputBlock& block : blocks) {
+        const std::string place = std::to_string(block.group) + ": ";
+        std::vector<uint32_t> shown(block.instance_count);
+        std::iota(shown.begin(), shown.end(), 0u);
+        const bool is_listed = has_output(block, &OutputBlock::list);
+        if (is_listed) {
+            const auto list = output<uint32_t>(block, &OutputBlock::list, 5 + block.instance_count);
+            shown.assign(list.begin() + 5, list.begin() + 5 + list[0]);
+            for (const uint32_t instance : shown) all[place + "list"] += std::to_string(instance) + " ";
+        }
+        for (const auto& [name, member] : kOutputs) {
+            if (!has_output(block, member) || (is_listed && member == &OutputBlock::skinned)) continue;
+            const uint64_t stride_bytes = (block.*member).stride_bytes;
+            for (const uint32_t instance : shown)
+                for (const std::byte byte : download<std::byte>(
+                         test_gpu(), output_range(block, member, instance * stride_bytes, stride_bytes)))
+                    all[place + name] += static_cast<char>(byte);
+        }
+    }
+    return all;
+}
+
+void expect_same(const Contents& a, const Contents& b, const std::string& where) {
+    ASSERT_EQ(a.size(), b.size()) << where;
+    for (const auto& [name, bytes] : a) {
+        const auto other = b.find(name);
+        EXPECT_TRUE(other != b.end() && other->second == bytes) << name << ", " << where;
+    }
+}
+
+class FramesInFlight : public testing::Test {
+protected:
+    CrowdSettings settings(bool culls) const {
+        CrowdSettings made{
+            .path = UpdatePath::kDevice, .keep_model_matrices = !culls, .keep_previous_matrices = true, .culls = culls};
+        made.skips_updates = culls;
+        made.skins_once = true;
+        made.groups = {{.character = &character_, .instance_count = 9, .pose_capacity = 4},
+                       {.character = &walker_, .instance_count = 7, .controller = &controller_, .sockets = {3, 7}},
+                       {.character = &character_, .instance_count = 5, .procedural = &rules_}};
+        return made;
+    }
+    void set(Crowd& crowd) const {
+        std::vector<Affine> places;
+        for (uint32_t i = 0; i < crowd.instance_count(); ++i)
+            places.push_back(to_affine(
+                Trs<float>{.translation = Vec3<float>{float(i % 6), 0, float(i / 6)} * (2 * character_.size)}));
+        EXPECT_TRUE(crowd.set_placement(crowd.instances(), places));
+        EXPECT_TRUE(crowd.set_playback(Instances::numbered(0, 9), Playback{.first = {.clip = 0, .time_s = 0.2}}));
+    }
+    CrowdView view(int frame) const {
+        const float size = character_.size, around = 0.7f * static_cast<float>(frame);
+        return *view_of({.eye = Vec3<float>{6 + 9 * std::cos(around), 3, 3 + 9 * std::sin(around)} * size,
+                         .target = Vec3<float>{6, 1, 3} * size},
+                        320, 200, {}, {.full_rate_pixels = 100});
+    }
+
+    Character character_ = creature(30, 10), walker_ = creature(40, 8);
+    Controller controller_ = example("dragon");
+    ProceduralRules rules_{.rules = {WindRule{.joint = character_.rig.names[1]}}};
+};
+
+// Every slot has what a crowd without frames in flight had after that update, until it is written again; a record that
+// is discarded changes none.
+TEST_F(FramesInFlight, EachSlotKeepsItsOwn) {
+    for (const bool culls : {false, true})
+        for (const uint32_t in_flight : {1u, 2u, 4u}) {
+            CrowdSettings of = settings(culls);
+            Crowd one = create(of);
+            of.frames_in_flight = in_flight;
+            Crowd crowd = create(of);
+            ASSERT_EQ(crowd.frame_slot_count(), in_flight + 1) << "previous matrices take one more";
+            EXPECT_TRUE(crowd.outputs(crowd.frame_slot_count()).empty());
+            set(one);
+            set(crowd);
+            std::deque<std::pair<uint32_t, Contents>> expected;  // of slots, the newest last
+            for (int frame = 0; frame < 12; ++frame) {
+                const CrowdView seen = view(frame);
+                ASSERT_TRUE(one.update(0.05f, culls ? &seen : nullptr));
+                if (test_gpu()->is_native() || frame % 3 != 1) {
+                    ASSERT_TRUE(crowd.update(0.05f, culls ? &seen : nullptr));
+                } else {
+                    Recorder recorder;
+                    recorder.record([&](VkCommandBuffer commands) { EXPECT_TRUE(crowd.record(commands, 0.3f)); });
+                    EXPECT_TRUE(crowd.discard_last_record());
+                    recorder.submit(recorder.record([&](VkCommandBuffer commands) {
+                        EXPECT_TRUE(crowd.record(commands, 0.05f, culls ? &seen : nullptr));
+                    }));
+                }
+                EXPECT_EQ(crowd.outputs().data(), crowd.outputs(crowd.frame_slot()).data());
+                expected.emplace_back(crowd.frame_slot(), contents_of(one.outputs()));
+                if (expected.size() > in_flight) expected.pop_front();
+                for (const auto& [slot, contents] : expected)
+                    expect_same(contents, contents_of(crowd.outputs(slot)),
+                                "slot " + std::to_string(slot) + ", frame " + std::to_string(frame) + ", in flight " +
+                                    std::to_string(in_flight) + (culls ? ", culls" : ""));
+            }
+        }
+}
+
+TEST_F(FramesInFlight, ViewsSayWhereTheirEntriesLie) {
+    CrowdSettings of = settings(true);
+    of.frames_in_flight = 2;
+    Crowd crowd = create(of);
+    const OutputBlock& block = crowd.outputs(1)[1];
+    if (test_gpu()->is_native()) {
+        EXPECT_FALSE(block.skin);
+        EXPECT_EQ(block.host.skin.size(), block.instance_count * block.palette_count * sizeof(Affine));
+        EXPECT_NE(block.host.skin.data(), crowd.outputs(0)[1].host.skin.data());
+        EXPECT_NE(block.host.placement.data(), crowd.outputs(0)[1].host.placement.data());
+        EXPECT_EQ(block.host.parameter.data(), crowd.outputs(0)[1].host.parameter.data());
+        return;
+    }
+    EXPECT_EQ(block.skin.stride_bytes, block.palette_count * sizeof(Affine));
+    EXPECT_EQ(block.skin.size_bytes, block.instance_count * block.skin.stride_bytes);
+    EXPECT_EQ(block.skin.buffer, crowd.outputs(2)[1].previous_skin.buffer);
+    EXPECT_EQ(block.socket.stride_bytes, 2 * sizeof(Affine));
+    EXPECT_EQ(block.list.size_bytes, (5 + block.instance_count) * sizeof(uint32_t));
+    EXPECT_EQ(block.draw.size_bytes, walker_.sections.size() * 4 * sizeof(VkDrawIndexedIndirectCommand));
+    EXPECT_EQ(block.parameter.buffer, crowd.outputs(0)[1].parameter.buffer);
+    EXPECT_NE(block.placement.buffer, crowd.outputs(0)[1].placement.buffer);
+    EXPECT_FALSE(block.target);
+    EXPECT_FALSE(block.model);
+}
+
+TEST_F(FramesInFlight, OtherNumbersAreRefused) {
+    for (const uint32_t wrong : {0u, 5u, ~0u}) {
+        CrowdSettings of = settings(false);
+        of.frames_in_flight = wrong;
+        const Result<Crowd> refused = Crowd::create(test_device(), of);
+        ASSERT_FALSE(refused);
+        EXPECT_NE(refused.error().text().find(std::to_string(wrong) + "; 1 to 4"), std::string::npos);
+    }
+    EXPECT_TRUE(Crowd().outputs(0).empty());
+    EXPECT_EQ(Crowd().frame_slot_count(), 0u);
+}
+
+// Pictures of several frames in one command buffer, as without frames in flight; synchronization validation sees
+// whether drawing reads what the next update writes.
+TEST_F(FramesInFlight, AreDrawnFromTheirSlots) {
+    if (test_gpu()->is_native()) GTEST_SKIP() << "it has no command buffers";
+    for (const bool culls : {false, true}) {
+        std::vector<std::vector<uint8_t>> pictures;
+        for (const uint32_t in_flight : {1u, 2u}) {
+            CrowdSettings of = settings(culls);
+            of.frames_in_flight = in_flight;
+            of.keep_previous_matrices = false;  // those of who appears are written beside those that are drawn
+            Crowd crowd = create(of);
+            set(crowd);
+            Renderer renderer =
+                Renderer::create(test_device(), {.width = 160, .height = 100, .path = DrawPath::kDevice}).value();
+            const Vec3<float> eye{6, 4, 14}, target{6, 1, 3};
+            const Camera camera{.eye = eye * character_.size, .target = target * character_.size};
+            for (int submission = 0; submission < 2; ++submission) {
+                Recorder recorder;
+                recorder.submit(recorder.record([&](VkCommandBuffer commands) {
+                    for (int frame = 0; frame < 3; ++frame) {
+                        const Result<void> recorded = renderer.record(commands, crowd, 0.05f, camera);
+                        EXPECT_TRUE(recorded) << recorded.error().text();
+                    }
+                }));
+            }
+            pictures.push_back(renderer.render(crowd, camera)->picture.rgba);
+        }
+        EXPECT_EQ(pictures[0], pictures[1]);
+        EXPECT_GT(std::set<uint8_t>(pictures[0].begin(), pictures[0].end()).size(), 20u) << "something is drawn";
+    }
+}
+
+}  // namespace
+}  // namespace throng::test
