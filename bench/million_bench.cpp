@@ -137,8 +137,7 @@ private:
         Crowd crowd = value_of(Crowd::create(
             device_, {.groups = {{.character = million_.character, .instance_count = of, .skin_pool = million_.pool}},
                       .path = path,
-                      .culls = true,
-                      .reduces_joints = true}));
+                      .culling = Culling{.reduces_joints = true}}));
         value_of(crowd.set_placement(crowd.instances(), million_.placement.first(of)));
         value_of(crowd.set_playback(crowd.instances(), million_.playback.first(of)));
         return crowd;

@@ -28,7 +28,7 @@ public:
         const CrowdSettings settings{.groups = {{.character = &character, .instance_count = 1, .skin_pool = pool}},
                                      .timestamps = false};
         CrowdSettings viewed = settings;
-        viewed.culls = true;
+        viewed.culling.emplace();
         made_ = compiler.made_by([&] { value_of(Crowd::create(Device(compiler.gpu()), viewed)); });
         plan_ = choose_path(*compiler.gpu(), viewed, viewed.groups[0]).fused;
     }

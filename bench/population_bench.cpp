@@ -108,8 +108,12 @@ private:
         else
             group.capacity = capacity_;
         Entrant entrant{
-            kind, count, value_of(Crowd::create(device_, {.groups = {group}, .path = population_.path, .culls = true})),
-            {},   0,     {}};
+            kind,
+            count,
+            value_of(Crowd::create(device_, {.groups = {group}, .path = population_.path, .culling = Culling{}})),
+            {},
+            0,
+            {}};
         Crowd& crowd = entrant.crowd;
         if (kind == Kind::kForGood) {
             for (uint32_t i = 0; i < count; ++i) entrant.instances.push_back({.instance = i});

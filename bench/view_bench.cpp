@@ -47,12 +47,12 @@ public:
             progress(seen_.configuration + ": checking " + variant.name);
             Entrant& entrant = entrants_.emplace_back();
             entrant.variant = &variant;
-            Result<Crowd> made = Crowd::create(device_,
-                                               {.groups = {{.character = seen_.character, .instance_count = count()}},
-                                                .path = seen_.path,
-                                                .culls = variant.culls,
-                                                .skips_updates = variant.skips_updates,
-                                                .reduces_joints = variant.reduces_joints});
+            Result<Crowd> made = Crowd::create(
+                device_, {.groups = {{.character = seen_.character, .instance_count = count()}},
+                          .path = seen_.path,
+                          .culling = variant.culls ? std::optional(Culling{.skips_updates = variant.skips_updates,
+                                                                           .reduces_joints = variant.reduces_joints})
+                                                   : std::nullopt});
             if (!made) {
                 entrant.unsupported_reason = made.error().text();
                 continue;

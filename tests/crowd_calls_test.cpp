@@ -28,7 +28,7 @@ protected:
                    {.character = &character, .instance_count = 3, .procedural = &rules},
                    {.character = &character, .instance_count = 3, .steering = Steering{.radius = 0.5f, .speed = 3}},
                    {.character = &character, .pose_capacity = 4, .capacity = 4}},
-        .culls = true};
+        .culling = Culling{}};
 
     static void expect_same(Crowd& a, Crowd& b, const std::vector<InstanceHandle>& instances) {
         ASSERT_TRUE(a.update(0.1f) && b.update(0.1f));

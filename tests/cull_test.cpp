@@ -55,7 +55,7 @@ TEST(Cull, ListsWhatTheReferenceSees) {
         Random random(count);
         const double extent = 200;
         const std::vector<Affine> places = random_places(random, count, extent);
-        Crowd crowd = create({.groups = {{&character, count}}, .culls = true});
+        Crowd crowd = create({.groups = {{&character, count}}, .culling = Culling{}});
         ASSERT_TRUE(crowd.set_placement(crowd.instances(), places));
         const Group& group = crowd.state().groups[0];
         const CullBox box{((group.posed_min + group.posed_max) * 0.5f).as<double>(),
@@ -115,7 +115,7 @@ TEST(Cull, ListsWhatTheReferenceSees) {
 
 TEST(Cull, WithoutAViewAllAreListedInFullDetail) {
     const Character character = creature_with_lods();
-    Crowd crowd = create({.groups = {{&character, 70}, {&character, 5}}, .culls = true});
+    Crowd crowd = create({.groups = {{&character, 70}, {&character, 5}}, .culling = Culling{}});
     ASSERT_TRUE(crowd.update(0.1f));
     const std::vector<DrawnInstance> drawn = drawn_of(crowd);
     ASSERT_EQ(drawn.size(), 75u);
@@ -129,7 +129,7 @@ void expect_same_where_drawn(const CrowdGroup& group, UpdatePath path, bool only
     constexpr uint32_t kCount = 130;
     CrowdGroup copied = group;
     copied.instance_count = kCount;
-    const CrowdSettings settings{.groups = {copied}, .path = path, .scan = scan, .culls = true};
+    const CrowdSettings settings{.groups = {copied}, .path = path, .scan = scan, .culling = Culling{}};
     Crowd viewed = create(settings), whole = create(settings);
     Random random(6);
     const std::vector<Affine> places = random_places(random, kCount, 30);
@@ -184,7 +184,7 @@ TEST(Cull, TiledMethodsAnimateTheListToo) {
 
 TEST(Cull, BatchesChangeNothing) {
     const Character character = creature_with_lods();
-    const CrowdSettings settings{.groups = {{&character, 10}}, .culls = true};
+    const CrowdSettings settings{.groups = {{&character, 10}}, .culling = Culling{}};
     Crowd whole = create(settings);
     Result<Crowd> parts = Crowd::create(device_of_workgroups(3), settings);
     ASSERT_TRUE(parts) << parts.error().text();
@@ -221,7 +221,7 @@ TEST(Cull, CellsFollowPlacements) {
     std::vector<Affine> places = sorted_places(kCount);
     const CrowdView view = *view_of({.eye = {30, 10, 60}, .target = {30, 0, 0}, .vertical_field_of_view_rad = 0.3f},
                                     kWidth, kHeight, {});
-    const CrowdSettings settings{.groups = {{&character, kCount}}, .culls = true};
+    const CrowdSettings settings{.groups = {{&character, kCount}}, .culling = Culling{}};
     Crowd crowd = create(settings);
     ASSERT_TRUE(crowd.set_placement(crowd.instances(), places));
     const auto instances_of = [](Crowd& of) {
@@ -269,7 +269,7 @@ TEST(Cull, PicturesAreThoseOfEverything) {
         places.push_back(to_affine(Trs<double>{.rotation = axis_angle(Vec3<double>{0, 1, 0}, random.between(0, 6)),
                                                .translation = {random.between(-30, 30), 0, random.between(-30, 30)}})
                              .as<float>());
-    Crowd viewed = create({.groups = {{&character, kCount}}, .culls = true}),
+    Crowd viewed = create({.groups = {{&character, kCount}}, .culling = Culling{}}),
           whole = create({.groups = {{&character, kCount}}});
     for (Crowd* crowd : {&viewed, &whole})
         ASSERT_TRUE(crowd->set_placement(crowd->instances(), places) &&
@@ -303,7 +303,8 @@ TEST(Cull, PicturesAreThoseOfEverything) {
 
 TEST(Cull, WrongViewsAreRefused) {
     const Character character = small_character();
-    Crowd crowd = create({.groups = {{&character, 2}}, .culls = true}), plain = create({.groups = {{&character, 2}}});
+    Crowd crowd = create({.groups = {{&character, 2}}, .culling = Culling{}}),
+          plain = create({.groups = {{&character, 2}}});
     const CrowdView sound = *view_of({}, 4, 3, {});
     EXPECT_TRUE(crowd.update(0, &sound));
     const Result<void> unprepared = plain.update(0, &sound);
@@ -331,7 +332,7 @@ TEST(Cull, WrongViewsAreRefused) {
 // What was set before it is taken up by the next one.
 TEST(Cull, ARefusedUpdateTakesNothingUp) {
     const Character character = small_character();
-    Crowd crowd = create({.groups = {{&character, 3}}, .culls = true});
+    Crowd crowd = create({.groups = {{&character, 3}}, .culling = Culling{}});
     Affine place;
     place.row[0][3] = 5;
     ASSERT_TRUE(crowd.set_placement(InstanceHandle{1}, place));
@@ -347,7 +348,7 @@ TEST(Cull, ARefusedUpdateTakesNothingUp) {
 TEST(Cull, PositionsAreThoseOfTheLevel) {
     const Character character = creature_with_lods();
     Crowd crowd = create(
-        {.groups = {{&character, 1}}, .path = UpdatePath::kFused, .culls = true, .reduces_joints = true});
+        {.groups = {{&character, 1}}, .path = UpdatePath::kFused, .culling = Culling{.reduces_joints = true}});
     ASSERT_GT(crowd.state().groups[0].fused.size(), 1u);
     const Playback playback{.first = {.clip = 0, .time_s = 0.4}};
     ASSERT_TRUE(crowd.set_playback(InstanceHandle{0}, playback));

@@ -358,7 +358,7 @@ TEST(Renderer, FramesFollowEachOther) {
     Renderer one = renderer_of();
     Renderer& other = shared_renderer(4);
     for (const CrowdSettings& settings :
-         {CrowdSettings{}, CrowdSettings{.keep_previous_matrices = true, .culls = true}}) {
+         {CrowdSettings{}, CrowdSettings{.keep_previous_matrices = true, .culling = Culling{}}}) {
         Crowd apart = crowd_of(*character, settings), together = crowd_of(*character, settings),
               recorded = crowd_of(*character, settings);
         std::vector<Picture> expected;
@@ -478,8 +478,10 @@ TEST(Draw, ShadowsFallOnTheGroundAndOnOthers) {
     };
     const Picture one = pictured(square(), {Affine{}}, above, lit), two = pictured(square(), places, beside, lit);
     for (const bool culls : {false, true}) {
-        const Picture one_shadowed = pictured(square(), {Affine{}}, above, shadowed, {.culls = culls}),
-                      two_shadowed = pictured(square(), places, beside, shadowed, {.culls = culls});
+        const Picture one_shadowed = pictured(square(), {Affine{}}, above, shadowed,
+                                              {.culling = culls ? std::optional(Culling{}) : std::nullopt}),
+                      two_shadowed = pictured(square(), places, beside, shadowed,
+                                              {.culling = culls ? std::optional(Culling{}) : std::nullopt});
         EXPECT_TRUE(darkens(one, one_shadowed, above, {0, 0, -0.5})) << "the ground behind";
         EXPECT_FALSE(darkens(one, one_shadowed, above, {0, 0, -1.2})) << "beyond the shadow";
         EXPECT_FALSE(darkens(one, one_shadowed, above, {0.7, 0, -0.5})) << "beside it";
@@ -693,8 +695,8 @@ TEST(Draw, SkeletonsShowLevelsOverTheMesh) {
     asset.skins[0].joints = {0, 2, 3};
     asset.skins[0].inverse_binds.resize(3);
     const Camera camera{.eye = {0, 0.5f, 2}, .target = {0, 0.5f, 0}};
-    for (const CrowdSettings& settings :
-         {CrowdSettings{.keep_model_matrices = true}, CrowdSettings{.keep_model_matrices = true, .culls = true}}) {
+    for (const CrowdSettings& settings : {CrowdSettings{.keep_model_matrices = true},
+                                          CrowdSettings{.keep_model_matrices = true, .culling = Culling{}}}) {
         const Picture picture = pictured(asset, {Affine{}}, camera, {.skeletons = true}, settings);
         const Pixel first = seen_at(picture, camera, {0, 0.3, -0.15}),
                     second = seen_at(picture, camera, {0.2, 0.6, -0.3});
@@ -705,7 +707,7 @@ TEST(Draw, SkeletonsShowLevelsOverTheMesh) {
         EXPECT_TRUE(is_red(seen_at(picture, camera, {0.2, 0.3, 0}))) << "beside them the square";
     }
     const Result<Character> character = compile_character(square(), kExact);
-    Crowd unseen = crowd_of(*character, {.keep_model_matrices = true, .culls = true});
+    Crowd unseen = crowd_of(*character, {.keep_model_matrices = true, .culling = Culling{}});
     const CrowdView away = *view_of({.eye = {0, 0.5f, 5}, .target = {0, 0.5f, 9}}, kWidth, kHeight,
                                     world_bounds(unseen));
     ASSERT_TRUE(unseen.update(0, &away));
@@ -729,7 +731,8 @@ TEST(Draw, BoundsAreTheBoxesOfCulling) {
         low{(group.posed_min.x + group.posed_max.x) / 2.0, group.posed_min.y, group.posed_max.z};
     const Camera camera{.eye = {2, 2, 3}, .target = {0.4f, 0.5f, 0}};
     for (const bool culls : {false, true}) {
-        const Picture with = pictured(square(), {Affine{}}, camera, {.bounds = true}, {.culls = culls});
+        const Picture with = pictured(square(), {Affine{}}, camera, {.bounds = true},
+                                      {.culling = culls ? std::optional(Culling{}) : std::nullopt});
         for (const Vec3<double>& point : {middle_of_edge, low}) {
             const Pixel p = seen_at(with, camera, point);
             EXPECT_NEAR(p.r, 255, 1);

@@ -25,7 +25,7 @@ public:
                                           .capacity = 6},
                                          {.character = &other_, .instance_count = 4, .procedural = &rules_}},
                               .path = path,
-                              .culls = true});
+                              .culling = Culling{}});
         EXPECT_TRUE(crowd.set_playback(Instances::numbered(0, 5), Playback{.first = {.clip = 0, .time_s = 0.3f}}));
         EXPECT_TRUE(crowd.set_placement(Instances::numbered(1, 2), to_affine(Trs<float>{.translation = {1, 0, 2}})));
         return crowd;

@@ -60,9 +60,10 @@ void expect_same(const Contents& a, const Contents& b, const std::string& where)
 class FramesInFlight : public testing::Test {
 protected:
     CrowdSettings settings(bool culls) const {
-        CrowdSettings made{
-            .path = UpdatePath::kDevice, .keep_model_matrices = !culls, .keep_previous_matrices = true, .culls = culls};
-        made.skips_updates = culls;
+        CrowdSettings made{.path = UpdatePath::kDevice,
+                           .keep_model_matrices = !culls,
+                           .keep_previous_matrices = true,
+                           .culling = culls ? std::optional(Culling{.skips_updates = true}) : std::nullopt};
         made.skins_once = true;
         made.groups = {{.character = &character_, .instance_count = 9, .pose_capacity = 4},
                        {.character = &walker_, .instance_count = 7, .controller = &controller_, .sockets = {3, 7}},

@@ -24,8 +24,7 @@ public:
     Twins() {
         CrowdSettings settings{.path = UpdatePath::kDevice,
                                .keep_previous_matrices = true,
-                               .culls = true,
-                               .skips_updates = true,
+                               .culling = Culling{.skips_updates = true},
                                .pose_request_capacity = 64};
         settings.groups = {
             {.character = &character_, .instance_count = kEach, .pose_capacity = kEach / 2},
@@ -233,7 +232,7 @@ TEST(Frames, RecordDoesNotWaitForTheGpu) {
     if (!test_gpu()->has_timestamps()) GTEST_SKIP() << "the queue has no timestamps";
     const Gpu& gpu = *test_gpu();
     const Character character = creature(20, 8);
-    Crowd crowd = create({.groups = {{&character, 4}}, .culls = true});
+    Crowd crowd = create({.groups = {{&character, 4}}, .culling = Culling{}});
     const CrowdView view = *view_of({.eye = {0, 5, 20}, .target = {}}, 320, 200, {},
                                     {.full_rate_pixels = 10, .budget_ms = 1});
     const OwnedEvent go_on(test_gpu(), gpu.vk.vkCreateEvent, VkEventCreateInfo{VK_STRUCTURE_TYPE_EVENT_CREATE_INFO},

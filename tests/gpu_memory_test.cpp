@@ -313,7 +313,7 @@ void make_crowds(bool natively) {
         const Device device = another_device();       // without pipelines of the case before
         if (!natively) device.gpu()->native.reset();  // as hardware, which makes them with the crowd
         const GpuCounts& counts = device.gpu()->counts;
-        CrowdSettings settings{.culls = of.culls, .reduces_joints = of.culls};
+        CrowdSettings settings{.culling = of.culls ? std::optional(Culling{.reduces_joints = true}) : std::nullopt};
         for (size_t i = 0; i < of.group_count; ++i) settings.groups.push_back({&kinds[i % of.kind_count], 10});
         for (const bool again : {false, true}) {
             const uint64_t allocations = counts.allocations, submissions = counts.submissions,

@@ -151,7 +151,7 @@ TEST_F(NativeDraw, ControllersAndLevelsOfDetail) {
     const Controller controller = example("walker");
     for (const bool reduces : {false, true}) {
         Crowd crowd = crowd_of({{.character = &walker, .instance_count = 300, .controller = &controller}},
-                               {.culls = true, .reduces_joints = reduces});
+                               {.culling = Culling{.reduces_joints = reduces}});
         expect_alike(reduces ? "walkers with fewer joints" : "walkers", crowd);
     }
 }
@@ -164,7 +164,7 @@ TEST_F(NativeDraw, Files) {
         const Result<Character> character = load_character(entry.path());
         ASSERT_TRUE(character) << character.error().text();
         const std::string name = entry.path().stem().string();
-        Crowd one = crowd_of(*character, 1), many = crowd_of(*character, 100, {.culls = true});
+        Crowd one = crowd_of(*character, 1), many = crowd_of(*character, 100, {.culling = Culling{}});
         // Some clips walk far away from where the rest pose stands
         expect_alike(name, one, fit_camera(posed_bounds(one.state()), static_cast<float>(kWidth) / kHeight));
         expect_alike(name + " 100", many);
@@ -175,7 +175,7 @@ TEST_F(NativeDraw, Creatures) {
     for (const CreatureKind kind : {CreatureKind::kDragon, CreatureKind::kWillow, CreatureKind::kCentipede}) {
         const Character character = compiled(*make_creature(creature_settings(kind)), {});
         const std::string name = "creature " + std::to_string(static_cast<int>(kind));
-        Crowd one = crowd_of(character, 1), many = crowd_of(character, 30, {.culls = true});
+        Crowd one = crowd_of(character, 1), many = crowd_of(character, 30, {.culling = Culling{}});
         expect_alike(name, one);
         expect_alike(name + " 30", many);
     }
@@ -184,7 +184,8 @@ TEST_F(NativeDraw, Creatures) {
 TEST_F(NativeDraw, Lines) {
     const Character character = creature();
     for (const bool culls : {false, true}) {
-        Crowd crowd = crowd_of(character, 20, {.keep_model_matrices = true, .culls = culls});
+        Crowd crowd = crowd_of(
+            character, 20, {.keep_model_matrices = true, .culling = culls ? std::optional(Culling{}) : std::nullopt});
         const std::string with = culls ? ", culled" : "";
         expect_alike("skeletons" + with, crowd, {.skeletons = true});
         expect_alike("bounds" + with, crowd, {.bounds = true});
@@ -198,8 +199,11 @@ TEST_F(NativeDraw, EveryWayOfSkinning) {
         for (const SkinFormat format : {SkinFormat::kAffine, SkinFormat::kHalfAffine, SkinFormat::kSimilarity})
             for (const SkinBlend blend : {SkinBlend::kLinear, SkinBlend::kDualQuaternion})
                 for (const bool once : {false, true}) {
-                    Crowd crowd = crowd_of(
-                        ball, 9, {.skin_format = format, .culls = once, .skin_blend = blend, .skins_once = once});
+                    Crowd crowd = crowd_of(ball, 9,
+                                           {.skin_format = format,
+                                            .culling = once ? std::optional(Culling{}) : std::nullopt,
+                                            .skin_blend = blend,
+                                            .skins_once = once});
                     expect_alike("format " + std::to_string(static_cast<int>(format)) + ", blend " +
                                      std::to_string(static_cast<int>(blend)) + ", " + std::to_string(influences) +
                                      (once ? ", once" : ""),
@@ -273,14 +277,14 @@ TEST_F(NativeDraw, Groups) {
                             {&small, 9},
                             {.character = &dragon, .instance_count = 4, .controller = &controller, .pose_capacity = 2},
                             {&ball, 3}},
-                           {.keep_model_matrices = true, .culls = true, .skips_updates = true});
+                           {.keep_model_matrices = true, .culling = Culling{.skips_updates = true}});
     expect_alike("groups", crowd);
     expect_alike("groups, all lines", crowd, {.skeletons = true, .bounds = true});
 }
 
 TEST_F(NativeDraw, Options) {
     const Character character = creature();
-    Crowd crowd = crowd_of(character, 20, {.culls = true});
+    Crowd crowd = crowd_of(character, 20, {.culling = Culling{}});
     expect_alike("no shadows", crowd, {.shadows = false});
     expect_alike("no fog", crowd, {.fog = false});
     expect_alike("dark", crowd, {.exposure = 0.4f});
@@ -294,7 +298,8 @@ TEST_F(NativeDraw, Options) {
 TEST_F(NativeDraw, Cameras) {
     const Character character = creature();
     for (const bool culls : {false, true}) {
-        Crowd crowd = crowd_of(character, 25, {.keep_model_matrices = true, .culls = culls});
+        Crowd crowd = crowd_of(
+            character, 25, {.keep_model_matrices = true, .culling = culls ? std::optional(Culling{}) : std::nullopt});
         const Bounds bounds = world_bounds(crowd);
         const Vec3<float> middle = (bounds.min + bounds.max) * 0.5f, extent = bounds.max - bounds.min;
         const std::string with = culls ? ", culled" : "";
@@ -318,7 +323,7 @@ TEST_F(NativeDraw, Cameras) {
 // Tiles at the right and at the bottom are smaller than the others here; the larger picture has more than sixteen.
 TEST_F(NativeDraw, LargePictures) {
     const Character character = creature();
-    Crowd crowd = crowd_of(character, 40, {.culls = true});
+    Crowd crowd = crowd_of(character, 40, {.culling = Culling{}});
     for (const auto& [width, height] : {std::pair(1000u, 600u), {2003u, 1111u}}) {
         Pair pair(4, width, height);
         const Camera camera = fit_camera(world_bounds(crowd), static_cast<float>(width) / static_cast<float>(height));
@@ -355,7 +360,7 @@ private:
 // Two frames in each command buffer, and more of both than are under way at a time.
 TEST_F(NativeDraw, RecordedDrawingIsThatOfTheCall) {
     const Character character = creature();
-    Crowd crowd = crowd_of(character, 9, {.culls = true});
+    Crowd crowd = crowd_of(character, 9, {.culling = Culling{}});
     const Camera camera = whole(crowd);
     Renderer renderer = make_renderer(DrawPath::kNative);
     for (int submission = 0; submission < 3; ++submission) {
@@ -378,7 +383,7 @@ TEST_F(NativeDraw, RecordedDrawingIsThatOfTheCall) {
 // As displays take it, whoever draws; a picture that is returned has red first all the same.
 TEST_F(NativeDraw, ARecordedPictureMayHaveBlueFirst) {
     const Character character = creature();
-    Crowd crowd = crowd_of(character, 9, {.culls = true});
+    Crowd crowd = crowd_of(character, 9, {.culling = Culling{}});
     const Camera camera = whole(crowd);
     ASSERT_TRUE(crowd.update(0.3f));
     for (const DrawPath path : {DrawPath::kNative, DrawPath::kDevice}) {
@@ -402,7 +407,7 @@ TEST_F(NativeDraw, TheDeviceDrawsWhatItUpdates) {
     const Character character = creature();
     Renderer renderer = make_renderer(DrawPath::kNative);
     for (const bool in_one : {false, true}) {
-        Crowd crowd = crowd_of(character, 9, {.path = UpdatePath::kDevice, .culls = true});
+        Crowd crowd = crowd_of(character, 9, {.path = UpdatePath::kDevice, .culling = Culling{}});
         const Camera camera = whole(crowd);
         const Copy copy;
         test_gpu()->submit_and_wait([&](VkCommandBuffer commands) {
@@ -426,7 +431,7 @@ TEST_F(NativeDraw, TheDeviceDrawsWhatItUpdates) {
 // The commands of the update before have not run either, so that there are no poses yet that could be drawn natively.
 TEST_F(NativeDraw, TheDeviceDrawsAlsoWhenTheLastUpdateIsDiscarded) {
     const Character character = creature();
-    Crowd crowd = crowd_of(character, 9, {.path = UpdatePath::kDevice, .culls = true});
+    Crowd crowd = crowd_of(character, 9, {.path = UpdatePath::kDevice, .culling = Culling{}});
     const Camera camera = whole(crowd);
     Renderer renderer = make_renderer(DrawPath::kNative);
     const CrowdView view = *view_of(camera, kWidth, kHeight, world_bounds(crowd));
@@ -466,7 +471,7 @@ TEST_F(NativeDraw, OcclusionChangesNothing) {
     const Character character = creature();
     std::vector<Picture> pictures;
     for (const bool occlusion : {false, true}) {
-        Crowd crowd = crowd_of(character, 40, {.culls = true});
+        Crowd crowd = crowd_of(character, 40, {.culling = Culling{}});
         Renderer renderer = make_renderer(
             {.width = kWidth, .height = kHeight, .options = {.occlusion = occlusion}, .path = DrawPath::kNative});
         for (int frame = 0; frame < 3; ++frame)  // the device would go by what the frame before hid
@@ -479,8 +484,8 @@ TEST_F(NativeDraw, OcclusionChangesNothing) {
 // Larger and smaller than before; drawn at once, by recorded commands, and by the device.
 TEST_F(NativeDraw, Resizes) {
     const Character character = creature();
-    Crowd crowd = crowd_of(character, 9, {.culls = true}),
-          updated_by_device = crowd_of(character, 9, {.path = UpdatePath::kDevice, .culls = true});
+    Crowd crowd = crowd_of(character, 9, {.culling = Culling{}}),
+          updated_by_device = crowd_of(character, 9, {.path = UpdatePath::kDevice, .culling = Culling{}});
     const Camera camera = whole(crowd);
     Renderer renderer = make_renderer({.width = 50, .height = 30, .path = DrawPath::kNative});
     for (const auto& [width, height] : {std::pair(800u, 500u), {kWidth, kHeight}}) {
@@ -508,7 +513,7 @@ TEST(NativePictures, ThreadsChangeNothing) {
     const auto picture = [&](const DeviceSettings& settings, const DrawOptions& options) {
         const Device device = *Device::create(settings);
         Crowd crowd = std::move(*Crowd::create(
-            device, {.groups = {{&ball, 400}, {&dragon, 100}}, .keep_model_matrices = true, .culls = true}));
+            device, {.groups = {{&ball, 400}, {&dragon, 100}}, .keep_model_matrices = true, .culling = Culling{}}));
         Random random(8);
         std::vector<Affine> places = in_rows(ball, 400, true);
         for (const Affine& place : in_rows(dragon, 100)) places.push_back(place);

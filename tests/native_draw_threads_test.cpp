@@ -48,7 +48,7 @@ TEST(NativeDrawThreads, EachDrawsACrowdOfItsOwnOnOneDevice) {
         Asset asset = make_ball({.columns = 12, .rows = 8, .is_open = true, .has_morphs = true});
         add_maps(asset);
         asset.materials[0].alpha_mode = mode;
-        kinds.push_back({.character = *compile_character(asset), .settings = {.culls = true}});
+        kinds.push_back({.character = *compile_character(asset), .settings = {.culling = Culling{}}});
     }
     kinds.push_back({.character = creature(30, 10),
                      .settings = {.skin_format = SkinFormat::kHalfAffine, .skins_once = true},

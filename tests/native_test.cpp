@@ -97,7 +97,8 @@ TEST(Native, ACrowdIsAsTheTestDeviceHasItStaged) { expect_alike(UpdatePath::kSta
 
 TEST(Native, ThreadsChangeNothing) {
     LivelyCrowd lively(150, 70, 200);
-    lively.settings.culls = lively.settings.skins_once = true;
+    lively.settings.culling.emplace();
+    lively.settings.skins_once = true;
     for (const UpdatePath path : {UpdatePath::kFused, UpdatePath::kStaged}) {
         const std::vector<std::byte> alone = bits_of(lively, native_device({.threads = 1}), path);
         EXPECT_GT(alone.size(), 1'000'000u);
@@ -125,7 +126,7 @@ TEST(Native, WhatNeedsVulkanIsRefused) {
     expect_refused(Renderer::create(device, {.path = DrawPath::kDevice}), ErrorCode::kNoDevice,
                    "choose a Vulkan device");
 
-    Crowd crowd = std::move(*Crowd::create(device, {.groups = {{&character, 2}}, .culls = true}));
+    Crowd crowd = std::move(*Crowd::create(device, {.groups = {{&character, 2}}, .culling = Culling{}}));
     CrowdView view = *view_of({.eye = {0, 0, 5}, .target = {0, 0, 0}}, 160, 120, {});
     ASSERT_TRUE(crowd.update(0.1f, &view));
     const std::vector<Affine> before = skins_of(crowd);

@@ -46,8 +46,7 @@ struct ManyKinds {
                                       {.character = &morphing, .instance_count = kEach}},
                            .keep_previous_matrices = true,
                            .terrain = Terrain{.columns = 2, .rows = 2, .heights = {0, 1, 2, 3}},
-                           .culls = true,
-                           .skips_updates = true,
+                           .culling = Culling{.skips_updates = true},
                            .skins_once = true};
 
     ManyKinds() = default;
@@ -98,8 +97,7 @@ std::vector<std::byte> run_far_away(const Device& device, const Character& chara
     constexpr uint32_t kCount = 40;
     Crowd crowd = *Crowd::create(device, {.groups = {{&character, kCount}},
                                           .skin_format = SkinFormat::kHalfAffine,
-                                          .culls = true,
-                                          .reduces_joints = true});
+                                          .culling = Culling{.reduces_joints = true}});
     EXPECT_GT(crowd.state().groups[0].fused.size(), 1u);
     const float apart = 2 * character.size;
     std::vector<Affine> places;
@@ -137,7 +135,8 @@ std::vector<std::byte> run_sampler(const JointSampler& sampler, uint32_t joint_c
 
 TEST(NativeThreads, EachUpdatesACrowdOfItsOwnOnOneDevice) {
     LivelyCrowd lively(12, 8, 20);
-    lively.settings.culls = lively.settings.skins_once = true;
+    lively.settings.culling.emplace();
+    lively.settings.skins_once = true;
     const ManyKinds kinds;
     const Character far = *compile_character(*make_creature({.joint_count = 40, .level_count = 12, .face_count = 800}));
     const std::vector<uint32_t> joints{29, 3};

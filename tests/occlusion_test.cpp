@@ -72,7 +72,7 @@ TEST(Occlusion, WhatTheReferenceSeesIsDrawn) {
     for (const auto& [width, height] : {std::pair{160u, 120u}, {97u, 33u}, {1u, 7u}}) {
         for (const bool reversed : {true, false}) {
             Random random(width + reversed);
-            Crowd crowd = create({.groups = {{&character, kCount}}, .path = UpdatePath::kFused, .culls = true});
+            Crowd crowd = create({.groups = {{&character, kCount}}, .path = UpdatePath::kFused, .culling = Culling{}});
             const Group& group = crowd.state().groups[0];
             const double size = length(group.posed_max - group.posed_min);
             std::vector<Affine> places;
@@ -132,8 +132,7 @@ TEST(Occlusion, WhatAppearsIsAnimatedAtOnce) {
     Crowd crowd = create({.groups = {{&character, kCount}},
                           .path = UpdatePath::kFused,
                           .keep_previous_matrices = true,
-                          .culls = true,
-                          .skips_updates = true}),
+                          .culling = Culling{.skips_updates = true}}),
           whole = create({.groups = {{&character, kCount}}, .path = UpdatePath::kFused});
     const std::vector<Affine> places(kCount,
                                      to_affine(Trs<double>{.translation = {0, 0, -10.0 * character.size}}).as<float>());
@@ -164,7 +163,7 @@ TEST(Occlusion, WhatAppearsIsAnimatedAtOnce) {
 // one's update is under way.
 TEST(Occlusion, PicturesMayBeLargeAndChangeInSize) {
     const Character character = small_character();
-    Crowd crowd = create({.groups = {{&character, 2}}, .culls = true});
+    Crowd crowd = create({.groups = {{&character, 2}}, .culling = Culling{}});
     const std::vector<Affine> places(2,
                                      to_affine(Trs<double>{.translation = {0, 0, -10.0 * character.size}}).as<float>());
     ASSERT_TRUE(crowd.set_placement(crowd.instances(), places));
@@ -191,7 +190,7 @@ TEST(Occlusion, PicturesMayBeLargeAndChangeInSize) {
 TEST(Occlusion, ATexelAroundABoxCountsToo) {
     const Character character = small_character();
     constexpr uint32_t kCount = 12, kSize = 48;
-    Crowd crowd = create({.groups = {{&character, kCount}}, .path = UpdatePath::kFused, .culls = true});
+    Crowd crowd = create({.groups = {{&character, kCount}}, .path = UpdatePath::kFused, .culling = Culling{}});
     const Group& group = crowd.state().groups[0];
     const CullBox box{((group.posed_min + group.posed_max) * 0.5f).as<double>(),
                       ((group.posed_max - group.posed_min) * 0.5f).as<double>()};
@@ -287,7 +286,7 @@ void expect_nothing_lost(uint32_t view_count, const Kept& kept) {
     if (kept.pools)
         for (CrowdGroup& group : pooled) group.skin_pool = SkinPool{.capacity = group.instance_count};
     Crowd crowd = create(
-              {.groups = pooled, .culls = true, .skips_updates = !kept.pools, .skins_once = kept.skins_once}),
+              {.groups = pooled, .culling = Culling{.skips_updates = !kept.pools}, .skins_once = kept.skins_once}),
           whole = create({.groups = groups, .skins_once = kept.skins_once});
     for (Crowd* one : {&crowd, &whole})
         ASSERT_TRUE(one->set_placement(one->instances(), places) && one->set_playback(one->instances(), playbacks));
@@ -325,7 +324,8 @@ TEST(Occlusion, NorDoViewsWithASkinPool) { expect_nothing_lost(100, {.pools = tr
 
 TEST(Occlusion, WrongUseIsRefused) {
     const Character character = small_character();
-    Crowd crowd = create({.groups = {{&character, 2}}, .culls = true}), plain = create({.groups = {{&character, 2}}});
+    Crowd crowd = create({.groups = {{&character, 2}}, .culling = Culling{}}),
+          plain = create({.groups = {{&character, 2}}});
     CrowdView view = *view_of({}, 4, 3, {});
     const Image image = depth_image(std::vector<float>(12), 4, 3);
     const auto refused = [&](Crowd& of, const DepthImage& depths) {

@@ -106,7 +106,7 @@ TEST(Pipelines, OfASoftwareDeviceAreMadeForWhatIsRecorded) {
     if (!device.gpu()->native) GTEST_SKIP() << "the test device is no software device";
     const std::atomic<uint64_t>& made = device.gpu()->counts.pipelines;
     const Character character = make_character({});
-    CrowdSettings settings{.groups = {{&character, 2}}, .culls = true, .skins_once = true};
+    CrowdSettings settings{.groups = {{&character, 2}}, .culling = Culling{}, .skins_once = true};
     Crowd native = Crowd::create(device, settings).value();
     ASSERT_TRUE(native.update(0.1f));
     EXPECT_EQ(made, 0u);

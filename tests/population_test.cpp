@@ -37,7 +37,7 @@ struct Kinds {
                                     LookAtRule{.joint = character.rig.names.back(), .target = "there"}}};
 
     CrowdSettings settings(UpdatePath path) {
-        CrowdSettings settings{.path = path, .culls = true, .watch_capacity = 5 * kRoom};
+        CrowdSettings settings{.path = path, .culling = Culling{}, .watch_capacity = 5 * kRoom};
         if (path != UpdatePath::kAuto) settings.scan = "serial";  // else crowds of other sizes have other methods
         settings.groups = {{.character = &character, .pose_capacity = kRoom},
                            {.character = &walking, .controller = &walker},
@@ -421,7 +421,7 @@ TEST(Population, WhoHasGoneIsNoLongerWatched) {
 TEST(Population, WhoIsNotSeenIsAnimatedWhereItsSocketsAreNeeded) {
     const Character character = creature(30, 10);
     const CrowdGroup group{.character = &character, .sockets = {3}};
-    CrowdSettings settings{.groups = {group}, .culls = true};
+    CrowdSettings settings{.groups = {group}, .culling = Culling{}};
     settings.groups[0].instance_count = 4;
     Crowd lasting = create(settings);
     settings.groups[0].instance_count = 0;
@@ -453,7 +453,7 @@ TEST(Population, WhoIsNotSeenIsAnimatedWhereItsSocketsAreNeeded) {
 TEST(Population, WhoIsThereHasRowsOfASkinPool) {
     const Character character = creature(30, 10);
     CrowdGroup group{.character = &character, .instance_count = 20, .skin_pool = SkinPool{.capacity = 12}};
-    Crowd lasting = create({.groups = {group}, .culls = true});
+    Crowd lasting = create({.groups = {group}, .culling = Culling{}});
     group.instance_count = 0;
     group.capacity = 40;
     Crowd varying = create({.groups = {group}});

@@ -88,8 +88,7 @@ void expect_exact_or_near(UpdatePath path) {
                 return create({.groups = {{.character = &character, .instance_count = kCount, .skin_pool = pool}},
                                .path = path,
                                .skin_format = format,
-                               .culls = true,
-                               .reduces_joints = reduces});
+                               .culling = Culling{.reduces_joints = reduces}});
             };
             Crowd pooled = make(SkinPool{.capacity = kCount, .shared_poses_per_s = 60}), whole = make({});
             Random random(7);
@@ -124,8 +123,7 @@ void expect_shared_where_full(UpdatePath path) {
     Crowd crowd = create(
         {.groups = {{.character = &character, .instance_count = kCount, .skin_pool = SkinPool{.capacity = kCapacity}}},
          .path = path,
-         .culls = true,
-         .reduces_joints = true});
+         .culling = Culling{.reduces_joints = true}});
     const std::vector<Affine> placements = places(kCount, 30);
     std::vector<Playback> playbacks(kCount);
     for (uint32_t i = 0; i < kCount; ++i)
@@ -175,7 +173,7 @@ TEST(SkinPool, OfControllersTheLowestClipIsShared) {
         return create(
             {.groups =
                  {{.character = &character, .instance_count = kCount, .controller = &controller, .skin_pool = pool}},
-             .culls = true});
+             .culling = Culling{}});
     };
     Crowd pooled = make(SkinPool{.capacity = kCount, .shared_poses_per_s = 60}), whole = make({});
     const std::vector<Affine> placements = places(kCount, 40);
@@ -200,7 +198,7 @@ TEST(SkinPool, WithoutAViewAllAreAnimated) {
     const Character character = small_character();
     Crowd crowd = create(
         {.groups = {{.character = &character, .instance_count = 70, .skin_pool = SkinPool{.capacity = 1000}}},
-         .culls = true});
+         .culling = Culling{}});
     ASSERT_TRUE(crowd.update(0.1f));
     for (const DrawnInstance& one : drawn_of(crowd)) EXPECT_FALSE(one.shares_pose) << one.instance;
     EXPECT_EQ(drawn_of(crowd).size(), 70u);
@@ -217,7 +215,7 @@ TEST(SkinPool, PicturesAreThoseOfEverything) {
                                              {"own", SkinPool{.capacity = kCount}, 0.0f},
                                              {"shared", SkinPool{.capacity = kCount}, 0.5f}}) {
         Crowd crowd = create(
-            {.groups = {{.character = &character, .instance_count = kCount, .skin_pool = pool}}, .culls = true});
+            {.groups = {{.character = &character, .instance_count = kCount, .skin_pool = pool}}, .culling = Culling{}});
         ASSERT_TRUE(crowd.set_placement(crowd.instances(), placements) &&
                     crowd.set_playback(crowd.instances(), playbacks));
         Renderer renderer = *Renderer::create(test_device(), {.width = kWidth, .height = kHeight});
@@ -246,7 +244,7 @@ TEST(SkinPool, EachBatchHasAPool) {
     CrowdGroup nobody = pooled;
     nobody.instance_count = 0;
     Result<Crowd> crowd = Crowd::create(device_of_workgroups(kCapacity),
-                                        {.groups = {pooled, nobody, {&character, 2}}, .culls = true});
+                                        {.groups = {pooled, nobody, {&character, 2}}, .culling = Culling{}});
     ASSERT_TRUE(crowd) << crowd.error().text();
     const std::vector<OutputBlock> blocks(crowd->outputs().begin(), crowd->outputs().end());
     ASSERT_EQ(blocks.size(), 3u);
@@ -281,7 +279,7 @@ TEST(SkinPool, OfManyAWorkgroupTakesSeveralCells) {
         Crowd crowd = create(
             {.groups = {{.character = &character, .instance_count = kCount, .skin_pool = SkinPool{.capacity = 2000}}},
              .path = path,
-             .culls = true});
+             .culling = Culling{}});
         ASSERT_TRUE(crowd.set_placement(crowd.instances(), placements));
         for (int update = 0; update < 2; ++update) {  // without cells, and with them
             ASSERT_TRUE(crowd.update(0, &seen));
@@ -298,7 +296,7 @@ TEST(SkinPool, WhatIsNotDrawnHasNoMatrices) {
     const Character character = small_character();
     Crowd crowd = create(
         {.groups = {{.character = &character, .instance_count = 2, .skin_pool = SkinPool{.capacity = 1}}},
-         .culls = true});
+         .culling = Culling{}});
     const std::vector<Affine> placements{to_affine(Trs<double>{}).as<float>(),
                                          to_affine(Trs<double>{.translation = {0, 0, 1e4}}).as<float>()};
     ASSERT_TRUE(crowd.set_placement(crowd.instances(), placements));
@@ -316,8 +314,8 @@ TEST(SkinPool, WhatIsNotDrawnHasNoMatrices) {
 TEST(SkinPool, MemoryGoesByWhatIsDrawn) {
     const Character character = creature_with_lods();
     const auto bytes = [&](std::optional<SkinPool> pool, uint32_t count) {
-        return create(
-                   {.groups = {{.character = &character, .instance_count = count, .skin_pool = pool}}, .culls = true})
+        return create({.groups = {{.character = &character, .instance_count = count, .skin_pool = pool}},
+                       .culling = Culling{}})
             .size_bytes();
     };
     const uint64_t matrices = character.palette.size() * 48;
@@ -336,30 +334,30 @@ TEST(SkinPool, WhatDoesNotGoTogetherIsRefused) {
         return crowd ? std::string() : crowd.error().text();
     };
     const CrowdGroup pooled{.skin_pool = SkinPool{.capacity = 5}};
-    EXPECT_EQ(message(pooled, {.culls = true}), "");
+    EXPECT_EQ(message(pooled, {.culling = Culling{}}), "");
     CrowdGroup with_sockets = pooled, with_poses = pooled, empty = pooled, too_many = pooled;
     with_sockets.sockets = {0};
     with_poses.pose_capacity = 3;
     empty.skin_pool->capacity = 0;
     too_many.skin_pool->shared_poses_per_s = 1e6f;
     const std::vector<std::pair<std::string, std::string>> refused{
-        {message(pooled, {}), "culls"},
-        {message(pooled, {.path = UpdatePath::kStaged, .culls = true}), "stage by stage"},
-        {message(pooled, {.keep_model_matrices = true, .culls = true}), "keep_model_matrices"},
-        {message(pooled, {.keep_previous_matrices = true, .culls = true}), "keep_previous_matrices"},
-        {message(pooled, {.culls = true, .skips_updates = true}), "skips_updates"},
-        {message(pooled, {.culls = true, .skins_once = true}), "skins_once"},
-        {message(with_sockets, {.culls = true}), "sockets"},
-        {message(with_poses, {.culls = true}), "pose_capacity"},
-        {message(empty, {.culls = true}), "above 0"},
-        {message(too_many, {.culls = true}), "at most 1000"}};
+        {message(pooled, {}), "culling"},
+        {message(pooled, {.path = UpdatePath::kStaged, .culling = Culling{}}), "stage by stage"},
+        {message(pooled, {.keep_model_matrices = true, .culling = Culling{}}), "keep_model_matrices"},
+        {message(pooled, {.keep_previous_matrices = true, .culling = Culling{}}), "keep_previous_matrices"},
+        {message(pooled, {.culling = Culling{.skips_updates = true}}), "skips_updates"},
+        {message(pooled, {.culling = Culling{}, .skins_once = true}), "skins_once"},
+        {message(with_sockets, {.culling = Culling{}}), "sockets"},
+        {message(with_poses, {.culling = Culling{}}), "pose_capacity"},
+        {message(empty, {.culling = Culling{}}), "above 0"},
+        {message(too_many, {.culling = Culling{}}), "at most 1000"}};
     for (const auto& [text, reason] : refused) {
         EXPECT_NE(text.find("skin pool"), std::string::npos) << text;
         EXPECT_NE(text.find(reason), std::string::npos) << text;
     }
     CrowdView seen = view(10);
     seen.shared_pose_pixels = -1;
-    Crowd crowd = create({.groups = {{.character = &character, .instance_count = 1}}, .culls = true});
+    Crowd crowd = create({.groups = {{.character = &character, .instance_count = 1}}, .culling = Culling{}});
     EXPECT_FALSE(crowd.update(0, &seen));
 }
 

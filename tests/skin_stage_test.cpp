@@ -74,7 +74,8 @@ TEST(SkinStage, WithAViewWhatItListsIsSkinned) {
     ASSERT_GE(character.lods.size(), 2u);
     constexpr uint32_t kCount = 200;
     Random random(5);
-    Crowd crowd = create({.groups = {{&character, kCount}}, .culls = true, .reduces_joints = true, .skins_once = true});
+    Crowd crowd = create(
+        {.groups = {{&character, kCount}}, .culling = Culling{.reduces_joints = true}, .skins_once = true});
     std::vector<Affine> places;
     for (uint32_t i = 0; i < kCount; ++i)
         places.push_back(to_affine(Trs<double>{.translation = {random.between(-30, 30) * character.size, 0,
@@ -154,8 +155,10 @@ TEST(SkinStage, PicturesAreThoseThatTheDrawSkins) {
         std::vector<Picture> pictures;
         for (const bool culls : {false, true})
             for (const bool once : {false, true}) {
-                Crowd crowd = create(
-                    {.groups = {{&character, 12}}, .culls = culls, .skin_blend = blend, .skins_once = once});
+                Crowd crowd = create({.groups = {{&character, 12}},
+                                      .culling = culls ? std::optional(Culling{}) : std::nullopt,
+                                      .skin_blend = blend,
+                                      .skins_once = once});
                 ASSERT_TRUE(crowd.set_placement(crowd.instances(), places) &&
                             crowd.set_playback(crowd.instances(), playbacks));
                 const Camera camera = fit_camera(world_bounds(crowd), 4.0f / 3);

@@ -423,7 +423,7 @@ TEST(Steer, WhatAViewSeesIsWhereTheyStandNow) {
     const Character character = body(false);
     Crowd crowd = create(
         {.groups = {{.character = &character, .instance_count = 2, .steering = Steering{.radius = 2, .speed = 100}}},
-         .culls = true});
+         .culling = Culling{}});
     const std::vector<Affine> places{at(0, -400), at(0, 0)};
     ASSERT_TRUE(crowd.set_placement(crowd.instances(), places));
     ASSERT_TRUE(crowd.set_destination(crowd.instances(), std::array{Vec3<float>{0, 0, 0}, Vec3<float>{0, 0, 400}}));

@@ -75,8 +75,7 @@ void expect_interpolated(const CrowdGroup& group, SkinFormat format, bool keeps_
                                  .path = UpdatePath::kFused,
                                  .skin_format = format,
                                  .keep_previous_matrices = keeps_previous,
-                                 .culls = true,
-                                 .skips_updates = true};
+                                 .culling = Culling{.skips_updates = true}};
     Crowd skipping = create(settings),
           whole = create({.groups = {copied}, .path = UpdatePath::kFused, .skin_format = format});
     const Group& of = skipping.state().groups[0];
@@ -165,7 +164,7 @@ TEST(UpdateRate, TheCostIsEven) {
     constexpr uint32_t kCount = 4000;
     const Character character = small_character();
     Crowd crowd = create(
-        {.groups = {{&character, kCount}}, .path = UpdatePath::kFused, .culls = true, .skips_updates = true});
+        {.groups = {{&character, kCount}}, .path = UpdatePath::kFused, .culling = Culling{.skips_updates = true}});
     ASSERT_TRUE(crowd.set_placement(
         crowd.instances(),
         std::vector<Affine>(kCount,
@@ -186,7 +185,7 @@ TEST(UpdateRate, ABudgetLetsMoreAndMoreWait) {
     constexpr uint32_t kCount = 640;
     const Character character = small_character();
     Crowd crowd = create(
-        {.groups = {{&character, kCount}}, .path = UpdatePath::kFused, .culls = true, .skips_updates = true});
+        {.groups = {{&character, kCount}}, .path = UpdatePath::kFused, .culling = Culling{.skips_updates = true}});
     ASSERT_TRUE(crowd.set_placement(
         crowd.instances(),
         std::vector<Affine>(kCount,
@@ -211,8 +210,9 @@ TEST(UpdateRate, CoarserLevelsHaveFewerJoints) {
         *make_creature({.joint_count = 60, .level_count = 15, .face_count = 1500}), {.error = 0});
     ASSERT_GE(character.lods.size(), 2u);
     constexpr uint32_t kCount = 48;
-    Crowd reduced = create(
-              {.groups = {{&character, kCount}}, .path = UpdatePath::kFused, .culls = true, .reduces_joints = true}),
+    Crowd reduced = create({.groups = {{&character, kCount}},
+                            .path = UpdatePath::kFused,
+                            .culling = Culling{.reduces_joints = true}}),
           whole = create({.groups = {{&character, kCount}}, .path = UpdatePath::kFused});
     Random random(8);
     const std::vector<Playback> playbacks = random_playbacks(random, character, kCount);
@@ -251,8 +251,7 @@ TEST(UpdateRate, CoarserLevelsHaveFewerJoints) {
     EXPECT_LT(sets.back().joint_count, character.rig.joint_count() / 2);
     Crowd overridden = create({.groups = {{.character = &character, .instance_count = 1, .pose_capacity = 1}},
                                .path = UpdatePath::kFused,
-                               .culls = true,
-                               .reduces_joints = true});
+                               .culling = Culling{.reduces_joints = true}});
     EXPECT_EQ(overridden.state().groups[0].fused.size(), 1u) << "poses from outside may move any joint";
 }
 
@@ -265,9 +264,7 @@ TEST(UpdateRate, AFinerLevelIsAnimatedAtOnce) {
     Crowd crowd = create({.groups = {{&character, kCount}},
                           .path = UpdatePath::kFused,
                           .keep_previous_matrices = true,
-                          .culls = true,
-                          .skips_updates = true,
-                          .reduces_joints = true});
+                          .culling = Culling{.skips_updates = true, .reduces_joints = true}});
     Crowd whole = create({.groups = {{&character, kCount}}, .path = UpdatePath::kFused});
     Random random(12);
     const std::vector<Playback> playbacks = random_playbacks(random, character, kCount);
@@ -298,9 +295,7 @@ TEST(UpdateRate, FewerJointsGoOnToo) {
         Crowd crowd = create({.groups = {{&character, kCount}},
                               .path = UpdatePath::kFused,
                               .keep_previous_matrices = keeps_previous,
-                              .culls = true,
-                              .skips_updates = true,
-                              .reduces_joints = true});
+                              .culling = Culling{.skips_updates = true, .reduces_joints = true}});
         Crowd whole = create({.groups = {{&character, kCount}}, .path = UpdatePath::kFused});
         Random random(13);
         const std::vector<Affine> places(

@@ -44,11 +44,11 @@ void visit_fused_forms(const Character& character, const Visits& visits) {
     visits("model matrices", {}, {.keep_model_matrices = true});
     visits("sockets", {.sockets = {0, character.rig.joint_count() / 2}});
     visits("pose overrides", {.pose_capacity = 1});
-    visits("for a view", {}, {.culls = true, .skips_updates = true, .reduces_joints = true});
+    visits("for a view", {}, {.culling = Culling{.skips_updates = true, .reduces_joints = true}});
     const Controller controller = control_bench_controller(character);
     visits("controller", {.controller = &controller});
     visits("controller, overrides, for a view", {.controller = &controller, .pose_capacity = 1},
-           {.skin_format = SkinFormat::kHalfAffine, .culls = true});
+           {.skin_format = SkinFormat::kHalfAffine, .culling = Culling{}});
     const Controller inertial = direct_layers(2, {}, true);
     visits("inertial", {.controller = &inertial});
 }
@@ -73,7 +73,7 @@ void visit_stages(const Character& character, const Visits& visits) {
            {.terrain = Terrain{.columns = 2, .rows = 2, .heights = {0, 0, 0, 0}}});
     visits("skinned once", {}, {.skins_once = true});
     visits("skinned once, dual quaternions, for a view", {},
-           {.culls = true, .skin_blend = SkinBlend::kDualQuaternion, .skins_once = true});
+           {.culling = Culling{}, .skin_blend = SkinBlend::kDualQuaternion, .skins_once = true});
 }
 
 // Its first mesh gets a morph target.

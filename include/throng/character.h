@@ -233,7 +233,7 @@ struct CompileSettings {
     // and kept as Character::root_rows, for instances with a controller to move by. Empty: none. Joints above it must
     // not be animated.
     std::string root_motion_joint{};
-    // Whether Character::lods and what belongs to them are made. Without them CrowdSettings::culls draws the finest
+    // Whether Character::lods and what belongs to them are made. Without them CrowdSettings::culling draws the finest
     // mesh wherever a character stands, and reduces_joints leaves out none; all else is the same.
     bool lods = true;
 };

@@ -64,14 +64,14 @@ struct CrowdGroup {
     bool on_terrain = false;
     // Instances that may have a pose of set_pose() at the same time; 48 bytes a joint each, 0: no cost at all
     uint32_t pose_capacity = 0;
-    // With CrowdSettings::culls, of groups that are updated in one pass and have a mesh, where there is a native engine
-    // (docs/native.md), which makes the shared poses. Not together with sockets, inertial
-    // transitions, pose_capacity, nor the crowd's keep_model_matrices, keep_previous_matrices, skips_updates and
+    // With CrowdSettings::culling, of groups that are updated in one pass and have a mesh, where there is a native
+    // engine (docs/native.md), which makes the shared poses. Not together with sockets, inertial transitions,
+    // pose_capacity, nor the crowd's keep_model_matrices, keep_previous_matrices, Culling::skips_updates and
     // skins_once, all of which keep something of instances that are not drawn.
     std::optional<SkinPool> skin_pool{};
     // Above 0: instances come and go, by Crowd::spawn() and despawn(), and there is room for so many at a time; at
-    // least instance_count. Such a crowd culls (CrowdSettings::culls): who is there is in its lists, and nobody else is
-    // updated or drawn. Room that is free takes memory, and next to no time. Not together with
+    // least instance_count. Such a crowd culls (CrowdSettings::culling): who is there is in its lists, and nobody else
+    // is updated or drawn. Room that is free takes memory, and next to no time. Not together with
     // CrowdSettings::keep_previous_matrices where the group is animated entirely (see record()).
     uint32_t capacity = 0;
 };
@@ -96,6 +96,19 @@ struct GroupPath {
 // How UpdatePath::kAuto updates a group of so many of them. Errors: kInvalidArgument (no joints).
 Result<GroupPath> advise_path(const Device& device, const Character& character, uint32_t instance_count);
 
+// Of updates for a view (CrowdView): instances that it does not see are not animated, and what is small has a coarser
+// level of detail.
+struct Culling {
+    // What is small on the screen may be animated less often than in every update; its skin matrices go on evenly from
+    // one pose to the next (kept model matrices do not: they are those of the next). Doubles the memory of skin
+    // matrices.
+    bool skips_updates = false;
+    // Coarser levels of detail have fewer joints (Character::joint_lods): their skin matrices are written only for
+    // these, and only the influences of their level refer to no others. Kept model matrices likewise. Not of groups
+    // with CrowdGroup::pose_capacity.
+    bool reduces_joints = false;
+};
+
 struct CrowdSettings {
     std::vector<CrowdGroup> groups{};
     UpdatePath path = UpdatePath::kAuto;
@@ -112,15 +125,7 @@ struct CrowdSettings {
     // fence or a semaphore.
     uint32_t frames_in_flight = 1;
     std::optional<Terrain> terrain{};  // that instances of groups with CrowdGroup::on_terrain stand on
-    bool culls = false;                // updates may be for a view
-    // Such updates may animate what is small on the screen less often than others, with culls; its skin matrices go on
-    // evenly from one pose to the next (kept model matrices do not: they are those of the next). Doubles the memory of
-    // skin matrices.
-    bool skips_updates = false;
-    // Coarser levels of detail have fewer joints (Character::joint_lods), with culls: their skin matrices are
-    // written only for these, and only the influences of their level refer to no others. Kept model matrices likewise.
-    // Not of groups with CrowdGroup::pose_capacity.
-    bool reduces_joints = false;
+    std::optional<Culling> culling{};  // updates may be for a view
     SkinBlend skin_blend = SkinBlend::kLinear;
     // Every vertex that is drawn is skinned once, in compute, into OutputBlock::skinned, for several passes
     // (shadow maps, depths, the picture) or others who read vertices; Renderer does so then. 16 bytes a vertex and
@@ -259,11 +264,11 @@ public:
     // must have finished before the crowd is destroyed, and may be submitted once. On a native device the command
     // buffer is VK_NULL_HANDLE, and the update is done when the call returns, as by update().
     //
-    // With a view, where CrowdSettings::culls: all instances go on in time, and of groups that are fused, without
+    // With a view, where CrowdSettings::culling: all instances go on in time, and of groups that are fused, without
     // sockets or inertial transitions, only those that it sees are animated (others' groups entirely). Without one, all
     // are, and all are listed. A box around all clips' poses decides, a tenth of the character's size wider than these,
     // or half of it where a controller, rules or poses from outside go beyond them. Errors: kInvalidArgument (the time
-    // step or the view is not finite; a view and no culls), kUnsupported (CrowdView::occlusion on a native device; on
+    // step or the view is not finite; a view and no culling), kUnsupported (CrowdView::occlusion on a native device; on
     // a software device CrowdGroup::sockets_only, and, with inertial transitions, after a native update()).
     Result<void> record(VkCommandBuffer commands, float time_step_s, const CrowdView* view = nullptr);
     // The second half of an update for a view with CrowdView::occlusion, recorded after its record() and what draws the
@@ -301,11 +306,11 @@ public:
     Result<std::vector<Affine>> read_skin_matrices(const InstanceHandle& instance);
     Result<std::vector<Affine>> read_model_matrices(const InstanceHandle& instance);
     // Morphed and skinned on the GPU, model space, in the order of Character::vertices; where
-    // CrowdSettings::reduces_joints, of instances that the last update has listed.
+    // Culling::reduces_joints, of instances that the last update has listed.
     Result<std::vector<Vec3<float>>> read_positions(const InstanceHandle& instance);
 
     // What the last update has listed, in the order of the lists. Errors: kInvalidArgument where not
-    // CrowdSettings::culls.
+    // CrowdSettings::culling.
     Result<std::vector<DrawnInstance>> read_drawn();
 
     // Device memory that the crowd holds.

@@ -59,9 +59,9 @@ struct HostOutputs {
 // CrowdSettings::frames_in_flight above 1, of that many later, and only if the application has seen to it that the
 // reading has finished.
 //
-// Where CrowdSettings::culls, without a skin pool, instances that are not listed have the matrices of an earlier update
-// that drew them. In an update that draws them anew, the previous matrices are those of that update: they are written
-// then, also where the slot of the update before, which did not list these instances, is in flight.
+// Where CrowdSettings::culling, without a skin pool, instances that are not listed have the matrices of an earlier
+// update that drew them. In an update that draws them anew, the previous matrices are those of that update: they are
+// written then, also where the slot of the update before, which did not list these instances, is in flight.
 struct OutputBlock {
     uint32_t group = 0;
     uint32_t first_instance = 0;  // of the crowd
@@ -107,12 +107,12 @@ struct OutputBlock {
     // weight by magnitude first, weight 0 where there are fewer. Before skinning: bind position += weight * MorphDelta.
     BufferView morph{};
 
-    // Instances that are drawn, uint32_t[5 + instance_count], with CrowdSettings::culls: their number, where those of
+    // Instances that are drawn, uint32_t[5 + instance_count], with CrowdSettings::culling: their number, where those of
     // each of four levels of detail begin behind the fifth word, then their numbers in the block, level by level,
     // ascending.
     BufferView list{};
-    // Draw calls, VkDrawIndexedIndirectCommand[section_count][4 levels of detail], with CrowdSettings::culls; the n-th
-    // instance of a call is the n-th of its level in the list. The stride is that of a command.
+    // Draw calls, VkDrawIndexedIndirectCommand[section_count][4 levels of detail], with CrowdSettings::culling; the
+    // n-th instance of a call is the n-th of its level in the list. The stride is that of a command.
     BufferView draw{};
 
     uint32_t vertex_count = 0;

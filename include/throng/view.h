@@ -9,8 +9,8 @@
 
 namespace throng {
 
-// What a camera sees: where CrowdSettings::culls, an update for a view animates only what that shows, and lists it for
-// the draw.
+// What a camera sees: where CrowdSettings::culling, an update for a view animates only what that shows, and lists it
+// for the draw.
 struct CrowdView {
     // Rows; a world point is seen where -w <= x, y <= w and 0 <= z <= w
     std::array<std::array<float, 4>, 4> clip_from_world{};
@@ -25,11 +25,11 @@ struct CrowdView {
     // too
     Vec3<float> shadow{};
     float ground = -1e30f;  // world y; nothing below it is seen, so a shadow that falls goes no farther
-    // Where CrowdSettings::skips_updates: a character whose box is at least so many pixels across is animated in every
+    // Where Culling::skips_updates: a character whose box is at least so many pixels across is animated in every
     // update, one of half as many in every second, of a quarter in every fourth, a smaller one in every eighth; 0: all
     // in every one.
     float full_rate_pixels = 0;  // at most 1e30
-    // Where CrowdSettings::skips_updates: GPU time that the update of the whole crowd may take, in milliseconds; as
+    // Where Culling::skips_updates: GPU time that the update of the whole crowd may take, in milliseconds; as
     // long as it takes longer, full_rate_pixels (at least 1) is raised from update to update, and lowered again, not
     // below itself, when there is time to spare. 0: as long as it takes. Needs timestamps.
     float budget_ms = 0;

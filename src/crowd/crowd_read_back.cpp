@@ -165,7 +165,7 @@ uint32_t CrowdState::joint_set_of(const Batch& batch, uint32_t instance) const {
 
 std::vector<DrawnInstance> CrowdState::read_drawn() {
     finish_uploads();
-    if (!cull) throw Failure(ErrorCode::kInvalidArgument, "read-back", "CrowdSettings::culls is not set");
+    if (!cull) throw Failure(ErrorCode::kInvalidArgument, "read-back", "CrowdSettings::culling is not set");
     std::vector<DrawnInstance> drawn;
     for (uint32_t batch = 0; batch < batches.size(); ++batch) {
         const std::vector<DrawnInstance> of_batch = cull->read(batch);

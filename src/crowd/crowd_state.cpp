@@ -137,7 +137,7 @@ void CrowdState::check_runs(bool natively) {
 }
 
 void CrowdState::record(VkCommandBuffer commands, float time_step_s, const CrowdView* view) {
-    if (view && !cull) throw Failure(ErrorCode::kInvalidArgument, "view", "CrowdSettings::culls is not set");
+    if (view && !cull) throw Failure(ErrorCode::kInvalidArgument, "view", "CrowdSettings::culling is not set");
     if (view && view->occlusion && gpu->is_native())
         throw Failure(ErrorCode::kUnsupported, "occlusion", "a native device has no depths to test");
     if (!std::isfinite(time_step_s)) throw Failure(ErrorCode::kInvalidArgument, "time step", "must be finite");
@@ -166,7 +166,7 @@ void CrowdState::record(VkCommandBuffer commands, float time_step_s, const Crowd
 }
 
 void CrowdState::record_disoccluded(VkCommandBuffer commands, const DepthImage& depths) {
-    if (!cull) throw Failure(ErrorCode::kInvalidArgument, "disoccluded", "CrowdSettings::culls is not set");
+    if (!cull) throw Failure(ErrorCode::kInvalidArgument, "disoccluded", "CrowdSettings::culling is not set");
     if (gpu->is_native())
         throw Failure(ErrorCode::kUnsupported, "disoccluded", "a native device has no depths to test");
     memory_barrier(*gpu, commands, consumers(), kShaderWrite | kTransferWrite);  // what was listed has been drawn

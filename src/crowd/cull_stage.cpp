@@ -93,7 +93,7 @@ void CullStage::plan(BatchPlan& plan) {
 CullStage::CullStage(const StageContext& context)
     : Stage(context),
       keeps_previous_(context.settings.keep_previous_matrices),
-      may_skip_(context.settings.skips_updates),
+      may_skip_(context.settings.culling->skips_updates),
       kernels_(gpu_),
       view_(upload_table(context.uploads, "view", std::vector{cull_view_of(nullptr, 0)})) {
     for (size_t i = 0; i < batches_.size(); ++i) {

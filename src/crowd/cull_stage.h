@@ -17,7 +17,7 @@ io::CullView cull_view_of(const CrowdView* view, float full_rate_pixels);
 
 class CullStage : public Stage {
 public:
-    static bool is_needed(const CrowdSettings& settings) { return settings.culls; }
+    static bool is_needed(const CrowdSettings& settings) { return settings.culling.has_value(); }
     // The list and the work of a batch, and the commands that animate and draw it; nothing is listed yet.
     static void plan(BatchPlan& plan);
     explicit CullStage(const StageContext& context);

@@ -37,7 +37,7 @@ void FusedUpdate::plan(BatchPlan& plan) {
         });
     };
     add_skin(io::kSkinBuffer);
-    if (settings.skips_updates && group.skips_updates(settings)) add_skin(io::kSkinTargetBuffer);
+    if (group.skips_updates(settings) && settings.culling->skips_updates) add_skin(io::kSkinTargetBuffer);
     if (group.sockets) plan.add_storage(io::kSocketsBuffer, group.socket_count() * sizeof(Affine));
     if (settings.keep_model_matrices && !group.sockets_only)
         plan.add_storage(io::kModelBuffer, group.joint_count * sizeof(Affine));
@@ -46,7 +46,7 @@ void FusedUpdate::plan(BatchPlan& plan) {
 
 FusedUpdate::FusedUpdate(const StageContext& context)
     : Stage(context),
-      culls_(context.settings.culls),
+      culls_(context.settings.culling.has_value()),
       poses_(*find_stage<PoseStage>(context.before)),
       skin_format_(context.settings.skin_format) {
     for (const Group& group : groups_) {

@@ -96,7 +96,7 @@ Group::Group(Uploads& uploads, NativeRigs& rigs, const CrowdGroup& group, const 
         if (uploads.gpu()->is_native()) throw;
         leave_native(failure.error.message);  // a software device can do it
     }
-    if (settings.culls && settings.reduces_joints && pose_capacity == 0 && animates_drawn_only())
+    if (settings.culling && settings.culling->reduces_joints && pose_capacity == 0 && animates_drawn_only())
         reduce_joints(uploads, rigs, *group.character, settings);
     if (skips_updates(settings)) make_palette_by_set(uploads, *group.character);
     make_skin_tables(uploads, *group.character);

@@ -104,7 +104,7 @@ struct Group {
     ScanChoice scan_choice;
     std::string scan_reason, path_reason;
     std::optional<ScanStage> scan;  // where staged
-    // Where fused: all joints; then, with CrowdSettings::reduces_joints, those of each coarser level of detail
+    // Where fused: all joints; then, with Culling::reduces_joints, those of each coarser level of detail
     std::vector<FusedJoints> fused;
     std::optional<GroupRows> rows;                           // where fused kernels read rows
     std::array<uint32_t, io::kLodCount> set_entry_counts{};  // [fused], palette entries of each set of joints
@@ -125,7 +125,8 @@ struct Group {
     bool animates_drawn_only() const { return !fused.empty() && !sockets && !(controller && controller->is_inertial); }
     // Matrices that outlive an update.
     bool skips_updates(const CrowdSettings& settings) const {
-        return settings.culls && animates_drawn_only() && (settings.keep_previous_matrices || settings.skips_updates);
+        return settings.culling && animates_drawn_only() &&
+               (settings.keep_previous_matrices || settings.culling->skips_updates);
     }
     // The set of joints that a level of detail has, and of influences that refer to no others.
     uint32_t influence_set_of(uint32_t lod) const {

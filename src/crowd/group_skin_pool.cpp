@@ -12,7 +12,7 @@ namespace {
 
 // Why a group cannot have one; empty where it can.
 std::string unsupported_reason(const Group& group, const Character& character, const CrowdSettings& settings) {
-    if (!settings.culls) return "it needs CrowdSettings::culls";
+    if (!settings.culling) return "it needs CrowdSettings::culling";
     if (group.fused.empty()) return "the group is updated stage by stage";
     if (group.sockets) return "sockets move whether or not they are drawn";
     if (group.controller && group.controller->is_inertial)
@@ -20,7 +20,7 @@ std::string unsupported_reason(const Group& group, const Character& character, c
     if (group.pose_capacity > 0) return "CrowdGroup::pose_capacity is set";
     if (settings.keep_model_matrices) return "CrowdSettings::keep_model_matrices is set";
     if (settings.keep_previous_matrices) return "CrowdSettings::keep_previous_matrices is set";
-    if (settings.skips_updates) return "CrowdSettings::skips_updates is set";
+    if (settings.culling->skips_updates) return "Culling::skips_updates is set";
     if (settings.skins_once) return "CrowdSettings::skins_once is set";
     if (character.vertices.empty()) return "without a mesh nobody can say how far off a shared pose is";
     if (const std::string reason = native_unsupported(character, {.skin_format = settings.skin_format});

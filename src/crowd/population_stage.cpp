@@ -26,7 +26,7 @@ CrowdSettings with_capacity(CrowdSettings settings) {
                           std::to_string(group.capacity) + ", but the group begins with " +
                               std::to_string(group.instance_count) + " instances");
         group.instance_count = group.capacity;
-        settings.culls = true;
+        if (!settings.culling) settings.culling.emplace();
     }
     return settings;
 }

@@ -30,7 +30,8 @@ void SkinStage::plan(BatchPlan& plan) {
 
 SkinStage::SkinStage(const StageContext& context)
     : Stage(context),
-      kernel_(skin_kernel(gpu_, context.settings.skin_format, context.settings.skin_blend, context.settings.culls)) {
+      kernel_(skin_kernel(gpu_, context.settings.skin_format, context.settings.skin_blend,
+                          context.settings.culling.has_value())) {
     for (uint32_t i = 0; i < batches_.size(); ++i) {
         std::vector<Bindings>& member = members_.emplace_back();
         const Batch& batch = batches_[i];

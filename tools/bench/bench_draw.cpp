@@ -114,7 +114,7 @@ void measure(const DrawBenchOptions& options, const Shown& shown, Measured& meas
          .make_crowd =
              [&](const Device& device) {
                  Crowd crowd = unwrap(
-                     Crowd::create(device, {.groups = field.groups, .culls = true, .reduces_joints = true}));
+                     Crowd::create(device, {.groups = field.groups, .culling = Culling{.reduces_joints = true}}));
                  unwrap(crowd.set_placement(crowd.instances(), field.placement));
                  unwrap(crowd.set_playback(crowd.instances(), field.playback));
                  const CrowdView view = unwrap(

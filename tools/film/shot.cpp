@@ -10,11 +10,11 @@ namespace {
 
 // Skeletons are drawn of all joints.
 CrowdSettings crowd_settings(const RenderOptions& options) {
-    return {.keep_model_matrices = options.skeletons,
-            .culls = !options.everything,
-            .reduces_joints = !options.everything && !options.skeletons,
-            .skin_blend = options.skin_blend,
-            .skins_once = options.skins_once};
+    return {
+        .keep_model_matrices = options.skeletons,
+        .culling = !options.everything ? std::optional(Culling{.reduces_joints = !options.skeletons}) : std::nullopt,
+        .skin_blend = options.skin_blend,
+        .skins_once = options.skins_once};
 }
 
 RendererSettings renderer_settings(const RenderOptions& options) {

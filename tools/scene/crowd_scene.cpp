@@ -131,7 +131,7 @@ SceneCast::SceneCast(const SceneOptions& options) {
 }
 
 CrowdScene::CrowdScene(const Device& device, const SceneOptions& options, CrowdSettings settings)
-    : culls_(settings.culls) {
+    : culls_(settings.culling.has_value()) {
     const SceneCast cast(options);
     const std::vector<Character>& characters = cast.characters;
     Scatter field = scatter(characters,

@@ -90,17 +90,17 @@ void Scene::make_field() {
 void Scene::make_crowd() {
     crowd_.reset();  // first: two large ones need not fit the device together
     const SceneSettings& of = settings();
-    crowd_.emplace(
-        tools::unwrap(Crowd::create(device_, {.groups = field_.groups,
-                                              .path = of.path,
-                                              .skin_format = of.format,
-                                              .scan = of.scan,
-                                              .keep_model_matrices = of.keeps_joints,
-                                              .culls = of.culls,
-                                              .skips_updates = of.culls && of.skips_updates && !of.keeps_joints,
-                                              .reduces_joints = of.culls && !of.keeps_joints,
-                                              .skin_blend = of.blend,
-                                              .skins_once = of.skins_once})));
+    crowd_.emplace(tools::unwrap(Crowd::create(
+        device_, {.groups = field_.groups,
+                  .path = of.path,
+                  .skin_format = of.format,
+                  .scan = of.scan,
+                  .keep_model_matrices = of.keeps_joints,
+                  .culling = of.culls ? std::optional(Culling{.skips_updates = of.skips_updates && !of.keeps_joints,
+                                                              .reduces_joints = !of.keeps_joints})
+                                      : std::nullopt,
+                  .skin_blend = of.blend,
+                  .skins_once = of.skins_once})));
     director_.emplace(field_.groups, of.seed);
     for (uint32_t group = 0; group < field_.groups.size(); ++group) {
         if (!controller_of(group)) send_playback(group);
