@@ -76,6 +76,7 @@ GlbBuilder tiny_character() {
                  "MAT4", kFloat);
     b.add<float>({0, 1}, "SCALAR", kFloat);
     b.add<float>({0, 0, 0, 1, 0, 0, half, half}, "VEC4", kFloat);
+    b.add<float>({0, 0, 1, 0, 0, 1, 0, 0, 1}, "VEC3", kFloat);
 
     b.json["nodes"] = {{{"name", "body"}, {"mesh", 0}, {"skin", 0}},
                        {{"name", "root"}, {"children", {2}}},
@@ -83,9 +84,11 @@ GlbBuilder tiny_character() {
     b.json["scenes"] = {{{"nodes", {0, 1}}}};
     b.json["scene"] = 0;
     b.json["skins"] = {{{"joints", {1, 2}}, {"inverseBindMatrices", kInverseBinds}}};
-    b.json["meshes"] = {{{"primitives",
-                          {{{"attributes", {{"POSITION", kPosition}, {"JOINTS_0", kJoints}, {"WEIGHTS_0", kWeights}}},
-                            {"indices", kIndices}}}}}};
+    b.json["meshes"] = {
+        {{"primitives",
+          {{{"attributes",
+             {{"POSITION", kPosition}, {"JOINTS_0", kJoints}, {"WEIGHTS_0", kWeights}, {"NORMAL", kNormals}}},
+            {"indices", kIndices}}}}}};
     b.json["animations"] = {{{"name", "turn"},
                              {"channels", {{{"sampler", 0}, {"target", {{"node", 2}, {"path", "rotation"}}}}}},
                              {"samplers", {{{"input", kTimes}, {"output", kRotations}}}}}};

@@ -41,9 +41,9 @@ public:
 
 // A valid character: nodes 0 (the mesh's), 1 and its child 2 (the joints); one triangle, skinned to both joints; one
 // clip, 1 s long, that turns node 2 by 90° about z. The accessors are, in this order: POSITION, JOINTS_0, WEIGHTS_0,
-// indices, inverse bind matrices, key times, rotations.
+// indices, inverse bind matrices, key times, rotations, NORMAL.
 GlbBuilder tiny_character();
-enum : size_t { kPosition, kJoints, kWeights, kIndices, kInverseBinds, kTimes, kRotations };
+enum : size_t { kPosition, kJoints, kWeights, kIndices, kInverseBinds, kTimes, kRotations, kNormals };
 
 std::string base64(std::span<const std::byte> bytes);
 

@@ -21,23 +21,37 @@ ComponentType component_type_of(const JsonView& json) {
     return ComponentType(type);
 }
 
-// `count` elements of `element_bytes` at the `byteOffset` of `json` in its buffer view, with the stride of that.
-AccessorView strided(const JsonView& json, const Buffers::View& view, uint64_t count, uint64_t element_bytes) {
-    const uint64_t offset = json.optional_uint("byteOffset", 0);
-    AccessorView out;
-    out.stride_bytes = view.stride_bytes > 0 ? view.stride_bytes : element_bytes;
+// Elements of `element_bytes` from the `byteOffset` of `json` in its buffer view on, with the stride of that.
+struct Strided {
+    const std::byte* data = nullptr;
+    uint64_t stride_bytes = 0;
+    uint64_t count = 0;  // that lie in the view
+};
+
+Strided strided(const JsonView& json, const Buffers::View& view, uint64_t element_bytes) {
+    const uint64_t offset = json.optional_uint("byteOffset", 0), size_bytes = view.bytes.size();
+    Strided out{.stride_bytes = view.stride_bytes > 0 ? view.stride_bytes : element_bytes};
     if (out.stride_bytes < element_bytes || out.stride_bytes > 0xFFFF)
         json.fail("an element has ", element_bytes, " bytes, but the byteStride of its buffer view is ",
                   out.stride_bytes);
-    // offset < 2^53, count < 2^53, stride < 2^16: compared by division, so that nothing overflows.
-    const uint64_t size_bytes = view.bytes.size();
-    const bool fits = count == 0 || (offset <= size_bytes && element_bytes <= size_bytes - offset &&
-                                     count - 1 <= (size_bytes - offset - element_bytes) / out.stride_bytes);
-    if (!fits)
-        json.fail(count, " elements of ", element_bytes, " bytes from byte ", offset,
-                  " do not fit into its buffer view of ", size_bytes, " bytes");
-    out.data = count == 0 ? kZeros.data() : view.bytes.data() + offset;
+    if (offset > size_bytes || element_bytes > size_bytes - offset) return out;
+    out.data = view.bytes.data() + offset;
+    out.count = (size_bytes - offset - element_bytes) / out.stride_bytes + 1;
     return out;
+}
+
+template <class... Parts>
+[[noreturn]] void fail_to_fit(const JsonView& json, const Buffers::View& view, uint64_t count, uint64_t element_bytes,
+                              const Parts&... more) {
+    json.fail(count, " elements of ", element_bytes, " bytes from byte ", json.optional_uint("byteOffset", 0),
+              " do not fit into its buffer view of ", view.bytes.size(), " bytes", more...);
+}
+
+// `count` of them.
+AccessorView whole(const JsonView& json, const Buffers::View& view, uint64_t count, uint64_t element_bytes) {
+    const Strided found = strided(json, view, element_bytes);
+    if (found.count < count) fail_to_fit(json, view, count, element_bytes);
+    return {.format = {}, .data = count == 0 ? kZeros.data() : found.data, .stride_bytes = found.stride_bytes};
 }
 
 }  // namespace
@@ -83,7 +97,7 @@ AccessorView Accessors::open(const AccessorFormat& format) {
     const JsonView json = accessors_[format.index];
     // Without a view zeros by the specification: one element, seen at stride 0.
     AccessorView out{.data = kZeros.data()};
-    if (json.has("bufferView")) out = strided(json, buffers_.view_of(json), format.count, format.element_bytes());
+    if (json.has("bufferView")) out = in_view(json, format);
     out.format = format;
     if (const auto sparse = json.optional_object("sparse")) {
         out.owner = with_sparse(json, *sparse, out);
@@ -91,6 +105,22 @@ AccessorView Accessors::open(const AccessorFormat& format) {
         out.stride_bytes = format.element_bytes();
     }
     return out;
+}
+
+// Exporters count a little too far now and then: what is not there is 0, where it is a tenth at most.
+AccessorView Accessors::in_view(const JsonView& json, const AccessorFormat& format) {
+    const Buffers::View view = buffers_.view_of(json);
+    const uint64_t element_bytes = format.element_bytes(), count = format.count;
+    const Strided found = strided(json, view, element_bytes);
+    if (found.count >= count) return whole(json, view, count, element_bytes);
+    const uint64_t missing = count - found.count;
+    if (missing > count / 10) fail_to_fit(json, view, count, element_bytes, "; a tenth of them may be missing");
+    budget_.charge(count, element_bytes, json.place());
+    auto padded = std::make_shared<std::vector<std::byte>>(count * element_bytes);
+    for (uint64_t i = 0; i < found.count; ++i)
+        std::memcpy(padded->data() + i * element_bytes, found.data + i * found.stride_bytes, element_bytes);
+    warnings_.add(json.place(), missing, " of ", count, " elements lie beyond its buffer view: they are 0");
+    return {.format = {}, .data = padded->data(), .stride_bytes = element_bytes, .owner = padded};
 }
 
 std::shared_ptr<std::vector<std::byte>> Accessors::with_sparse(const JsonView& json, const JsonView& sparse,
@@ -103,10 +133,10 @@ std::shared_ptr<std::vector<std::byte>> Accessors::with_sparse(const JsonView& j
     const Buffers::View indices_view = buffers_.view_of(indices_json);
     const AccessorFormat indices_format{.component_count = 1, .component_type = component_type_of(indices_json)};
     if (!indices_format.is_unsigned()) indices_json.fail("must be unsigned integers");
-    AccessorView indices = strided(indices_json, indices_view, sparse_count, indices_format.element_bytes());
+    AccessorView indices = whole(indices_json, indices_view, sparse_count, indices_format.element_bytes());
     indices.format = indices_format;
     const JsonView values_json = sparse.required_object("values");
-    const AccessorView values = strided(values_json, buffers_.view_of(values_json), sparse_count, element_bytes);
+    const AccessorView values = whole(values_json, buffers_.view_of(values_json), sparse_count, element_bytes);
 
     budget_.charge(count, element_bytes, json.place());
     auto out = std::make_shared<std::vector<std::byte>>(count * element_bytes);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "import/container.h"
+#include "import/warnings.h"
 
 #include <cstring>
 #include <memory>
@@ -70,8 +71,8 @@ private:
 
 class Accessors {
 public:
-    Accessors(JsonView root, Buffers& buffers, Budget& budget)
-        : accessors_(root.optional_array("accessors")), buffers_(buffers), budget_(budget) {}
+    Accessors(JsonView root, Buffers& buffers, Budget& budget, Warnings& warnings)
+        : accessors_(root.optional_array("accessors")), buffers_(buffers), budget_(budget), warnings_(warnings) {}
 
     // The accessor whose index is `user`'s member `key`. Fails at `user.key` for an index out of range, and at the
     // accessor, or its buffer view, for what is wrong there.
@@ -80,12 +81,14 @@ public:
     AccessorView open(const AccessorFormat& format);
 
 private:
+    AccessorView in_view(const JsonView& json, const AccessorFormat& format);
     std::shared_ptr<std::vector<std::byte>> with_sparse(const JsonView& json, const JsonView& sparse,
                                                         const AccessorView& base);
 
     JsonView accessors_;
     Buffers& buffers_;
     Budget& budget_;
+    Warnings& warnings_;
 };
 
 }  // namespace throng::gltf

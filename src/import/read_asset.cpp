@@ -92,7 +92,7 @@ Asset read_parts(std::span<const std::byte> bytes, const std::filesystem::path& 
     check_version(root);
     const bool quantized = check_extensions(root);
     Buffers buffers(root, container, folder, budget);
-    Accessors accessors(root, buffers, budget);
+    Accessors accessors(root, buffers, budget, warnings);
     Reading reading{root, buffers, accessors, budget, warnings, quantized};
 
     Asset asset;

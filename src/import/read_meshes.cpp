@@ -1,4 +1,5 @@
 #include "import/draco.h"
+#include "import/normals.h"
 #include "import/readers.h"
 
 #include <algorithm>
@@ -46,6 +47,7 @@ private:
         read_targets();
         read_influences();
         read_indices(mode);
+        make_normals();
     }
 
     void warn(const char* why) { reading_.warnings.add(json_.place(), why); }
@@ -133,6 +135,22 @@ private:
             return is_quantized_signed(format) && format.normalized;
         };
         read_looks("NORMAL", {"VEC3"}, may_be_integers, out_.normals);
+    }
+
+    // Of vertices for which the file has none, or one of length 0.
+    void make_normals() {
+        const size_t vertex_count = out_.positions.size();
+        const bool has_some = !out_.normals.empty();
+        const auto is_missing = [](const Vec3<float>& normal) { return dot(normal, normal) == 0; };
+        const ptrdiff_t missing = has_some ? std::ranges::count_if(out_.normals, is_missing) : ptrdiff_t(vertex_count);
+        if (missing == 0) return;
+        reading_.budget.charge(vertex_count, sizeof(Vec3<float>), json_.place());
+        const std::vector<Vec3<float>> made = smooth_normals(out_);
+        out_.normals.resize(vertex_count);
+        for (size_t v = 0; v < vertex_count; ++v)
+            if (is_missing(out_.normals[v])) out_.normals[v] = made[v];
+        reading_.warnings.add(json_.place(), missing, " of ", vertex_count,
+                              " vertices have no normal: they get smooth ones, of the triangles around them");
     }
 
     void read_texcoords(const AssetMaterial& material, uint32_t set) {

@@ -265,6 +265,56 @@ TEST(Import, UnneededPartsMayBeBroken) {
     EXPECT_EQ(asset.warnings.size(), 1u);
 }
 
+// ---- Repairs of meshes and accessors ----
+
+TEST(Import, NormalsThatAreMissingAreMade) {
+    GlbBuilder b = tiny_character();
+    attributes(b).erase("NORMAL");
+    Asset asset = loaded(b);
+    EXPECT_TRUE(has_warning(asset, "meshes[0].primitives[0]: 3 of 3 vertices have no normal")) << asset.warnings[0];
+    EXPECT_EQ(asset.meshes[0].primitives[0].normals, (std::vector<Vec3<float>>(3, {0, 0, 1})));
+
+    b = tiny_character();
+    overwrite(b, kNormals, 3, 1.0f);  // of the second, which looks along x
+    overwrite(b, kNormals, 5, 0.0f);
+    overwrite(b, kNormals, 8, 0.0f);  // of the third
+    asset = loaded(b);
+    EXPECT_TRUE(has_warning(asset, "1 of 3 vertices have no normal"));
+    EXPECT_EQ(asset.meshes[0].primitives[0].normals, (std::vector<Vec3<float>>{{0, 0, 1}, {1, 0, 0}, {0, 0, 1}}));
+
+    overwrite(b, kPosition, 3, 0.0f);  // a triangle of no area: nobody knows
+    asset = loaded(b);
+    EXPECT_EQ(asset.meshes[0].primitives[0].normals[2], (Vec3<float>{}));
+    EXPECT_TRUE(compile_character(asset));
+}
+
+// A tenth of the elements may be missing.
+TEST(Import, AccessorsALittleTooLongAreReadAsFarAsTheyGo) {
+    const auto with_colors = [](size_t count, size_t there) {
+        GlbBuilder b = tiny_character();
+        Json& of = attributes(b);
+        of.erase("JOINTS_0");
+        of.erase("WEIGHTS_0");
+        b.json["nodes"][0].erase("skin");
+        of["POSITION"] = b.add(std::vector<float>(3 * count, 1), "VEC3", kFloat);
+        of["NORMAL"] = b.add(std::vector<float>(3 * count, 1), "VEC3", kFloat);
+        of["COLOR_0"] = b.add(std::vector<float>(4 * there, 0.5f), "VEC4", kFloat);
+        b.json["accessors"].back()["count"] = count;
+        return b;
+    };
+    const Asset asset = loaded(with_colors(20, 18));
+    EXPECT_TRUE(has_warning(asset, "accessors[10]: 2 of 20 elements lie beyond its buffer view: they are 0"));
+    EXPECT_EQ(asset.warnings.size(), 1u);
+    const auto& colors = asset.meshes[0].primitives[0].colors;
+    ASSERT_EQ(colors.size(), 20u);
+    for (size_t v = 0; v < colors.size(); ++v) EXPECT_EQ(colors[v][0], v < 18 ? 0.5f : 0) << v;
+    expect_refused(with_colors(20, 17), "accessors[10]", "a tenth of them may be missing");
+    expect_refused(with_colors(20, 0), "accessors[10]", "do not fit");
+    GlbBuilder many = with_colors(20, 18);
+    many.json["accessors"].back()["count"] = 4'000'000'000u;
+    EXPECT_FALSE(load(many));
+}
+
 // ---- Nodes and scenes ----
 
 TEST(Import, NodeMatrix) {
@@ -649,7 +699,7 @@ TEST(Import, Channels) {
     expect_refused(b, "animations[0].channels[0].sampler", "index 7, but samplers has 1 entry");
     b = tiny_character();
     sampler(b)["input"] = 70;
-    expect_refused(b, "animations[0].samplers[0].input", "index 70, but accessors has 7 entries");
+    expect_refused(b, "animations[0].samplers[0].input", "index 70, but accessors has 8 entries");
     b = tiny_character();
     b.json["animations"][0]["channels"] = Json::array();
     EXPECT_TRUE(has_warning(loaded(b), "animations[0]: has no channels"));
@@ -674,8 +724,7 @@ TEST(Import, AccessorBounds) {
     };
     const std::string place = "accessors[0]";
     expect_refused(with("count", 4), place, "4 elements of 12 bytes from byte 0 do not fit");
-    expect_refused(with("count", 2), "meshes[0].primitives[0].attributes.JOINTS_0",
-                   "has 3 elements, but POSITION has 2");
+    expect_refused(with("count", 2), "meshes[0].primitives[0].attributes.NORMAL", "has 3 elements, but POSITION has 2");
     expect_refused(with("byteOffset", 1), place, "do not fit");
     expect_refused(with("byteOffset", 1ull << 52), place, "do not fit");
     expect_refused(with("byteOffset", -4), place + ".byteOffset", "-4");
@@ -711,7 +760,7 @@ TEST(Import, Strides) {
     attributes(b)["POSITION"] = accessor;
     EXPECT_EQ(loaded(b).meshes[0].primitives[0].positions, (std::vector<Vec3<float>>{{1, 2, 3}, {4, 5, 6}, {7, 8, 9}}));
     b.json["accessors"][accessor]["byteOffset"] = 8;
-    expect_refused(b, "accessors[7]", "do not fit");
+    expect_refused(b, "accessors[8]", "do not fit");
 }
 
 TEST(Import, Sparse) {
@@ -752,13 +801,13 @@ TEST(Import, AmplificationIsBounded) {
     // An accessor without data costs its file nothing.
     GlbBuilder b = tiny_character();
     b.json["accessors"].push_back({{"componentType", kFloat}, {"count", 400'000'000}, {"type", "VEC3"}});
-    attributes(b) = {{"POSITION", 7}};
+    attributes(b) = {{"POSITION", 8}};
     expect_limit(b, "meshes[0].primitives[0].attributes.POSITION");
-    b.json["accessors"][7]["sparse"] = {
+    b.json["accessors"][8]["sparse"] = {
         {"count", 0}, {"indices", {{"bufferView", 0}, {"componentType", kUint8}}}, {"values", {{"bufferView", 0}}}};
     expect_limit(b, "meshes[0].primitives[0].attributes.POSITION");
     // Nor do many primitives over one.
-    b.json["accessors"][7] = {{"componentType", kFloat}, {"count", 1'000'000}, {"type", "VEC3"}};
+    b.json["accessors"][8] = {{"componentType", kFloat}, {"count", 1'000'000}, {"type", "VEC3"}};
     const Json one = primitive(b);
     for (int i = 0; i < 1000; ++i) b.json["meshes"][0]["primitives"].push_back(one);
     const auto result = load(b);
@@ -981,7 +1030,7 @@ TEST(Import, MorphTargets) {
     b.json["meshes"][0]["extras"] = {{"targetNames", {"smile", "blink", "nothing"}}};
     Asset asset = loaded(b);
     const AssetMesh& mesh = asset.meshes[0];
-    EXPECT_EQ(asset.warnings.size(), 1u) << "of the points";
+    EXPECT_EQ(asset.warnings.size(), 2u) << "of the points, and of normals that are missing";
     EXPECT_EQ(mesh.weights, (std::vector<float>{0.5f, 0, 1}));
     EXPECT_EQ(mesh.target_names, (std::vector<std::string>{"smile", "blink", "nothing"}));
     const std::vector<AssetMorphTarget>& targets = mesh.primitives[0].targets;
@@ -1074,8 +1123,8 @@ TEST(Import, BrokenMorphTargets) {
     // Many targets over one accessor cost a file nothing.
     GlbBuilder b = tiny_character();
     b.json["accessors"].push_back({{"componentType", kFloat}, {"count", 100'000}, {"type", "VEC3"}});
-    attributes(b) = {{"POSITION", 7}};
-    for (int i = 0; i < 1000; ++i) primitive(b)["targets"].push_back({{"POSITION", 7}});
+    attributes(b) = {{"POSITION", 8}};
+    for (int i = 0; i < 1000; ++i) primitive(b)["targets"].push_back({{"POSITION", 8}});
     const auto result = load(b);
     ASSERT_FALSE(result.ok());
     EXPECT_EQ(result.error().code, ErrorCode::kLimit);
@@ -1419,6 +1468,7 @@ TEST(Import, BrokenMeshopt) {
 
 GlbBuilder draco_character(int method) {
     GlbBuilder b = tiny_character();
+    attributes(b).erase("NORMAL");
     draco::TriangleSoupMeshBuilder builder;
     builder.Start(2);
     const int position = builder.AddAttribute(draco::GeometryAttribute::POSITION, 3, draco::DT_FLOAT32);

@@ -4,6 +4,7 @@
 #include "base/failure.h"
 #include "reference/sampled_poses.h"
 #include "compile/limits.h"
+#include "import/normals.h"
 
 #include <algorithm>
 #include <map>
@@ -35,18 +36,6 @@ uint32_t pack_color(const std::array<float, 4>& color) {
         packed |= static_cast<uint32_t>(std::lround(std::clamp(color[static_cast<size_t>(i)], 0.0f, 1.0f) * 255))
                   << (8 * i);
     return packed;
-}
-
-// Smooth normals, each triangle weighted by its area.
-std::vector<Vec3<float>> computed_normals(const AssetPrimitive& primitive) {
-    std::vector<Vec3<float>> normals(primitive.positions.size());
-    for (size_t i = 0; i + 2 < primitive.indices.size(); i += 3) {
-        const auto corner = [&](size_t k) { return primitive.positions[primitive.indices[i + k]]; };
-        const Vec3<float> area = cross(corner(1) - corner(0), corner(2) - corner(0));
-        for (size_t k = 0; k < 3; ++k) normals[primitive.indices[i + k]] = normals[primitive.indices[i + k]] + area;
-    }
-    for (auto& normal : normals) normal = normalized(normal);
-    return normals;
 }
 
 class MeshCompiler {
@@ -127,7 +116,7 @@ private:
     }
 
     void add_vertices(const AssetPrimitive& primitive) {
-        const std::vector<Vec3<float>> normals = primitive.normals.empty() ? computed_normals(primitive)
+        const std::vector<Vec3<float>> normals = primitive.normals.empty() ? smooth_normals(primitive)
                                                                            : primitive.normals;
         for (size_t v = 0; v < primitive.positions.size(); ++v) {
             Vertex vertex{.position = primitive.positions[v], .normal_octahedral = pack_normal(normalized(normals[v]))};
