@@ -243,9 +243,10 @@ inline const CompileSettings kExact{.error = 0};
 // packed, 2^28 poses of a joint (rows of exact keys, of all clips, times joints); 4,096 morphs, and 256 MiB each of
 // their differences, their track table and their weights, for which cubic tracks become rows, straight between each
 // other, within 0.0001 (of the largest weight of the track, where that exceeds 1), 4,000,000 weights of them a clip.
-// Names of morphs are cut at 256 bytes. Control characters of names become '?'. Errors: kInvalidArgument (the error
-// bound, no joint of that name for root motion), kInvalidFile (poses that are not finite), kUnsupported (nothing to
-// animate; an animated or unevenly scaled joint above that of root motion), kLimit.
+// Names of morphs are cut at 256 bytes. Control characters of names become '?'. Errors: kInvalidArgument (an asset
+// that is not as asset.h says; the error bound, no joint of that name for root motion), kInvalidFile (poses that are
+// not finite), kUnsupported (nothing to animate; an animated or unevenly scaled joint above that of root motion),
+// kLimit.
 Result<Character> compile_character(const Asset& asset, const CompileSettings& settings = {});
 
 // Whether a regular file of this name begins as one that save_character() wrote.

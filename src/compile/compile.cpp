@@ -3,6 +3,7 @@
 #include "base/failure.h"
 #include "base/find_name.h"
 #include "bind/bind_reference.h"
+#include "compile/asset_check.h"
 #include "compile/file/character_file.h"
 #include "compile/file/character_layout.h"
 #include "compile/clip/read_clips.h"
@@ -57,6 +58,7 @@ Result<Character> compile_character(const Asset& asset, const CompileSettings& s
     return as_result(
         [&] {
             check_error_bound(settings.error, asset.name);
+            check_asset(asset);
             Character character;
             character.name = asset.name;
             character.warnings = asset.warnings;

@@ -700,7 +700,7 @@ TEST(Compile, PrimitivesWithoutJointsFollowTheirNode) {
 
 TEST(Compile, ARestPoseThatIsNotFiniteIsRefused) {
     Builder builder;
-    builder.mesh(builder.node(kNone, moved(std::numeric_limits<double>::infinity(), 0, 0)));
+    builder.mesh(builder.node(kNone, moved(1e300, 0, 0)));
     EXPECT_EQ(refusal_of(builder.asset).code, ErrorCode::kInvalidFile);
 }
 

@@ -24,6 +24,7 @@ TEST(MorphCompile, CompilesWhatTargetsMove) {
                                                      Asset plain = asset;
                                                      for (AssetMesh& mesh : plain.meshes) {
                                                          mesh.weights.clear();
+                                                         mesh.target_names.clear();
                                                          mesh.primitives[0].targets.clear();
                                                      }
                                                      plain.mesh_instances[2].weights.clear();

@@ -1,0 +1,187 @@
+#include "compile/asset_check.h"
+
+#include "base/failure.h"
+#include "base/text.h"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+namespace throng {
+namespace {
+
+bool is_finite(const std::ranges::range auto& numbers) {
+    return std::ranges::all_of(numbers, [](auto number) { return std::isfinite(number); });
+}
+template <class T>
+bool is_finite(const Vec3<T>& v) {
+    return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+}
+bool is_finite(const std::vector<Vec3<float>>& vectors) {
+    return std::ranges::all_of(vectors, [](const Vec3<float>& v) { return is_finite(v); });
+}
+
+class Checker {
+public:
+    explicit Checker(const Asset& asset) : asset_(asset) {}
+
+    void run() {
+        each(asset_.nodes, "nodes", [&](const AssetNode& node) { check(node); });
+        check_ancestors();
+        each(asset_.skins, "skins", [&](const AssetSkin& skin) { check(skin); });
+        each(asset_.materials, "materials", [&](const AssetMaterial& material) { check(material); });
+        each(asset_.meshes, "meshes", [&](const AssetMesh& mesh) { check(mesh); });
+        each(asset_.mesh_instances, "mesh_instances", [&](const AssetMeshInstance& instance) { check(instance); });
+        require(std::ranges::is_sorted(asset_.mesh_instances, {}, &AssetMeshInstance::node),
+                "mesh_instances must be ordered by node");
+        each(asset_.clips, "clips", [&](const AssetClip& clip) { check(clip); });
+    }
+
+private:
+    // Calls check_one(item) for each, of which failures name the place.
+    template <class Items, class Check>
+    void each(const Items& items, const char* name, const Check& check_one) {
+        for (size_t i = 0; i < items.size(); ++i) {
+            const size_t before = place_.size();
+            place_ += joined(place_.empty() ? "" : ".", name, "[", i, "]");
+            check_one(items[i]);
+            place_.resize(before);
+        }
+    }
+
+    template <class... Parts>
+    void require(bool holds, const Parts&... message) const {
+        if (holds) return;
+        const std::string of_file = asset_.name.empty() || place_.empty() ? asset_.name : asset_.name + ": ";
+        throw Failure(ErrorCode::kInvalidArgument, of_file + place_, message...);
+    }
+    void require_index(uint32_t index, size_t count, const char* what, const char* of) const {
+        require(index < count, what, " is ", index, ", but there are ", count, " ", of);
+    }
+    void require_optional(uint32_t index, size_t count, const char* what, const char* of) const {
+        if (index != kNone) require_index(index, count, what, of);
+    }
+    void require_size(const auto& items, uint64_t count, const char* what) const {
+        require(items.size() == count, what, " has ", items.size(), " elements; ", count, " are needed");
+    }
+    void require_size_or_none(const auto& items, uint64_t count, const char* what) const {
+        if (!items.empty()) require_size(items, count, what);
+    }
+
+    void check(const AssetNode& node) const {
+        require_optional(node.parent, asset_.nodes.size(), "parent", "nodes");
+        const auto& [rotation, translation, scale] = node.parent_from_node;
+        const std::array q{rotation.x, rotation.y, rotation.z, rotation.w};
+        require(is_finite(q) && is_finite(translation) && is_finite(scale), "parent_from_node is not finite");
+        const double squared = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
+        require(std::abs(squared - 1) < 1e-3, "the rotation of parent_from_node is not of length 1");
+    }
+
+    // Each node is followed upwards until one that is known to end at a root.
+    void check_ancestors() {
+        std::vector<uint32_t> seen_from(asset_.nodes.size(), kNone);
+        for (uint32_t start = 0; start < asset_.nodes.size(); ++start)
+            for (uint32_t node = start; node != kNone && seen_from[node] != start; node = asset_.nodes[node].parent) {
+                if (seen_from[node] != kNone) break;
+                seen_from[node] = start;
+                const uint32_t parent = asset_.nodes[node].parent;
+                require(parent == kNone || seen_from[parent] != start, "nodes[", node, "] is an ancestor of itself");
+            }
+    }
+
+    void check(const AssetSkin& skin) const {
+        require(!skin.joints.empty(), "joints is empty");
+        for (const uint32_t joint : skin.joints) require_index(joint, asset_.nodes.size(), "a joint", "nodes");
+        require_size(skin.inverse_binds, skin.joints.size(), "inverse_binds");
+        for (const Affine& bind : skin.inverse_binds)
+            for (const auto& row : bind.row) require(is_finite(row), "inverse_binds is not finite");
+    }
+
+    void check(const AssetMaterial& material) const {
+        visit_images(
+            [&](auto member) { require_optional(material.*member, asset_.images.size(), "an image", "images"); });
+        require(is_finite(material.base_color) && is_finite(material.emissive) &&
+                    is_finite(std::array{material.alpha_cutoff, material.metallic, material.roughness,
+                                         material.normal_scale, material.occlusion_strength}),
+                "a factor is not finite");
+    }
+
+    void check(const AssetMesh& mesh) {
+        require(is_finite(mesh.weights), "weights are not finite");
+        require_size_or_none(mesh.target_names, mesh.weights.size(), "target_names");
+        each(mesh.primitives, "primitives",
+             [&](const AssetPrimitive& primitive) { check(primitive, mesh.weights.size()); });
+    }
+
+    void check(const AssetPrimitive& primitive, size_t target_count) {
+        const size_t n = primitive.positions.size();
+        require_optional(primitive.material, asset_.materials.size(), "material", "materials");
+        require(is_finite(primitive.positions), "positions are not finite");
+        require_size_or_none(primitive.normals, n, "normals");
+        require_size_or_none(primitive.texcoords, n, "texcoords");
+        require_size_or_none(primitive.colors, n, "colors");
+        require_size(primitive.influence_joints, n * primitive.influence_count, "influence_joints");
+        require_size(primitive.influence_weights, n * primitive.influence_count, "influence_weights");
+        require(is_finite(primitive.influence_weights) &&
+                    std::ranges::none_of(primitive.influence_weights, [](float weight) { return weight < 0; }),
+                "influence_weights must be finite, and not negative");
+        require(primitive.indices.size() % 3 == 0, "indices has ", primitive.indices.size(),
+                " elements, which are no triangles");
+        for (const uint32_t index : primitive.indices) require_index(index, n, "an index", "positions");
+        if (n > 0 || !primitive.targets.empty()) require_size(primitive.targets, target_count, "targets");
+        each(primitive.targets, "targets", [&](const AssetMorphTarget& target) {
+            require_size_or_none(target.positions, n, "positions");
+            require_size_or_none(target.normals, n, "normals");
+            require(is_finite(target.positions) && is_finite(target.normals), "differences are not finite");
+        });
+    }
+
+    void check(const AssetMeshInstance& instance) const {
+        require_index(instance.node, asset_.nodes.size(), "node", "nodes");
+        require_index(instance.mesh, asset_.meshes.size(), "mesh", "meshes");
+        require_optional(instance.skin, asset_.skins.size(), "skin", "skins");
+        const AssetMesh& mesh = asset_.meshes[instance.mesh];
+        require_size_or_none(instance.weights, mesh.weights.size(), "weights");
+        require(is_finite(instance.weights), "weights are not finite");
+        if (instance.skin == kNone) return;
+        const size_t joint_count = asset_.skins[instance.skin].joints.size();
+        for (const AssetPrimitive& primitive : mesh.primitives)
+            for (size_t i = 0; i < primitive.influence_joints.size(); ++i)
+                if (primitive.influence_weights[i] > 0)
+                    require_index(primitive.influence_joints[i], joint_count, "a joint with weight", "in its skin");
+    }
+
+    void check(const AssetClip& clip) {
+        require(std::isfinite(clip.duration_s) && clip.duration_s >= 0, "duration_s must be finite, and not negative");
+        std::set<std::pair<uint32_t, TrackTarget>> moved;
+        each(clip.tracks, "tracks", [&](const AssetTrack& track) {
+            require_index(track.node, asset_.nodes.size(), "node", "nodes");
+            require(moved.emplace(track.node, track.target).second, "an earlier track has the same node and target");
+            check_keys(track, track.target == TrackTarget::kRotation ? 4 : 3);
+        });
+        each(clip.morph_tracks, "morph_tracks", [&](const AssetMorphTrack& track) {
+            require_index(track.node, asset_.nodes.size(), "node", "nodes");
+            const auto instance = std::ranges::find(asset_.mesh_instances, track.node, &AssetMeshInstance::node);
+            if (instance != asset_.mesh_instances.end())
+                check_keys(track, asset_.meshes[instance->mesh].weights.size());
+        });
+    }
+
+    void check_keys(const auto& track, uint64_t of_key) const {
+        const std::vector<float>& times = track.times_s;
+        require(!times.empty() && is_finite(times) && times.front() >= 0, "times_s must be finite, from 0 on");
+        require(std::ranges::adjacent_find(times, std::greater_equal()) == times.end(), "times_s must increase");
+        const bool is_cubic = track.interpolation == Interpolation::kCubicSpline;
+        require_size(track.values, times.size() * of_key * (is_cubic ? 3 : 1), "values");
+        require(is_finite(track.values), "values are not finite");
+    }
+
+    const Asset& asset_;
+    std::string place_;
+};
+
+}  // namespace
+
+void check_asset(const Asset& asset) { Checker(asset).run(); }
+
+}  // namespace throng

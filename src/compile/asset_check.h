@@ -1,0 +1,12 @@
+// What an Asset must be to be compiled. load_asset() makes such; an engine that fills one itself may err.
+#pragma once
+
+#include <throng/asset.h>
+
+namespace throng {
+
+// Throws kInvalidArgument, which names the place: indices out of range, arrays of another length than asset.h says,
+// numbers that are not finite, keys out of order, nodes that are their own ancestors.
+void check_asset(const Asset& asset);
+
+}  // namespace throng
