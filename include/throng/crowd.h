@@ -283,8 +283,8 @@ public:
     // gone on, and what was set before is taken up by the next record(), together with what has been set since.
     // outputs() change back too. (A pose whose fade ended in that update is not back where CrowdGroup::pose_capacity
     // was exhausted and its room has been given to another.) Of a dropped update that nobody tells of, the changes are
-    // lost, and after four in a row record() fails where there is feedback(). Errors: kInvalidArgument (nothing has
-    // been recorded since the last discard or update()).
+    // lost, of the first one also what the buffers begin with, and after four in a row record() fails where there is
+    // feedback(). Errors: kInvalidArgument (nothing has been recorded since the last discard or update()).
     Result<void> discard_last_record();
     // record(), submit to the device's queue, and wait; a native device computes here.
     Result<void> update(float time_step_s, const CrowdView* view = nullptr);
