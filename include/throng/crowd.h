@@ -96,12 +96,12 @@ struct GroupPath {
 // How UpdatePath::kAuto updates a group of so many of them. Errors: kInvalidArgument (no joints).
 Result<GroupPath> advise_path(const Device& device, const Character& character, uint32_t instance_count);
 
-// Of updates for a view (CrowdView): instances that it does not see are not animated, and what is small has a coarser
-// level of detail.
+// Updates may be for a view (CrowdView): they animate only the instances that it sees, and give those that are small on
+// the screen a coarser level of detail.
 struct Culling {
-    // What is small on the screen may be animated less often than in every update; its skin matrices go on evenly from
-    // one pose to the next (kept model matrices do not: they are those of the next). Doubles the memory of skin
-    // matrices.
+    // Animates what is small on the screen only in some updates (CrowdView::full_rate_pixels). In between its skin
+    // matrices move evenly towards the next pose; kept model matrices are those of that next pose. Doubles the memory
+    // of skin matrices.
     bool skips_updates = false;
     // Coarser levels of detail have fewer joints (Character::joint_lods): their skin matrices are written only for
     // these, and only the influences of their level refer to no others. Kept model matrices likewise. Not of groups
@@ -116,7 +116,7 @@ struct CrowdSettings {
     // "auto", a name of scan_methods(), or a name with its invocations a character: "subgroup:8"
     std::string scan = "auto";
     bool keep_model_matrices = false;  // else they live only within a frame, and read_model_matrices() is an error
-    // Skin matrices of the update before the last, for motion vectors; doubles their memory
+    // OutputBlock::previous_skin, for motion vectors; takes the memory of skin matrices once more
     bool keep_previous_matrices = false;
     // Updates whose outputs are there side by side, 1 to 4, so that one may be computed while those before it are
     // drawn: on the same queue, or on one for asynchronous compute (AdoptedDevice::more_queue_families). Each takes the
@@ -125,7 +125,7 @@ struct CrowdSettings {
     // fence or a semaphore.
     uint32_t frames_in_flight = 1;
     std::optional<Terrain> terrain{};  // that instances of groups with CrowdGroup::on_terrain stand on
-    std::optional<Culling> culling{};  // updates may be for a view
+    std::optional<Culling> culling{};  // else every update animates all instances
     SkinBlend skin_blend = SkinBlend::kLinear;
     // Every vertex that is drawn is skinned once, in compute, into OutputBlock::skinned, for several passes
     // (shadow maps, depths, the picture) or others who read vertices; Renderer does so then. 16 bytes a vertex and
@@ -289,9 +289,10 @@ public:
     // record(), submit to the device's queue, and wait; a native device computes here.
     Result<void> update(float time_step_s, const CrowdView* view = nullptr);
 
-    // Of the last record(), or of a frame slot: record() writes to one after another in turn. Slots are so many as
-    // CrowdSettings::frames_in_flight, and one more with keep_previous_matrices; their outputs stay where they are, so
-    // what is bound to them is made once for each. Empty where there is no such slot.
+    // The outputs of the last record(), or those of one frame slot. Each record() writes to the next slot, and after
+    // the last one to the first. There are CrowdSettings::frames_in_flight slots, and one more with
+    // keep_previous_matrices. Their buffers stay the same, so an application can make its descriptors once for each
+    // slot. Empty where there is no such slot.
     std::span<const OutputBlock> outputs() const;
     std::span<const OutputBlock> outputs(uint32_t frame_slot) const;
     uint32_t frame_slot_count() const;

@@ -72,7 +72,7 @@ struct OutputBlock {
     // Skin matrices, [instance_count][palette_count] in CrowdSettings::skin_format, model space: skinned position =
     // matrix * bind position. With CrowdGroup::skin_pool [skin_row_count][palette_count].
     BufferView skin{};
-    // Those of the update before, with CrowdSettings::keep_previous_matrices.
+    // Skin matrices of the update before, where CrowdSettings::keep_previous_matrices is set.
     BufferView previous_skin{};
     uint32_t skin_row_count = 0;  // instance_count, or of the pool: shared poses, then those of instances
     // With a skin pool: which row of `skin` an instance has, uint32_t[instance_count]. Only instances that are listed

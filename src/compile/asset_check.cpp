@@ -1,25 +1,16 @@
 #include "compile/asset_check.h"
 
 #include "base/failure.h"
+#include "base/finite.h"
 #include "base/text.h"
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <set>
 
 namespace throng {
 namespace {
-
-bool is_finite(const std::ranges::range auto& numbers) {
-    return std::ranges::all_of(numbers, [](auto number) { return std::isfinite(number); });
-}
-template <class T>
-bool is_finite(const Vec3<T>& v) {
-    return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
-}
-bool is_finite(const std::vector<Vec3<float>>& vectors) {
-    return std::ranges::all_of(vectors, [](const Vec3<float>& v) { return is_finite(v); });
-}
 
 class Checker {
 public:
@@ -72,7 +63,7 @@ private:
         require_optional(node.parent, asset_.nodes.size(), "parent", "nodes");
         const auto& [rotation, translation, scale] = node.parent_from_node;
         const std::array q{rotation.x, rotation.y, rotation.z, rotation.w};
-        require(is_finite(q) && is_finite(translation) && is_finite(scale), "parent_from_node is not finite");
+        require(all_finite(q) && all_finite(translation) && all_finite(scale), "parent_from_node is not finite");
         const double squared = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
         require(std::abs(squared - 1) < 1e-3, "the rotation of parent_from_node is not of length 1");
     }
@@ -94,20 +85,20 @@ private:
         for (const uint32_t joint : skin.joints) require_index(joint, asset_.nodes.size(), "a joint", "nodes");
         require_size(skin.inverse_binds, skin.joints.size(), "inverse_binds");
         for (const Affine& bind : skin.inverse_binds)
-            for (const auto& row : bind.row) require(is_finite(row), "inverse_binds is not finite");
+            for (const auto& row : bind.row) require(all_finite(row), "inverse_binds is not finite");
     }
 
     void check(const AssetMaterial& material) const {
         visit_images(
             [&](auto member) { require_optional(material.*member, asset_.images.size(), "an image", "images"); });
-        require(is_finite(material.base_color) && is_finite(material.emissive) &&
-                    is_finite(std::array{material.alpha_cutoff, material.metallic, material.roughness,
-                                         material.normal_scale, material.occlusion_strength}),
+        require(all_finite(material.base_color) && all_finite(material.emissive) &&
+                    all_finite(std::array{material.alpha_cutoff, material.metallic, material.roughness,
+                                          material.normal_scale, material.occlusion_strength}),
                 "a factor is not finite");
     }
 
     void check(const AssetMesh& mesh) {
-        require(is_finite(mesh.weights), "weights are not finite");
+        require(all_finite(mesh.weights), "weights are not finite");
         require_size_or_none(mesh.target_names, mesh.weights.size(), "target_names");
         each(mesh.primitives, "primitives",
              [&](const AssetPrimitive& primitive) { check(primitive, mesh.weights.size()); });
@@ -116,13 +107,13 @@ private:
     void check(const AssetPrimitive& primitive, size_t target_count) {
         const size_t n = primitive.positions.size();
         require_optional(primitive.material, asset_.materials.size(), "material", "materials");
-        require(is_finite(primitive.positions), "positions are not finite");
+        require(all_finite(primitive.positions), "positions are not finite");
         require_size_or_none(primitive.normals, n, "normals");
         require_size_or_none(primitive.texcoords, n, "texcoords");
         require_size_or_none(primitive.colors, n, "colors");
         require_size(primitive.influence_joints, n * primitive.influence_count, "influence_joints");
         require_size(primitive.influence_weights, n * primitive.influence_count, "influence_weights");
-        require(is_finite(primitive.influence_weights) &&
+        require(all_finite(primitive.influence_weights) &&
                     std::ranges::none_of(primitive.influence_weights, [](float weight) { return weight < 0; }),
                 "influence_weights must be finite, and not negative");
         require(primitive.indices.size() % 3 == 0, "indices has ", primitive.indices.size(),
@@ -132,7 +123,7 @@ private:
         each(primitive.targets, "targets", [&](const AssetMorphTarget& target) {
             require_size_or_none(target.positions, n, "positions");
             require_size_or_none(target.normals, n, "normals");
-            require(is_finite(target.positions) && is_finite(target.normals), "differences are not finite");
+            require(all_finite(target.positions) && all_finite(target.normals), "differences are not finite");
         });
     }
 
@@ -142,7 +133,7 @@ private:
         require_optional(instance.skin, asset_.skins.size(), "skin", "skins");
         const AssetMesh& mesh = asset_.meshes[instance.mesh];
         require_size_or_none(instance.weights, mesh.weights.size(), "weights");
-        require(is_finite(instance.weights), "weights are not finite");
+        require(all_finite(instance.weights), "weights are not finite");
         if (instance.skin == kNone) return;
         const size_t joint_count = asset_.skins[instance.skin].joints.size();
         for (const AssetPrimitive& primitive : mesh.primitives)
@@ -161,19 +152,22 @@ private:
         });
         each(clip.morph_tracks, "morph_tracks", [&](const AssetMorphTrack& track) {
             require_index(track.node, asset_.nodes.size(), "node", "nodes");
-            const auto instance = std::ranges::find(asset_.mesh_instances, track.node, &AssetMeshInstance::node);
-            if (instance != asset_.mesh_instances.end())
-                check_keys(track, asset_.meshes[instance->mesh].weights.size());
+            const auto meshes = std::ranges::equal_range(asset_.mesh_instances, track.node, {},
+                                                         &AssetMeshInstance::node);
+            size_t target_count = 0;  // one of a node's meshes may have some
+            for (const AssetMeshInstance& instance : meshes)
+                target_count = std::max(target_count, asset_.meshes[instance.mesh].weights.size());
+            if (!meshes.empty()) check_keys(track, target_count);
         });
     }
 
     void check_keys(const auto& track, uint64_t of_key) const {
         const std::vector<float>& times = track.times_s;
-        require(!times.empty() && is_finite(times) && times.front() >= 0, "times_s must be finite, from 0 on");
+        require(!times.empty() && all_finite(times) && times.front() >= 0, "times_s must be finite, from 0 on");
         require(std::ranges::adjacent_find(times, std::greater_equal()) == times.end(), "times_s must increase");
         const bool is_cubic = track.interpolation == Interpolation::kCubicSpline;
         require_size(track.values, times.size() * of_key * (is_cubic ? 3 : 1), "values");
-        require(is_finite(track.values), "values are not finite");
+        require(all_finite(track.values), "values are not finite");
     }
 
     const Asset& asset_;

@@ -27,31 +27,34 @@ uint64_t BatchPlan::instance_bytes() const {
     return sum;
 }
 
+bool BatchPlan::is_only_in_slots(uint32_t number) const {
+    return number == io::kSkinBuffer || (number == io::kSkinnedBuffer && settings_.frames_in_flight > 1);
+}
+
+bool BatchPlan::is_copied_to_slots(uint32_t number) const {
+    return settings_.frames_in_flight > 1 && std::ranges::count(kShownBuffers, number) > 0;
+}
+
 uint64_t BatchPlan::buffer_count(uint32_t number) const {
     const uint64_t slots = frame_slot_count(settings_);
-    if (number == io::kSkinBuffer) return slots;
-    if (settings_.frames_in_flight == 1) return 1;
-    if (number == io::kSkinnedBuffer) return slots;
-    return std::ranges::count(kShownBuffers, number) ? 1 + slots : 1;
+    return is_only_in_slots(number) ? slots : is_copied_to_slots(number) ? 1 + slots : 1;
 }
 
 void BatchPlan::make(Uploads& uploads, Batch& batch) const {
-    const uint32_t slots = frame_slot_count(settings_);
-    if (settings_.frames_in_flight > 1) batch.shown.resize(slots);
+    batch.skins.resize(frame_slot_count(settings_));
+    if (settings_.frames_in_flight > 1) batch.shown.resize(batch.skins.size());
     for (const Entry& entry : entries_) {
-        const uint32_t number = entry.number;
         const auto make_one = [&] {
-            const std::string what = group_.name + ": " + std::string(name_of_buffer(number));
+            const std::string what = group_.name + ": " + std::string(name_of_buffer(entry.number));
             return entry.make(uploads, what, batch.instance_count);
         };
-        const uint64_t count = buffer_count(number);
-        if (number == io::kSkinBuffer) {
-            while (batch.skins.size() < count) batch.skins.push_back(make_one());
+        if (entry.number == io::kSkinBuffer) {
+            for (Buffer& skin : batch.skins) skin = make_one();
             continue;
         }
-        if (count != slots || count == 1) batch[number] = make_one();
-        if (count > 1)
-            for (Buffers& slot : batch.shown) slot[number] = make_one();
+        if (!is_only_in_slots(entry.number)) batch[entry.number] = make_one();
+        if (is_only_in_slots(entry.number) || is_copied_to_slots(entry.number))
+            for (Buffers& shown : batch.shown) shown[entry.number] = make_one();
     }
 }
 

@@ -59,6 +59,9 @@ public:
     void make(Uploads& uploads, Batch& batch) const;
 
 private:
+    // Kernels write it to the frame slot of their update; or it is copied there when they are done.
+    bool is_only_in_slots(uint32_t number) const;
+    bool is_copied_to_slots(uint32_t number) const;
     // How many buffers of this number a batch has.
     uint64_t buffer_count(uint32_t number) const;
 

@@ -177,9 +177,13 @@ void CrowdState::record_disoccluded(VkCommandBuffer commands, const DepthImage& 
     memory_barrier(*gpu, commands, kShaderWrite | kTransferWrite, consumers());
 }
 
-// Those that read results: of other kinds of queues nothing is known, and not all may name what drawing does.
+// What may read the results. A queue without graphics must not name stages of drawing in its barriers, and the update
+// may be recorded for such a one where other families share the buffers
+// (VUID-vkCmdPipelineBarrier2-dstStageMask-03850).
 Access CrowdState::consumers() const {
-    return gpu->sharing_families.empty() ? kShaderRead | kVertexRead | kTransferRead | kIndirectRead : kAnyAccess;
+    return gpu->has_graphics() && gpu->sharing_families.empty()
+               ? kShaderRead | kVertexRead | kTransferRead | kIndirectRead
+               : kAnyAccess;
 }
 
 // What the update has taken up is pending again, and what it let go on goes back; the timer notices by itself that it

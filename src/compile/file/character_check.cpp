@@ -1,6 +1,7 @@
 #include "compile/file/character_file.h"
 
 #include "base/failure.h"
+#include "base/finite.h"
 #include "compile/file/character_layout.h"
 #include "compile/rig/joint_lod.h"
 #include "compile/limits.h"
@@ -17,12 +18,6 @@ namespace {
 
 constexpr uint32_t kPackedLayoutBits = kPackedBitsMask | 3u << kPackedLeftOutShift | kPackedFull | kPackedStep;
 
-bool all_finite(float f) { return std::isfinite(f); }
-bool all_finite(const Vec3<float>& v) { return all_finite(v.x) && all_finite(v.y) && all_finite(v.z); }
-template <size_t kCount>
-bool all_finite(const std::array<float, kCount>& floats) {
-    return std::ranges::all_of(floats, [](float f) { return std::isfinite(f); });
-}
 // And so is the extent between two that are finite.
 bool is_finite_box(const Vec3<float>& low, const Vec3<float>& high) {
     return all_finite(low) && all_finite(high) && all_finite(high - low);
