@@ -1,4 +1,5 @@
 // Instances that come and go: each is as it would be in a crowd that was made when it came.
+#include "tests/kinds.h"
 #include "tests/lively_crowd.h"
 #include "tests/recorder.h"
 #include "tests/subset.h"
@@ -15,44 +16,6 @@ namespace {
 
 const InSubset kInSubsets({Subset::kGpuAssisted}, {"Population.*"});
 const InSubset kNatively({Subset::kNative}, {"Population.*", "-Population.DiscardedBirthsAndDeaths*"});
-
-constexpr uint32_t kRoom = 24;  // of each group
-
-std::string group_name(uint32_t group) {
-    return std::array{"clips", "walker", "dragon", "springs", "agents"}.at(group);
-}
-
-uint32_t parameter_of(const Controller& controller, const char* name) {
-    const auto found = std::ranges::find(controller.parameters, name, &ControllerParameter::name);
-    return static_cast<uint32_t>(found - controller.parameters.begin());
-}
-
-// Groups of all kinds: two clips with poses from outside, root motion, inertial transitions and sockets, springs,
-// agents.
-struct Kinds {
-    Character character = creature(30, 10), walking = walking_creature();
-    Controller walker = example("walker"), dragon = example("dragon");
-    ProceduralRules rules{.targets = {"there"},
-                          .rules = {SpringRule{.joint = character.rig.names[1]},
-                                    LookAtRule{.joint = character.rig.names.back(), .target = "there"}}};
-
-    CrowdSettings settings(UpdatePath path) {
-        CrowdSettings settings{.path = path, .culling = Culling{}, .watch_capacity = 5 * kRoom};
-        if (path != UpdatePath::kAuto) settings.scan = "serial";  // else crowds of other sizes have other methods
-        settings.groups = {{.character = &character, .pose_capacity = kRoom},
-                           {.character = &walking, .controller = &walker},
-                           {.character = &character, .controller = &dragon, .sockets = {3, 7}},
-                           {.character = &character, .procedural = &rules},
-                           {.character = &character, .steering = Steering{.radius = 0.5f, .speed = 3}}};
-        return settings;
-    }
-};
-
-// Far from each other, so that agents do not meet.
-Affine plot(uint32_t number) {
-    return to_affine(
-        Trs<float>{.translation = {static_cast<float>(number % 32) * 1000, 0, static_cast<float>(number / 32) * 1000}});
-}
 
 // A crowd, and for each set of instances that came at the same time one that was made then and has no others.
 class Lives {

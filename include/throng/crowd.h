@@ -289,6 +289,21 @@ public:
     // record(), submit to the device's queue, and wait; a native device computes here.
     Result<void> update(float time_step_s, const CrowdView* view = nullptr);
 
+    // What the next updates go on from, as bytes: for a game that is saved, a replay, a rollback. A crowd that is given
+    // them back, this one or another with the same settings, goes on as this one does from here, bit for bit on the
+    // same device: all that instances play, layers and parameters, placements, poses, springs, agents, who is there and
+    // their handles, who is watched, and what has been set and not yet been taken up. Matrices are not, but where
+    // updates build upon them (CrowdSettings::keep_previous_matrices, Culling::skips_updates, inertial transitions). The
+    // same version of throng reads them, on machines of the same byte order. Both calls submit and wait; updates that
+    // have been recorded must have been submitted or discarded, and one for a view with occlusion must have had its
+    // second half.
+    //
+    // After restore_state() outputs() are those of before until the next update, feedback of updates that have not been
+    // asked for is gone, and updates are counted on from where they were saved. Where there is an error nothing has
+    // changed. Errors: kInvalidFile (damaged, of another version), kInvalidArgument (of a crowd with other settings).
+    Result<std::vector<std::byte>> save_state();
+    Result<void> restore_state(std::span<const std::byte> state);
+
     // The outputs of the last record(), or those of one frame slot. Each record() writes to the next slot, and after
     // the last one to the first. There are CrowdSettings::frames_in_flight slots, and one more with
     // keep_previous_matrices. Their buffers stay the same, so an application can make its descriptors once for each

@@ -27,6 +27,14 @@ public:
     bool is_gone() const { return !is_set_ && fade_ == 0; }  // cleared, and faded out
     float weight() const;                                    // 0..1, eased
 
+    // Writes or reads what it goes on from.
+    template <class Archive>
+    void exchange(Archive& archive) {
+        archive.value(is_set_);
+        archive.value(fade_);
+        archive.value(rate_);
+    }
+
 private:
     bool is_set_ = false;
     float fade_ = 0, rate_ = 0;  // per second

@@ -17,7 +17,7 @@ namespace {
 void check_layer(std::span<const LayerKind> kinds, uint32_t layer, const std::string& place) {
     if (layer >= kinds.size())
         refuse(place, "layer " + std::to_string(layer) + " of a controller that has " + std::to_string(kinds.size()));
-    if (kinds[layer].has_states)
+    if (kinds[layer].state_count > 0)
         refuse(place, "layer " + std::to_string(layer) + " has states: set the controller's parameters");
 }
 
@@ -31,7 +31,7 @@ float rate_of(float fade_s, const std::string& place) {
 std::vector<LayerKind> layer_kinds(const Controller& controller) {
     std::vector<LayerKind> kinds;
     for (const ControllerLayer& layer : controller.layers)
-        kinds.push_back({!layer.states.empty(), layer.inertial_plays});
+        kinds.push_back({static_cast<uint32_t>(layer.states.size()), layer.inertial_plays});
     return kinds;
 }
 
@@ -92,7 +92,7 @@ void append_played(std::vector<PlayedMotion>& motions, const io::LayerState& lay
                    uint32_t clip_count) {
     for (uint32_t k = 0; k < layer.play_count; ++k) {
         const io::LayerPlay& play = layer.plays[k];
-        const bool rests = !kind.has_states && play.motion == clip_count;
+        const bool rests = kind.state_count == 0 && play.motion == clip_count;
         motions.push_back({.motion = rests ? kNone : play.motion,
                            .phase = static_cast<float>(play.phase * 0x1p-32),
                            .loops = play.loops,

@@ -4,6 +4,8 @@
 #include "control/control.h"
 #include "control/control_reference.h"
 #include "control/playback.h"
+#include "crowd/state_archive.h"
+#include "crowd/state_checks.h"
 
 #include <algorithm>
 
@@ -90,6 +92,19 @@ void ControlStage::record(const Update& update) {
     }
     separate_kernels(update.commands);
     update.end_stage("control");
+}
+
+void ControlStage::exchange(StateArchive& archive) {
+    archive.values(std::span(playbacks_));
+    archive.changes(dirty_, static_cast<uint32_t>(playbacks_.size()));
+    if (!archive.reads()) return;
+    for (const Batch& batch : batches_)
+        check_playbacks(std::span(playbacks_).subspan(batch.first_instance, batch.instance_count), group_of(batch));
+    for (Member& member : members_) {
+        const Batch& batch = batches_[member.batch];
+        const auto of_batch = std::span(playbacks_).subspan(batch.first_instance, batch.instance_count);
+        member.blending_count = static_cast<uint32_t>(std::ranges::count_if(of_batch, blends));
+    }
 }
 
 }  // namespace throng

@@ -21,6 +21,7 @@ public:
     void begin(const Update& update) override;
     void record(const Update& update) override;
     void discard() override { dirty_.put_back(); }
+    void exchange(StateArchive& archive) override;
 
 private:
     struct Member {

@@ -4,6 +4,8 @@
 #include "blend/layered_io.h"
 #include "control/control.h"
 #include "crowd/placement_stage.h"
+#include "crowd/state_archive.h"
+#include "crowd/state_checks.h"
 #include "gpu/barrier.h"
 
 #include <algorithm>
@@ -145,6 +147,17 @@ uint64_t ControllerStage::size_bytes() const {
     uint64_t sum = 0;
     for (const Member& member : members_) sum += member.uploaded.size_bytes();
     return sum;
+}
+
+void ControllerStage::exchange(StateArchive& archive) {
+    for (Member& member : members_) {
+        archive.list(member.pending, UINT32_MAX);
+        if (!archive.reads()) continue;
+        const Batch& batch = batches_[member.batch];
+        check_commands(member.pending, batch.instance_count, group_of(batch));
+        member.recorded.clear();
+        if (!member.pending.empty() && !member.uploaded) make_uploads(member);
+    }
 }
 
 }  // namespace throng

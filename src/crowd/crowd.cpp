@@ -196,6 +196,14 @@ Result<void> Crowd::discard_last_record() {
     return as_result([&] { state().discard_last_record(); }, "crowd");
 }
 
+Result<std::vector<std::byte>> Crowd::save_state() {
+    return as_result([&] { return state().save_state(); }, "crowd");
+}
+
+Result<void> Crowd::restore_state(std::span<const std::byte> bytes) {
+    return as_result([&] { state().restore_state(bytes); }, "crowd");
+}
+
 Result<void> Crowd::update(float time_step_s, const CrowdView* view) {
     return as_result([&] { state().update(time_step_s, view); }, "crowd");
 }

@@ -64,6 +64,8 @@ struct CrowdState {
     void discard_last_record();
     // Whether the last update is in a command buffer of the application's, and may not have run.
     bool awaits_commands() const { return awaits_commands_; }
+    std::vector<std::byte> save_state();
+    void restore_state(std::span<const std::byte> state);
     std::vector<DrawnInstance> read_drawn();
     std::vector<Affine> read_matrices(const InstanceHandle& instance, bool model);
     std::vector<Vec3<float>> read_positions(const InstanceHandle& instance);
@@ -96,6 +98,13 @@ struct CrowdState {
     StagedUpdate* staged = nullptr;
 
 private:
+    // A buffer of a batch that a state holds.
+    struct KeptBuffer {
+        const Batch* batch;
+        uint32_t number;
+        const Buffer* buffer;
+    };
+
     void check_groups(const CrowdSettings& settings) const;
     void make_groups(Uploads& uploads, const CrowdSettings& settings);
     BatchPlan plan_batches(const Group& group, const CrowdSettings& settings) const;
@@ -117,6 +126,12 @@ private:
     void send(uint32_t instance, io::ControlCommand command);
     template <class MakeCommand>
     void send_each(const Instances& instances, const char* what, const MakeCommand& make_command);
+    uint64_t fingerprint() const;
+    std::vector<KeptBuffer> kept_buffers() const;
+    void exchange(StateArchive& archive);
+    std::vector<std::byte> download_all(std::span<const KeptBuffer> kept, uint64_t size_bytes) const;
+    static void clear_playbacks(std::span<const KeptBuffer> kept, std::span<std::byte> contents);
+    void upload_all(std::span<const KeptBuffer> kept, std::span<const std::byte> contents) const;
     void check_agents(const Instances& instances) const;
     void copy_to_previous(VkCommandBuffer commands) const;
     // Of a call that names instances: throws kInvalidArgument where one is not there.

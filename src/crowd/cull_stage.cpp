@@ -1,6 +1,7 @@
 #include "crowd/cull_stage.h"
 
 #include "base/failure.h"
+#include "crowd/state_archive.h"
 #include "gpu/barrier.h"
 
 #include <algorithm>
@@ -121,6 +122,13 @@ void CullStage::begin(const Update& update) {
 void CullStage::discard() {
     --update_number_;
     is_half_done_ = was_half_done_;
+    for (Member& member : members_) member.has_cells = false;
+}
+
+void CullStage::exchange(StateArchive& archive) {
+    archive.value(update_number_);
+    if (!archive.reads()) return;
+    is_half_done_ = false;
     for (Member& member : members_) member.has_cells = false;
 }
 

@@ -25,6 +25,7 @@ public:
     void begin(const Update& update) override;
     void record(const Update& update) override;
     void discard() override;
+    void exchange(StateArchive& archive) override;
     // Throws kInvalidArgument where the last begin() was for no view with occlusion, or its second half is recorded
     // already.
     void record_disoccluded(const Update& update, const DepthImage& depths) override;

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 namespace throng {
@@ -13,6 +14,9 @@ public:
         uint32_t first = 0, count = 0;
     };
 
+    DirtyRanges() = default;
+    explicit DirtyRanges(std::vector<Range> pending) : ranges_(std::move(pending)) {}
+
     void add(uint32_t first, uint32_t count) {
         if (count == 0) return;
         if (!ranges_.empty() && first == ranges_.back().first + ranges_.back().count)
@@ -21,11 +25,11 @@ public:
             ranges_.push_back({first, count});
     }
 
-    // The changed instances in ascending order, each once; none is left.
-    std::vector<Range> take() {
-        std::sort(ranges_.begin(), ranges_.end(), [](const Range& a, const Range& b) { return a.first < b.first; });
-        std::vector<Range> merged;
-        for (const Range& range : ranges_) {
+    // The changed instances in ascending order, each once.
+    std::vector<Range> pending() const {
+        std::vector<Range> ranges = ranges_, merged;
+        std::sort(ranges.begin(), ranges.end(), [](const Range& a, const Range& b) { return a.first < b.first; });
+        for (const Range& range : ranges) {
             if (merged.empty() || range.first > merged.back().first + merged.back().count) {
                 merged.push_back(range);
                 continue;
@@ -33,9 +37,14 @@ public:
             Range& last = merged.back();
             last.count = std::max(last.first + last.count, range.first + range.count) - last.first;
         }
-        ranges_.clear();
-        taken_ = merged;
         return merged;
+    }
+
+    // The same; none is left.
+    std::vector<Range> take() {
+        taken_ = pending();
+        ranges_.clear();
+        return taken_;
     }
 
     // What the last take() has returned counts as changed again.

@@ -64,6 +64,11 @@ void FeedbackRing::discard() {
     --update_count_;
 }
 
+void FeedbackRing::restart(uint64_t update_count) {
+    for (Slot& slot : slots_) slot.update = slot.before = {};
+    update_count_ = update_count;
+}
+
 void FeedbackRing::end(VkCommandBuffer commands, std::span<const Watched> watched, std::vector<RequestedPose> poses) {
     Slot& slot = last_slot();
     memory_barrier(*gpu_, commands, kShaderWrite | kTransferWrite, kTransferRead | kTransferWrite);

@@ -46,6 +46,10 @@ public:
     const Buffer& events() const { return events_; }  // io::EventHead, then io::EventRecord[event_capacity]
     uint32_t event_capacity() const { return event_capacity_; }
 
+    uint64_t update_count() const { return update_count_; }
+    // Goes on behind so many updates, as if nothing of them were left to report. None is under way.
+    void restart(uint64_t update_count);
+
     // Before the first kernel of an update that writes events, and behind the last. Throws kInvalidArgument where the
     // update whose slot comes next is still under way.
     void begin(VkCommandBuffer commands);

@@ -2,6 +2,7 @@
 
 #include "bind/sockets.h"
 #include "crowd/group_skin_pool.h"
+#include "crowd/state_archive.h"
 #include "cull/cull_io.h"
 #include "native/native.h"
 
@@ -78,6 +79,13 @@ uint64_t FusedUpdate::size_bytes() const {
         sum += batch.instance_count * inertia_bytes(group_of(batch));
     }
     return sum;
+}
+
+void FusedUpdate::exchange(StateArchive& archive) {
+    for (Member& member : members_) {
+        const Batch& batch = batches_[member.batch];
+        archive.values(std::span(member.inertia_states.get(), batch.instance_count * inertia_bytes(group_of(batch))));
+    }
 }
 
 FusedUpdate::Kernels FusedUpdate::make_kernels(const Group& group, size_t set, const CrowdSettings& settings) const {

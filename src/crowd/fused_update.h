@@ -17,6 +17,7 @@ public:
     void record(const Update& update) override;
     // Animates the groups that are animated only where drawn.
     void record_disoccluded(const Update& update, const DepthImage& depths) override;
+    void exchange(StateArchive& archive) override;
     uint32_t end_count() const override { return 2; }
     uint64_t size_bytes() const override;
 

@@ -1,5 +1,7 @@
 #include "crowd/placement_stage.h"
 
+#include "crowd/state_archive.h"
+
 #include <algorithm>
 #include <cmath>
 #include <cstring>
@@ -46,6 +48,14 @@ void PlacementStage::begin(const Update& update) {
         batches_[i].is_moved = moved[i];
         if (moved[i]) ++batches_[i].move_count;
     }
+}
+
+void PlacementStage::exchange(StateArchive& archive) {
+    archive.values(std::span(placements_));
+    archive.changes(dirty_, static_cast<uint32_t>(placements_.size()));
+    if (!archive.reads()) return;
+    StateArchive::require(std::ranges::all_of(placements_, is_finite), "a placement is not finite");
+    for (Batch& batch : batches_) ++batch.move_count;
 }
 
 }  // namespace throng

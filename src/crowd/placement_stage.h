@@ -23,6 +23,7 @@ public:
 
     void begin(const Update& update) override;
     void discard() override { dirty_.put_back(); }
+    void exchange(StateArchive& archive) override;
     uint32_t end_count() const override { return 0; }
 
 private:

@@ -1,6 +1,7 @@
 #include "crowd/population_stage.h"
 
 #include "base/failure.h"
+#include "crowd/state_archive.h"
 
 #include <algorithm>
 
@@ -148,6 +149,22 @@ void PopulationStage::discard() {
     std::unordered_map<uint32_t, uint32_t> generations = std::move(deaths_.back().generations);
     deaths_.pop_back();
     deaths_after_last_update().generations.merge(generations);
+}
+
+// All births are told to the device with the next update.
+void PopulationStage::exchange(StateArchive& archive) {
+    archive.value(update_number_);
+    for (Population& population : populations_) {
+        archive.values(std::span(population.births));
+        archive.values(std::span(population.generations));
+        if (!archive.reads()) continue;
+        const auto capacity = static_cast<uint32_t>(population.births.size());
+        population.slots = Slots(capacity);
+        for (uint32_t slot = 0; slot < capacity; ++slot)
+            if (population.births[slot] != 0) population.slots.take(slot);
+        dirty_.add(population.first_instance, capacity);
+    }
+    if (archive.reads()) deaths_.clear();
 }
 
 }  // namespace throng

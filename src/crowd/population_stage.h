@@ -38,6 +38,7 @@ public:
 
     void begin(const Update& update) override;
     void discard() override;
+    void exchange(StateArchive& archive) override;
     uint32_t end_count() const override { return 0; }
 
 private:

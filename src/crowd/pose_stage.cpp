@@ -1,6 +1,7 @@
 #include "crowd/pose_stage.h"
 
 #include "base/failure.h"
+#include "crowd/state_archive.h"
 
 #include <algorithm>
 
@@ -10,6 +11,11 @@ namespace {
 io::JointPose to_io(const Trs<double>& pose) {
     const auto& [q, t, s] = pose.as<float>();
     return {.rotation = {q.x, q.y, q.z, q.w}, .translation = {t.x, t.y, t.z, 0}, .scale = {s.x, s.y, s.z, 0}};
+}
+
+Trs<float> from_io(const io::JointPose& pose) {
+    const auto& [q, t, s] = pose;
+    return {.rotation = {q.x, q.y, q.z, q.w}, .translation = {t.x, t.y, t.z}, .scale = {s.x, s.y, s.z}};
 }
 
 }  // namespace
@@ -109,12 +115,19 @@ void PoseStage::set(const InBatch& at, std::span<const Trs<double>> pose, float 
     std::ranges::transform(
         pose, poses.poses.begin() + static_cast<ptrdiff_t>(uint64_t{pose_override.slot} * group.joint_count), to_io);
     poses.changed.add(pose_override.slot, 1);
+    put_native_pose(batches_[at.batch].group, pose_override.slot);
+}
+
+void PoseStage::put_native_pose(uint32_t group_index, uint32_t slot) {
+    const Group& group = groups_[group_index];
+    const GroupPoses& poses = of_groups_[group_index];
     if (!poses.native_poses) return;
     const size_t floats = group.native_rig()->pose_floats();
     auto* const all = reinterpret_cast<float*>(poses.native_poses.get());
-    std::vector<Trs<float>> rounded;
-    for (const Trs<double>& joint : pose) rounded.push_back(joint.as<float>());
-    group.native_rig()->put_pose(rounded, {all + pose_override.slot * floats, floats});
+    std::vector<Trs<float>> pose;
+    for (uint32_t joint = 0; joint < group.joint_count; ++joint)
+        pose.push_back(from_io(poses.poses[uint64_t{slot} * group.joint_count + joint]));
+    group.native_rig()->put_pose(pose, {all + slot * floats, floats});
 }
 
 void PoseStage::clear(const InBatch& at, float fade_s) {
@@ -177,6 +190,67 @@ void PoseStage::upload_changes(VkCommandBuffer commands, const Buffer& buffer, D
     for (const auto& [first, count] : changed.take())
         record_update(*gpu_, commands, buffer, first * item_size,
                       std::span(items).subspan(first * item_size, count * item_size));
+}
+
+// All is handed to the device with the next update.
+void PoseStage::exchange(StateArchive& archive) {
+    for (uint32_t i = 0; i < of_groups_.size(); ++i) exchange_poses(archive, i);
+    for (uint32_t i = 0; i < of_batches_.size(); ++i) exchange_overrides(archive, i);
+    if (archive.reads()) find_free_slots();
+}
+
+void PoseStage::exchange_poses(StateArchive& archive, uint32_t group_index) {
+    const Group& group = groups_[group_index];
+    if (group.pose_capacity == 0) return;
+    GroupPoses& poses = of_groups_[group_index];
+    archive.list(poses.poses, uint64_t{group.pose_capacity} * group.joint_count);
+    if (!archive.reads()) return;
+    StateArchive::require(poses.poses.size() % group.joint_count == 0, "a pose lacks joints");
+    const auto slot_count = static_cast<uint32_t>(poses.poses.size() / group.joint_count);
+    poses.changed = {};
+    poses.changed.add(0, slot_count);
+    for (uint32_t slot = 0; slot < slot_count; ++slot) put_native_pose(group_index, slot);
+}
+
+void PoseStage::exchange_overrides(StateArchive& archive, uint32_t batch) {
+    BatchPoses& poses = of_batches_[batch];
+    std::vector<uint32_t> instances;
+    for (const auto& [instance, pose_override] : poses.overrides) instances.push_back(instance);
+    archive.list(instances, poses.instances.size());
+    if (archive.reads()) {
+        poses.overrides.clear();
+        std::ranges::fill(poses.instances, io::InstancePose{});
+        poses.changed = {};
+        poses.changed.add(0, static_cast<uint32_t>(poses.instances.size()));
+    }
+    for (const uint32_t instance : instances) {
+        StateArchive::require(instance < poses.instances.size(), "a pose is of an instance that is not there");
+        const OverrideAt at = poses.overrides.try_emplace(instance).first;
+        Override& pose_override = at->second;
+        archive.value(pose_override.slot);
+        pose_override.fade.exchange(archive);
+        if (!archive.reads()) continue;
+        pose_override.before = pose_override.fade;
+        follow(batch, at);
+    }
+}
+
+void PoseStage::find_free_slots() {
+    std::vector<std::vector<bool>> is_taken;  // [group][slots ever used]
+    for (size_t i = 0; i < groups_.size(); ++i)
+        is_taken.emplace_back(of_groups_[i].poses.size() / std::max(groups_[i].joint_count, 1u));
+    for (size_t i = 0; i < of_batches_.size(); ++i)
+        for (const auto& [instance, pose_override] : of_batches_[i].overrides) {
+            std::vector<bool>& of_group = is_taken[batches_[i].group];
+            const uint32_t slot = pose_override.slot;
+            StateArchive::require(slot < of_group.size() && !of_group[slot], "two instances have the same pose");
+            of_group[slot] = true;
+        }
+    for (size_t i = 0; i < groups_.size(); ++i) {
+        of_groups_[i].free_slots.clear();
+        for (size_t slot = is_taken[i].size(); slot-- > 0;)
+            if (!is_taken[i][slot]) of_groups_[i].free_slots.push_back(static_cast<uint32_t>(slot));
+    }
 }
 
 }  // namespace throng

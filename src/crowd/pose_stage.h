@@ -36,6 +36,7 @@ public:
     void begin(const Update& update) override;
     // What was set or cleared since stays so.
     void discard() override;
+    void exchange(StateArchive& archive) override;
     uint32_t end_count() const override { return 0; }
     uint64_t size_bytes() const override;
 
@@ -61,6 +62,10 @@ private:
     };
     using OverrideAt = std::map<uint32_t, Override>::iterator;
 
+    void exchange_overrides(StateArchive& archive, uint32_t batch);
+    void exchange_poses(StateArchive& archive, uint32_t group);
+    void find_free_slots();
+    void put_native_pose(uint32_t group, uint32_t slot);
     uint32_t take_slot(const InBatch& at);
     bool take_back_slot(uint32_t group);
     OverrideAt erase(uint32_t batch, OverrideAt at);

@@ -1,5 +1,7 @@
 #include "crowd/procedural_stage.h"
 
+#include "crowd/state_archive.h"
+
 #include <algorithm>
 
 namespace throng {
@@ -41,6 +43,14 @@ void ProceduralStage::begin(const Update& update) {
 void ProceduralStage::discard() {
     for (Targets& targets : targets_) targets.dirty.put_back();
     wind_.step_back();
+}
+
+void ProceduralStage::exchange(StateArchive& archive) {
+    for (Targets& targets : targets_) {
+        archive.values(std::span(targets.last));
+        archive.changes(targets.dirty, static_cast<uint32_t>(targets.last.size()));
+    }
+    wind_.exchange(archive);
 }
 
 ProceduralStage::KindBindings ProceduralStage::bind(uint32_t batch_index, const BufferRange& local) const {

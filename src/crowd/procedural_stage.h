@@ -24,6 +24,7 @@ public:
     // Targets; and the wind's time goes on. What it does is recorded by the staged update.
     void begin(const Update& update) override;
     void discard() override;
+    void exchange(StateArchive& archive) override;
     uint32_t end_count() const override { return 0; }
     using KindBindings = std::array<Bindings, io::kChainKindCount>;  // by kind of chains
     // `local` is where the staged update has the batch's local transforms.

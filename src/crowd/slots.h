@@ -20,14 +20,19 @@ public:
     // One more than the highest that is taken.
     uint32_t end() const { return end_; }
 
+    // One that is free.
+    void take(uint32_t slot) {
+        free_[slot / kBits] &= ~bit_of(slot);
+        --free_count_;
+        if (slot >= end_) end_ = slot + 1;
+    }
+
     // The lowest that is free; there must be one.
     uint32_t take() {
         while (free_[first_free_word_] == 0) ++first_free_word_;
         const auto slot = static_cast<uint32_t>(first_free_word_ * kBits +
                                                 static_cast<size_t>(std::countr_zero(free_[first_free_word_])));
-        free_[first_free_word_] &= ~bit_of(slot);
-        --free_count_;
-        if (slot >= end_) end_ = slot + 1;
+        take(slot);
         return slot;
     }
 

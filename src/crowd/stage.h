@@ -27,6 +27,7 @@ struct Update {
 
 class FeedbackRing;
 class Stage;
+class StateArchive;
 
 // What a stage is made of, before the first update. It keeps references to the groups and batches.
 struct StageContext {
@@ -59,6 +60,9 @@ public:
     virtual void record_disoccluded(const Update&, const DepthImage&) {}
     // What the last begin() has taken up is pending again: the update will never be submitted.
     virtual void discard() {}
+    // What it goes on from, beside the buffers that Crowd::save_state() knows of: written, or read. No update is under
+    // way then.
+    virtual void exchange(StateArchive&) {}
 
     // How many times at most an update, both halves of it, calls end_stage().
     virtual uint32_t end_count() const { return 1; }

@@ -1,6 +1,7 @@
 #include "crowd/steer_stage.h"
 
 #include "base/failure.h"
+#include "crowd/state_archive.h"
 
 #include <algorithm>
 #include <bit>
@@ -120,6 +121,13 @@ void SteerStage::record_steps(VkCommandBuffer commands, const Member& member, fl
                              .speed_parameter = group.steering->speed_parameter,
                              .birth = batch.birth};
     kernels_->steer.dispatch_invocations(commands, member.steer, push, batch.used_count);
+}
+
+void SteerStage::exchange(StateArchive& archive) {
+    for (Member& member : members_) {
+        archive.values(std::span(member.destinations));
+        archive.changes(member.dirty, static_cast<uint32_t>(member.destinations.size()));
+    }
 }
 
 }  // namespace throng

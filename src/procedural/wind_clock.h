@@ -35,6 +35,12 @@ public:
     };
     const Moment& moment() const { return moment_; }
 
+    // Writes or reads what it goes on from.
+    template <class Archive>
+    void exchange(Archive& archive) {
+        archive.value(moment_);
+    }
+
 private:
     Moment moment_;
     double sway_time_before_s_ = 0;  // before the last advance()

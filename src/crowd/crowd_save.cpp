@@ -1,0 +1,236 @@
+// The state of a crowd as bytes, and back: a head, what the buffers of batches hold, what the CPU goes by, and a
+// checksum.
+#include "base/crc64.h"
+#include "base/failure.h"
+#include "crowd/crowd_state.h"
+#include "crowd/state_archive.h"
+#include "crowd/state_checks.h"
+#include "gpu/barrier.h"
+
+#include <algorithm>
+
+namespace throng {
+namespace {
+
+constexpr uint64_t kMagic = 0x6574617473676874;  // "thgstate"
+constexpr uint32_t kVersion = 1;
+
+struct Head {
+    uint64_t magic = kMagic;
+    uint32_t version = kVersion;
+    uint32_t flags = 0;
+    uint64_t made_of = 0;       // CrowdState::fingerprint()
+    uint64_t update_count = 0;  // that feedback tells of
+    uint64_t buffers_bytes = 0;
+};
+constexpr uint32_t kHasUpdated = 1, kWasNative = 2;
+
+// Buffers from which an update goes on, beside `skin` where that is so, and those that are filled from the CPU.
+constexpr std::array kKeptBuffers{io::kPlacementsBuffer,    io::kPlaybacksBuffer, io::kLayersBuffer,
+                                  io::kParametersBuffer,    io::kRootsBuffer,     io::kInertiasBuffer,
+                                  io::kInertiaStatesBuffer, io::kTargetsBuffer,   io::kSpringsBuffer,
+                                  io::kDestinationsBuffer,  io::kAgentsBuffer,    io::kStatesBuffer,
+                                  io::kSkinTargetBuffer};
+
+// A checksum of things one after another.
+class Checksum {
+public:
+    template <class T>
+    void add(const T& value) {
+        static_assert(std::has_unique_object_representations_v<T> || std::is_floating_point_v<T>);
+        crc_ = crc64(std::as_bytes(std::span(&value, 1)), crc_);
+    }
+    template <class T>
+    void add_all(const T& values) {
+        add(uint64_t{std::size(values)});
+        crc_ = crc64(std::as_bytes(std::span(values)), crc_);
+    }
+    uint64_t value() const { return crc_; }
+
+private:
+    uint64_t crc_ = 0;
+};
+
+void add_controller(Checksum& made_of, const GroupController& controller) {
+    made_of.add(controller.parameter_count);
+    made_of.add(controller.active_clip_limit);
+    made_of.add_all(controller.initial_layers);
+    made_of.add_all(controller.initial_parameters);
+    made_of.add_all(controller.masks);
+    for (const LayerKind& kind : controller.layer_kinds) made_of.add(kind.state_count);
+}
+
+void add_group(Checksum& made_of, const Group& group) {
+    made_of.add_all(group.name);
+    made_of.add_all(group.parents);
+    made_of.add_all(group.clip_durations_s);
+    made_of.add(group.palette_count);
+    made_of.add(uint32_t{group.varies});
+    made_of.add(uint32_t{group.native});
+    made_of.add(uint32_t{group.packed});
+    made_of.add(uint32_t{group.rows.has_value()});
+    made_of.add(uint32_t{group.moves_placements()});
+    made_of.add(group.pose_capacity);
+    made_of.add(uint64_t{group.fused.size()});
+    made_of.add_all(group.scan_choice.method->name);
+    if (group.controller) add_controller(made_of, *group.controller);
+}
+
+}  // namespace
+
+// Of what another crowd must have to go on from this one's state.
+uint64_t CrowdState::fingerprint() const {
+    Checksum made_of;
+    made_of.add(uint32_t{gpu->is_native()});
+    made_of.add(static_cast<uint32_t>(skin_format));
+    made_of.add(uint32_t{keeps_previous_});
+    made_of.add(uint32_t{cull != nullptr});
+    for (const Group& group : groups) add_group(made_of, group);
+    for (const Batch& batch : batches) made_of.add(batch.instance_count);
+    for (const KeptBuffer& kept : kept_buffers()) {
+        made_of.add(kept.number);
+        made_of.add(kept.buffer->size_bytes());
+    }
+    return made_of.value();
+}
+
+std::vector<CrowdState::KeptBuffer> CrowdState::kept_buffers() const {
+    std::vector<KeptBuffer> kept;
+    for (const Batch& batch : batches) {
+        for (const uint32_t number : kKeptBuffers)
+            if (batch[number]) kept.push_back({&batch, number, &batch[number]});
+        if (keeps_previous_ || batch[io::kSkinTargetBuffer]) kept.push_back({&batch, io::kSkinBuffer, &batch.skin()});
+    }
+    return kept;
+}
+
+void CrowdState::exchange(StateArchive& archive) {
+    archive.value(full_rate_factor_);
+    for (const auto& stage : stages) stage->exchange(archive);
+    std::vector<uint32_t> watched;
+    for (const Watched& one : watched_) watched.push_back(one.instance);
+    archive.list(watched, watch_capacity_);
+    archive.list(pose_requests_, pose_request_capacity_);
+    if (!archive.reads()) return;
+    recorded_pose_requests_.clear();
+    std::vector<InstanceHandle> handles;
+    for (const uint32_t instance : watched) {
+        StateArchive::require(instance < instance_count && is_there(instance), "somebody is watched who is not there");
+        handles.push_back(handle(instance));
+    }
+    if (feedback) watch(handles);
+    for (const uint32_t instance : pose_requests_)
+        StateArchive::require(instance < instance_count && is_there(instance) && group_of(instance).pose_of_skin,
+                              "a pose is requested of an instance that has none");
+}
+
+// Before the first update, which fills them, they hold whatever the memory did.
+void CrowdState::clear_playbacks(std::span<const KeptBuffer> kept, std::span<std::byte> contents) {
+    for (const auto& [batch, number, buffer] : kept) {
+        if (number == io::kPlaybacksBuffer) std::ranges::fill(contents.first(buffer->size_bytes()), std::byte{});
+        contents = contents.subspan(buffer->size_bytes());
+    }
+}
+
+std::vector<std::byte> CrowdState::save_state() {
+    finish_uploads();
+    const std::vector<KeptBuffer> kept = kept_buffers();
+    Head head{.flags = (has_updated_ ? kHasUpdated : 0) | (was_native_ ? kWasNative : 0),
+              .made_of = fingerprint(),
+              .update_count = feedback ? feedback->update_count() : 0};
+    for (const KeptBuffer& one : kept) head.buffers_bytes += one.buffer->size_bytes();
+    StateArchive archive;
+    archive.value(head);
+    std::vector<std::byte> contents = download_all(kept, head.buffers_bytes);
+    if (!has_updated_) clear_playbacks(kept, contents);
+    archive.values(std::span(contents));
+    exchange(archive);
+    uint64_t checksum = crc64(archive.written());
+    archive.value(checksum);
+    return archive.written();
+}
+
+std::vector<std::byte> CrowdState::download_all(std::span<const KeptBuffer> kept, uint64_t size_bytes) const {
+    std::vector<std::byte> contents(size_bytes);
+    if (size_bytes == 0) return contents;
+    size_t at = 0;
+    if (gpu->is_native()) {
+        for (const auto& [batch, number, buffer] : kept) {
+            std::memcpy(contents.data() + at, buffer->mapped(), buffer->size_bytes());
+            at += buffer->size_bytes();
+        }
+        return contents;
+    }
+    const Buffer staging(gpu, "saved state", size_bytes, 0, MemoryKind::kReadback);
+    gpu->submit_and_wait([&](VkCommandBuffer commands) {
+        memory_barrier(*gpu, commands, kShaderWrite | kTransferWrite, kTransferRead);
+        for (const auto& [batch, number, buffer] : kept) {
+            record_copy(*gpu, commands, *buffer, BufferRange(staging, at, buffer->size_bytes()));
+            at += buffer->size_bytes();
+        }
+        memory_barrier(*gpu, commands, kTransferWrite, kHostRead);
+    });
+    std::memcpy(contents.data(), staging.mapped(), size_bytes);
+    return contents;
+}
+
+// Checked before anything changes; and what only shows while it is read is taken back.
+void CrowdState::restore_state(std::span<const std::byte> state) {
+    finish_uploads();
+    const std::vector<KeptBuffer> kept = kept_buffers();
+    uint64_t checksum = 0;
+    StateArchive::require(state.size() > sizeof(Head) + sizeof checksum, "it ends too early");
+    const std::span<const std::byte> checked = state.first(state.size() - sizeof checksum);
+    StateArchive(state.last(sizeof checksum)).value(checksum);
+    Head head;
+    StateArchive(checked).value(head);
+    StateArchive::require(head.magic == kMagic, "these are not bytes of Crowd::save_state()");
+    StateArchive::require(head.version == kVersion, "it is of another version of throng");
+    StateArchive::require(checksum == crc64(checked), "its checksum is wrong: it has been damaged");
+    if (head.made_of != fingerprint())
+        throw Failure(ErrorCode::kInvalidArgument, "crowd state",
+                      "it is of a crowd with other groups or settings, or that is updated in another way");
+    uint64_t buffers_bytes = 0;
+    for (const KeptBuffer& one : kept) buffers_bytes += one.buffer->size_bytes();
+    const std::span<const std::byte> rest = checked.subspan(sizeof head);
+    StateArchive::require(head.buffers_bytes == buffers_bytes && buffers_bytes <= rest.size(), "it ends too early");
+    const std::span<const std::byte> contents = rest.first(buffers_bytes);
+    size_t at = 0;
+    for (const auto& [batch, number, buffer] : kept) {
+        check_contents(number, contents.subspan(at, buffer->size_bytes()), groups[batch->group]);
+        at += buffer->size_bytes();
+    }
+    StateArchive as_it_was;
+    exchange(as_it_was);
+    try {
+        StateArchive archive(rest.subspan(buffers_bytes));
+        exchange(archive);
+        StateArchive::require(archive.is_at_end(), "there is more than belongs to it");
+    } catch (...) {
+        StateArchive archive(as_it_was.written());
+        exchange(archive);
+        throw;
+    }
+    upload_all(kept, contents);
+    has_updated_ = had_updated_ = (head.flags & kHasUpdated) != 0;
+    was_native_ = (head.flags & kWasNative) != 0;
+    awaits_commands_ = can_discard_ = false;
+    if (feedback) feedback->restart(head.update_count);
+}
+
+void CrowdState::upload_all(std::span<const KeptBuffer> kept, std::span<const std::byte> contents) const {
+    if (!gpu->is_native()) gpu->wait_idle();  // what was submitted may still use the buffers
+    Uploads uploads(gpu);
+    size_t at = 0;
+    for (const auto& [batch, number, buffer] : kept) {
+        const auto of_buffer = contents.subspan(at, buffer->size_bytes());
+        if (gpu->is_native())
+            std::memcpy(buffer->mapped(), of_buffer.data(), of_buffer.size());
+        else
+            uploads.add(*buffer, of_buffer);
+        at += buffer->size_bytes();
+    }
+    uploads.finish();
+}
+
+}  // namespace throng

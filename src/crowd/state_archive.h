@@ -1,0 +1,84 @@
+// What a crowd goes on from, as bytes: each part is written and read by the same function.
+#pragma once
+
+#include "base/failure.h"
+#include "crowd/dirty_ranges.h"
+
+#include <cstddef>
+#include <cstring>
+#include <span>
+#include <type_traits>
+#include <vector>
+
+namespace throng {
+
+// Whatever it reads may have been damaged: refuse() where a value cannot be.
+class StateArchive {
+public:
+    StateArchive() = default;  // writes
+    explicit StateArchive(std::span<const std::byte> bytes) : unread_(bytes), reads_(true) {}
+
+    bool reads() const { return reads_; }
+    bool is_at_end() const { return unread_.empty(); }
+    const std::vector<std::byte>& written() const { return written_; }
+
+    [[noreturn]] static void refuse(std::string_view why) {
+        throw Failure(ErrorCode::kInvalidFile, "crowd state", why);
+    }
+    static void require(bool holds, std::string_view why) {
+        if (!holds) refuse(why);
+    }
+
+    // As many as there are.
+    template <class T>
+    void values(std::span<T> all) {
+        // Bytes between members would be left as they happen to be.
+        static_assert(std::is_trivially_copyable_v<T> && !std::is_same_v<T, bool>);
+        const size_t size_bytes = all.size_bytes();
+        if (reads_) {
+            require(size_bytes <= unread_.size(), "it ends too early");
+            if (size_bytes > 0) std::memcpy(all.data(), unread_.data(), size_bytes);
+            unread_ = unread_.subspan(size_bytes);
+        } else {
+            const std::span<const std::byte> bytes = std::as_bytes(all);
+            written_.insert(written_.end(), bytes.begin(), bytes.end());
+        }
+    }
+    template <class T>
+    void value(T& one) {
+        values(std::span<T>(&one, 1));
+    }
+    void value(bool& one) {
+        auto byte = static_cast<uint8_t>(one);
+        value(byte);
+        require(byte <= 1, "what is true or false is neither");
+        one = byte != 0;
+    }
+    // With their number, at most `most`.
+    template <class T>
+    void list(std::vector<T>& all, uint64_t most) {
+        auto count = static_cast<uint64_t>(all.size());
+        value(count);
+        if (reads_) {
+            require(count <= most && count <= unread_.size() / sizeof(T), "a list is too long");
+            all.resize(count);
+        }
+        values(std::span(all));
+    }
+    // Of things that are numbered up to `end`.
+    void changes(DirtyRanges& changed, uint32_t end) {
+        std::vector<DirtyRanges::Range> ranges = changed.pending();
+        list(ranges, end);
+        if (!reads_) return;
+        for (const auto& [first, count] : ranges)
+            require(first <= end && count <= end - first, "a change is of something that is not there");
+        changed = DirtyRanges(std::move(ranges));
+    }
+
+private:
+    std::vector<std::byte> written_;
+    std::span<const std::byte> unread_;
+    bool reads_ = false;
+};
+
+}  // namespace throng

@@ -1,0 +1,85 @@
+#include "crowd/state_checks.h"
+
+#include "crowd/state_archive.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+namespace throng {
+namespace {
+
+uint32_t clip_count_of(const Group& group) { return static_cast<uint32_t>(group.clip_durations_s.size()); }
+
+template <class T>
+std::vector<T> copied(std::span<const std::byte> contents) {
+    std::vector<T> all(contents.size() / sizeof(T));
+    if (!all.empty()) std::memcpy(all.data(), contents.data(), all.size() * sizeof(T));
+    return all;
+}
+
+void check_slot(const io::SlotPlayback& slot, uint32_t clip_count) {
+    StateArchive::require(slot.clip <= clip_count, "a clip that the character does not have");
+    StateArchive::require(std::isfinite(slot.time_s) && std::isfinite(slot.speed), "a time that is not finite");
+}
+
+void check_layer(const io::LayerState& layer, const LayerKind& kind, uint32_t mask_count, uint32_t clip_count) {
+    const uint32_t motion_count = kind.state_count > 0 ? kind.state_count : clip_count + 1;  // also the rest pose
+    StateArchive::require(layer.play_count <= io::kStackSize, "a layer that plays too much at once");
+    for (uint32_t i = 0; i < layer.play_count; ++i)
+        StateArchive::require(layer.plays[i].motion < motion_count, "a state or clip that there is not");
+    StateArchive::require(layer.mode <= io::kModeAdditive, "an unknown mode of a layer");
+    StateArchive::require(layer.mask == kNone || layer.mask < mask_count, "a mask that there is not");
+}
+
+}  // namespace
+
+void check_playbacks(std::span<const io::InstancePlayback> playbacks, const Group& group) {
+    for (const io::InstancePlayback& playback : playbacks) {
+        check_slot(playback.first, clip_count_of(group));
+        check_slot(playback.second, clip_count_of(group));
+        StateArchive::require(playback.weight >= 0 && playback.weight <= 1, "a weight outside 0..1");
+    }
+}
+
+void check_layers(std::span<const io::LayerState> layers, const GroupController& controller, uint32_t clip_count) {
+    for (size_t i = 0; i < layers.size(); ++i)
+        check_layer(layers[i], controller.layer_kinds[i % controller.layer_count], controller.mask_count, clip_count);
+}
+
+void check_commands(std::span<const io::ControlCommand> commands, uint32_t instance_count, const Group& group) {
+    const GroupController& controller = *group.controller;
+    for (const io::ControlCommand& command : commands) {
+        const bool is_of_parameter = command.kind == io::kCommandParameter;
+        const bool is_of_layer = !is_of_parameter && command.kind != io::kCommandBegin;
+        const bool is_of_clip = command.kind == io::kCommandPlay || command.kind == io::kCommandPlayInertial;
+        StateArchive::require(command.kind <= io::kCommandBegin && command.instance < instance_count,
+                              "an unknown command, or one for nobody");
+        if (is_of_parameter)
+            StateArchive::require(command.target < controller.parameter_count, "a parameter that there is not");
+        if (!is_of_layer) continue;
+        StateArchive::require(
+            command.target < controller.layer_count && controller.layer_kinds[command.target].state_count == 0,
+            "a command for a layer that takes none");
+        StateArchive::require(is_of_clip ? command.motion <= clip_count_of(group)
+                                         : (command.motion == kNone || command.motion < controller.mask_count) &&
+                                               command.phase <= io::kModeAdditive,
+                              "a clip or mask that there is not");
+    }
+}
+
+void check_cull_states(std::span<const uint32_t> states, const Group& group) {
+    const auto set_count = static_cast<uint32_t>(std::max<size_t>(group.fused.size(), 1));
+    StateArchive::require(
+        std::ranges::all_of(states, [&](uint32_t state) { return state >> io::kStateSetShift < set_count; }),
+        "a set of joints that there is not");
+}
+
+void check_contents(uint32_t buffer, std::span<const std::byte> contents, const Group& group) {
+    if (buffer == io::kPlaybacksBuffer) check_playbacks(copied<io::InstancePlayback>(contents), group);
+    if (buffer == io::kLayersBuffer)
+        check_layers(copied<io::LayerState>(contents), *group.controller, clip_count_of(group));
+    if (buffer == io::kStatesBuffer) check_cull_states(copied<uint32_t>(contents), group);
+}
+
+}  // namespace throng

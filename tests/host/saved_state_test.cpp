@@ -1,0 +1,78 @@
+// States that somebody has forged: refused, or gone on from, but never a crash. Natively, so that sanitizers see it.
+#include "base/crc64.h"
+#include "tests/test_rig.h"
+
+#include <throng/crowd.h>
+
+#include <gtest/gtest.h>
+
+#include <cstring>
+
+namespace throng::test {
+namespace {
+
+Controller controller_of(const Character& character) {
+    const auto name = [&](size_t clip) { return character.clips[clip].name; };
+    const std::string json = R"({"parameters": {"speed": 0}, "layers": [
+        {"name": "a", "states": {"a": {"clip": ")" +
+                             name(0) + R"("}, "b": {"clip": ")" + name(1) + R"("}},
+         "transitions": [
+            {"from": "a", "to": "b", "when": {"speed": {"above": 1}}, "fade_s": 0.3},
+            {"from": "b", "to": "a", "when": {"speed": {"below": 1}}, "fade_s": 0.2, "fade": "inertial"}]},
+        {"name": "b", "mode": "additive", "weight": 0.5}]})";
+    Result<Controller> controller = parse_controller(json, "test");
+    EXPECT_TRUE(controller) << controller.error().text();
+    return std::move(*controller);
+}
+
+TEST(ForgedState, NeverACrash) {
+    const Device device = Device::create({.select = "native"}).value();
+    const Character character = make_character({.name = "some", .joint_count = 20});
+    const Controller controller = controller_of(character);
+    const CrowdSettings settings{
+        .groups =
+            {{.character = &character, .instance_count = 3, .pose_capacity = 2, .capacity = 5},
+             {.character = &character, .instance_count = 3, .controller = &controller, .sockets = {3}, .capacity = 4}},
+        .culling = Culling{.skips_updates = true}};
+    Crowd crowd = Crowd::create(device, settings).value();
+    for (int update = 0; update < 4; ++update) {
+        ASSERT_TRUE(
+            crowd.set_playback(InstanceHandle{1}, {.first = {.clip = 0}, .second = {.clip = 1}, .weight = 0.5f}));
+        ASSERT_TRUE(crowd.set_pose(InstanceHandle{2}, std::vector<Trs<float>>(character.rig.rest), 0.3f));
+        ASSERT_TRUE(crowd.set_parameter(InstanceHandle{6}, 0, update < 2 ? 2.0f : 0.0f));
+        ASSERT_TRUE(crowd.watch(InstanceHandle{6}));
+        ASSERT_TRUE(crowd.update(0.1f));
+    }
+    ASSERT_TRUE(crowd.set_parameter(InstanceHandle{7}, 0, 1.0f));
+    const std::vector<std::byte> saved = crowd.save_state().value();
+    Random random(1);
+    uint32_t refused = 0, taken = 0;
+    for (int forgery = 0; forgery < 2000; ++forgery) {
+        std::vector<std::byte> forged = saved;
+        for (uint32_t words = 1 + random.below(24); words > 0; --words) {
+            const uint32_t value = random.chance(0.5) ? random.below(300) : static_cast<uint32_t>(random.next());
+            // The head is checked by itself; skin matrices take most of the rest, and nothing goes by them.
+            const auto words_of_all = static_cast<uint32_t>((forged.size() - 48) / 4);
+            const uint32_t from_end = random.below(random.chance(0.5) ? words_of_all : std::min(words_of_all, 800u));
+            const size_t at = 40 + 4 * size_t{words_of_all - 1 - from_end};
+            std::memcpy(forged.data() + at, &value, sizeof value);
+        }
+        const size_t end = forged.size() - sizeof(uint64_t);
+        const uint64_t checksum = crc64(std::span(forged).first(end));
+        std::memcpy(forged.data() + end, &checksum, sizeof checksum);
+        const Result<void> restored = crowd.restore_state(forged);
+        ++(restored ? taken : refused);
+        EXPECT_TRUE(restored || restored.error().code == ErrorCode::kInvalidFile);
+        ASSERT_TRUE(crowd.update(0.1f));
+        ASSERT_TRUE(crowd.feedback());
+        for (uint32_t instance = 0; instance < crowd.instance_count(); ++instance)
+            static_cast<void>(crowd.read_skin_matrices({instance}));
+        ASSERT_TRUE(crowd.restore_state(saved));
+    }
+    EXPECT_GT(refused, 100u);
+    EXPECT_GT(taken, 100u);
+    EXPECT_TRUE(crowd.save_state().value() == saved);
+}
+
+}  // namespace
+}  // namespace throng::test

@@ -1,0 +1,235 @@
+// A crowd that is given a saved state goes on as the one that saved it, bit for bit.
+#include "tests/contents.h"
+#include "tests/kinds.h"
+#include "tests/recorder.h"
+#include "tests/subset.h"
+
+#include <gtest/gtest.h>
+
+namespace throng::test {
+namespace {
+
+const InSubset kNatively({Subset::kNative}, {"SavedState.*"});
+
+std::vector<InstanceHandle> there_in(const Crowd& crowd) {
+    std::vector<InstanceHandle> there;
+    for (uint32_t i = 0; i < crowd.instance_count(); ++i)
+        if (const Result<InstanceHandle> handle = crowd.handle(i)) there.push_back(*handle);
+    return there;
+}
+
+// Whatever an application does, at random: the same in crowds that are in the same state.
+class Player {
+public:
+    Player(UpdatePath path, const Culling& culling) : settings_(kinds_.settings(path)) {
+        settings_.culling = culling;
+        settings_.pose_request_capacity = 4;
+        for (CrowdGroup& group : settings_.groups) {
+            group.instance_count = 6;
+            group.capacity = kRoom;
+        }
+        settings_.groups.push_back({.character = &kinds_.character, .instance_count = 5, .pose_capacity = 3});
+    }
+
+    Crowd make() const {
+        Crowd crowd = create(settings_);
+        std::vector<Affine> places;
+        for (uint32_t i = 0; i < crowd.instance_count(); ++i) places.push_back(plot(i));
+        for (const InstanceHandle& one : there_in(crowd)) EXPECT_TRUE(crowd.set_placement(one, places[one.instance]));
+        return crowd;
+    }
+
+    void play(Crowd& crowd, uint32_t update) const {
+        Random random(update);
+        const std::vector<InstanceHandle> there = there_in(crowd);
+        std::vector<InstanceHandle> gone;
+        EXPECT_TRUE(crowd.watch(std::vector(there.begin(), there.begin() + 20)));
+        for (const InstanceHandle& one : there) {
+            if (random.chance(0.3)) change(crowd, one, random);
+            if (one.instance < kKinds * kRoom && random.chance(0.1)) gone.push_back(one);
+        }
+        EXPECT_TRUE(crowd.despawn(gone));
+        for (uint32_t group = 0; group < kKinds; ++group) {
+            if (*crowd.alive_count(group) + 2 > kRoom) continue;
+            EXPECT_TRUE(crowd.spawn(group, std::array{plot(random.below(900)), plot(random.below(900))}));
+        }
+        EXPECT_TRUE(crowd.set_wind({.velocity = random.vector(3).as<float>()}));
+        EXPECT_TRUE(crowd.request_poses(*crowd.handle(kKinds * kRoom)));
+    }
+
+    // All that updates from `first` to before `end` give.
+    std::string go_on(Crowd& crowd, uint32_t first, uint32_t end) const {
+        std::string bits;
+        for (uint32_t update = first; update < end; ++update) {
+            if (update > first) play(crowd, update);
+            Random random(1000 + update);
+            const float size = kinds_.character.size;
+            const CrowdView view = view_of_box({static_cast<float>(random.between(0, 9000)), 0, 0}, 9000 + 100 * size);
+            const Result<void> updated = crowd.update(static_cast<float>(random.between(0, 0.1f)),
+                                                      update % 3 == 0 ? nullptr : &view);
+            EXPECT_TRUE(updated) << refusal(updated);
+            for (const auto& [name, bytes] : contents_of(crowd.outputs())) bits += name + bytes;
+            UpdateBits told;
+            told.add_feedback(crowd);
+            bits.append(reinterpret_cast<const char*>(told.all.data()), told.all.size());
+        }
+        return bits;
+    }
+
+private:
+    static constexpr uint32_t kKinds = 5;
+
+    void change(Crowd& crowd, const InstanceHandle& one, Random& random) const {
+        const uint32_t group = one.instance / kRoom;
+        const float x = plot(one.instance).row[0][3] + static_cast<float>(random.between(-20, 20));
+        const std::vector<Trs<float>> pose(kinds_.character.rig.rest);
+        const float fade_s = static_cast<float>(random.between(0, 0.3f));
+        Result<void> done;
+        if (group == 1 || group == 2) {
+            const auto [parameter, value] = random_change(random, group == 1 ? kinds_.walker : kinds_.dragon);
+            done = crowd.set_parameter(one, parameter, value);
+        } else {
+            done = crowd.set_playback(one, random_playback(random, kinds_.character));
+        }
+        EXPECT_TRUE(done) << refusal(done);
+        if (group == 0) done = random.chance(0.6) ? crowd.set_pose(one, pose, fade_s) : crowd.clear_pose(one, fade_s);
+        if (group == 3) done = crowd.set_target(one, 0, {{x, 1, 2}, 0.5f});
+        if (group == 4) done = crowd.set_destination(one, {x, 0, 2});
+        EXPECT_TRUE(done) << refusal(done);
+    }
+
+    Kinds kinds_;
+    CrowdSettings settings_;
+};
+
+struct Case {
+    const char* name;
+    UpdatePath path;
+    Culling culling;
+};
+
+class SavedStateOnPath : public testing::TestWithParam<Case> {};
+
+// Saved where changes wait for the next update.
+TEST_P(SavedStateOnPath, GoesOnBitForBit) {
+    const Player player(GetParam().path, GetParam().culling);
+    Crowd crowd = player.make();
+    player.go_on(crowd, 0, 7);
+    player.play(crowd, 7);
+    const Result<std::vector<std::byte>> saved = crowd.save_state();
+    ASSERT_TRUE(saved) << refusal(saved);
+    const std::string wanted = player.go_on(crowd, 7, 15);
+    EXPECT_GT(wanted.size(), 100'000u);
+
+    EXPECT_TRUE(crowd.restore_state(*saved));
+    EXPECT_TRUE(*crowd.save_state() == *saved);
+    EXPECT_TRUE(player.go_on(crowd, 7, 15) == wanted) << "the crowd itself";
+
+    Crowd other = player.make();
+    for (int updates = 0; updates < 3; ++updates) {
+        EXPECT_TRUE(other.restore_state(*saved));
+        EXPECT_TRUE(*other.save_state() == *saved);
+        EXPECT_TRUE(player.go_on(other, 7, 15) == wanted) << "another crowd";
+        other = player.make();
+        player.go_on(other, 50, 52 + updates);
+    }
+}
+
+INSTANTIATE_TEST_SUITE_P(SavedState, SavedStateOnPath,
+                         testing::Values(Case{"Auto", UpdatePath::kAuto, {}}, Case{"Device", UpdatePath::kDevice, {}},
+                                         Case{"Staged", UpdatePath::kStaged, {}},
+                                         Case{"AutoSkipping", UpdatePath::kAuto, {.skips_updates = true}},
+                                         Case{"DeviceSkipping", UpdatePath::kDevice, {.skips_updates = true}}),
+                         [](const testing::TestParamInfo<Case>& of) { return std::string(of.param.name); });
+
+class SavedState : public testing::Test {
+protected:
+    CrowdSettings settings(uint32_t count = 4) const {
+        return {.groups = {{.character = &character_, .instance_count = count, .pose_capacity = 2}}};
+    }
+    Character character_ = creature(20, 8);
+};
+
+// With previous matrices, in slots of frames in flight.
+TEST_F(SavedState, KeepsWhatThePreviousUpdateShowed) {
+    CrowdSettings of = settings();
+    of.keep_previous_matrices = true;
+    for (const uint32_t in_flight : {1u, 3u}) {
+        of.frames_in_flight = in_flight;
+        Crowd crowd = create(of), other = create(of);
+        ASSERT_TRUE(other.update(0.4f));
+        ASSERT_TRUE(crowd.set_playback(crowd.instances(), {.first = {.clip = 0}}));
+        for (int update = 0; update < 3; ++update) ASSERT_TRUE(crowd.update(0.1f));
+        ASSERT_TRUE(other.restore_state(*crowd.save_state()));
+        for (Crowd* const one : {&crowd, &other}) ASSERT_TRUE(one->update(0.1f));
+        const Contents wanted = contents_of(crowd.outputs());
+        EXPECT_NE(wanted.at("0: skin"), wanted.at("0: previous skin"));
+        expect_same(wanted, contents_of(other.outputs()), "in flight " + std::to_string(in_flight));
+    }
+}
+
+TEST_F(SavedState, OfACrowdThatHasNotBeenUpdated) {
+    Crowd crowd = create(settings()), other = create(settings());
+    ASSERT_TRUE(crowd.set_playback(InstanceHandle{2}, {.first = {.clip = 0, .time_s = 0.3}}));
+    ASSERT_TRUE(other.update(1));
+    ASSERT_TRUE(other.restore_state(*crowd.save_state()));
+    for (Crowd* const one : {&crowd, &other}) ASSERT_TRUE(one->update(0.1f));
+    expect_same(contents_of(crowd.outputs()), contents_of(other.outputs()), "");
+}
+
+// Refused, and the crowd goes on as if nothing had been asked.
+TEST_F(SavedState, RefusesWhatIsNotIts) {
+    Crowd crowd = create(settings()), same = create(settings());
+    const std::vector<Trs<float>> pose(character_.rig.rest);
+    for (Crowd* const one : {&crowd, &same}) {
+        ASSERT_TRUE(one->set_playback(one->instances(), {.first = {.clip = 0}}));
+        ASSERT_TRUE(one->set_pose(InstanceHandle{1}, pose, 0.3f));
+        ASSERT_TRUE(one->update(0.1f));
+    }
+    const std::vector<std::byte> saved = *crowd.save_state();
+    Random random(3);
+    for (int i = 0; i < 300; ++i) {
+        std::vector<std::byte> damaged = saved;
+        damaged[random.below(static_cast<uint32_t>(damaged.size()))] ^= std::byte{1};
+        EXPECT_EQ(crowd.restore_state(damaged).error().code, ErrorCode::kInvalidFile);
+        const auto shorter = std::span(saved).first(random.below(static_cast<uint32_t>(saved.size())));
+        EXPECT_EQ(crowd.restore_state(shorter).error().code, ErrorCode::kInvalidFile);
+    }
+    const std::string other_settings =
+        "crowd state: it is of a crowd with other groups or settings, or that is updated in another way";
+    EXPECT_EQ(refusal(create(settings(5)).restore_state(saved)), other_settings);
+    CrowdSettings other = settings();
+    other.groups[0].pose_capacity = 3;
+    EXPECT_EQ(refusal(create(other).restore_state(saved)), other_settings);
+    other = settings();
+    other.skin_format = SkinFormat::kHalfAffine;
+    EXPECT_EQ(refusal(create(other).restore_state(saved)), other_settings);
+    EXPECT_EQ(refusal(crowd.restore_state({})), "crowd state: it ends too early");
+    EXPECT_FALSE(Crowd().save_state());
+    EXPECT_FALSE(Crowd().restore_state(saved));
+    for (Crowd* const one : {&crowd, &same}) ASSERT_TRUE(one->update(0.1f));
+    expect_same(contents_of(crowd.outputs()), contents_of(same.outputs()), "after refusals");
+}
+
+// What was submitted counts, and what was discarded does not.
+TEST_F(SavedState, BetweenRecordedUpdates) {
+    if (test_gpu()->is_native()) GTEST_SKIP() << "it has no command buffers";
+    CrowdSettings of = settings();
+    of.path = UpdatePath::kDevice;
+    Crowd crowd = create(of), other = create(of);
+    ASSERT_TRUE(crowd.set_playback(crowd.instances(), {.first = {.clip = 0}}));
+    Recorder recorder;
+    const auto record = [&](Crowd& into) {
+        return recorder.record([&](VkCommandBuffer commands) { EXPECT_TRUE(into.record(commands, 0.1f)); });
+    };
+    for (int update = 0; update < 3; ++update) recorder.submit(record(crowd));
+    record(crowd);
+    ASSERT_TRUE(crowd.discard_last_record());
+    ASSERT_TRUE(other.restore_state(*crowd.save_state()));
+    EXPECT_FALSE(other.discard_last_record()) << "there is none";
+    for (Crowd* const one : {&crowd, &other}) recorder.submit(record(*one));
+    expect_same(contents_of(crowd.outputs()), contents_of(other.outputs()), "");
+}
+
+}  // namespace
+}  // namespace throng::test
