@@ -74,6 +74,7 @@ inline BufferRange output_range(const OutputBlock& block, BufferView OutputBlock
         {&OutputBlock::target, std::as_bytes(host.target)},
         {&OutputBlock::destination, std::as_bytes(host.destination)},
         {&OutputBlock::morph, std::as_bytes(host.morph)},
+        {&OutputBlock::look, std::as_bytes(host.look)},
         {&OutputBlock::list, std::as_bytes(host.list)},
         {&OutputBlock::skinned, std::as_bytes(host.skinned)}};
     const BufferView& view = block.*member;

@@ -197,9 +197,10 @@ struct Character {
     std::vector<Influences> influences{};
     std::vector<uint32_t> indices{};  // relative to the section's first vertex
     std::vector<MeshSection> sections{};
-    std::vector<Lod> lods{};               // at most kLodLimit
-    std::vector<IndexRange> lod_ranges{};  // [lods][sections], of lod_indices
-    std::vector<uint32_t> lod_indices{};   // relative to the section's first vertex
+    std::vector<std::string> section_names{};  // [sections]: the node's, or the mesh's where that has none
+    std::vector<Lod> lods{};                   // at most kLodLimit
+    std::vector<IndexRange> lod_ranges{};      // [lods][sections], of lod_indices
+    std::vector<uint32_t> lod_indices{};       // relative to the section's first vertex
     // [joint_count], or empty, as of a character without clips, of which nothing is known: the coarsest level of detail
     // in which the joint moves by itself, not above its parent's. In coarser ones its skin matrices are those of the
     // next joint above it that does, as if the joints between them were in the bind pose: in the rest pose and in poses
@@ -223,6 +224,9 @@ struct Character {
     // Index of the clip, or the first of the morphs, with this name, or kNone.
     uint32_t find_clip(std::string_view clip_name) const;
     uint32_t find_morph(std::string_view morph_name) const;
+    // All sections with this name, and all whose material has it: for outfits.
+    std::vector<uint32_t> find_sections(std::string_view section_name) const;
+    std::vector<uint32_t> find_sections_of_material(std::string_view material_name) const;
 };
 
 struct CompileSettings {

@@ -5,6 +5,7 @@
 #include <throng/controller.h>
 #include <throng/device.h>
 #include <throng/feedback.h>
+#include <throng/look.h>
 #include <throng/outputs.h>
 #include <throng/playback.h>
 #include <throng/population.h>
@@ -74,6 +75,8 @@ struct CrowdGroup {
     // is updated or drawn. Room that is free takes memory, and next to no time. Not together with
     // CrowdSettings::keep_previous_matrices where the group is animated entirely (see record()).
     uint32_t capacity = 0;
+    // Ways in which its instances may look, by set_look(), which groups with none do not take. At most 65,536
+    std::vector<Outfit> outfits{};
 };
 
 // How an update goes from clips to skin matrices. kStaged: sample, blend, scan and bind one after another, each through
@@ -194,6 +197,11 @@ public:
     Result<void> set_placement(const Instances& instances, const Affine& world_from_model);
     Result<void> set_placement(const Instances& instances, std::span<const Affine> world_from_model);
 
+    // How instances look, in the pictures of Renderer and for shaders of the application's own; the size of one is that
+    // of its placement. 16 bytes are uploaded for each. Errors: kInvalidArgument (no such outfit, tint out of range).
+    Result<void> set_look(const Instances& instances, const InstanceLook& look);
+    Result<void> set_look(const Instances& instances, std::span<const InstanceLook> look);
+
     // For instances whose groups have controllers. 32 bytes are uploaded for each, and applied on the GPU. Parameters
     // and layers are numbered as in the Controller. Errors: kInvalidArgument (no controller, layer with states, or
     // without inertial plays, clip, mask or parameter out of range, value not finite, negative fade, weight outside
@@ -293,10 +301,10 @@ public:
     // them back, this one or another with the same settings, goes on as this one does from here, bit for bit on the
     // same device: all that instances play, layers and parameters, placements, poses, springs, agents, who is there and
     // their handles, who is watched, and what has been set and not yet been taken up. Matrices are not, but where
-    // updates build upon them (CrowdSettings::keep_previous_matrices, Culling::skips_updates, inertial transitions). The
-    // same version of throng reads them, on machines of the same byte order. Both calls submit and wait; updates that
-    // have been recorded must have been submitted or discarded, and one for a view with occlusion must have had its
-    // second half.
+    // updates build upon them (CrowdSettings::keep_previous_matrices, Culling::skips_updates, inertial transitions).
+    // The same version of throng reads them, on machines of the same byte order. Both calls submit and wait; updates
+    // that have been recorded must have been submitted or discarded, and one for a view with occlusion must have had
+    // its second half.
     //
     // After restore_state() outputs() are those of before until the next update, feedback of updates that have not been
     // asked for is gone, and updates are counted on from where they were saved. Where there is an error nothing has

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <throng/device.h>
+#include <throng/look.h>
 #include <throng/transform.h>
 
 #include <array>
@@ -48,6 +49,7 @@ struct HostOutputs {
     std::span<const RootMotion> root{};
     std::span<std::array<float, 4>> target{}, destination{};
     std::span<const ShownMorph> morph{};
+    std::span<const InstanceLook> look{};
     std::span<const uint32_t> list{}, skin_row{};
     std::span<const SkinnedVertex> skinned{};
 };
@@ -106,6 +108,9 @@ struct OutputBlock {
     // Morphs that each instance shows, {uint32_t morph; float weight;}[instance_count][kActiveMorphLimit], the largest
     // weight by magnitude first, weight 0 where there are fewer. Before skinning: bind position += weight * MorphDelta.
     BufferView morph{};
+
+    // How instances look, InstanceLook[instance_count], with CrowdGroup::outfits.
+    BufferView look{};
 
     // Instances that are drawn, uint32_t[5 + instance_count], with CrowdSettings::culling: their number, where those of
     // each of four levels of detail begin behind the fifth word, then their numbers in the block, level by level,

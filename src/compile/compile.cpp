@@ -54,6 +54,21 @@ uint32_t Rig::find_joint(std::string_view joint_name) const { return find_name(n
 uint32_t Character::find_clip(std::string_view clip_name) const { return find_name(clips, clip_name); }
 uint32_t Character::find_morph(std::string_view morph_name) const { return find_name(morphs, morph_name); }
 
+std::vector<uint32_t> Character::find_sections(std::string_view section_name) const {
+    std::vector<uint32_t> found;
+    for (uint32_t i = 0; i < section_names.size(); ++i)
+        if (section_names[i] == section_name) found.push_back(i);
+    return found;
+}
+
+std::vector<uint32_t> Character::find_sections_of_material(std::string_view material_name) const {
+    std::vector<uint32_t> found;
+    for (uint32_t i = 0; i < sections.size(); ++i)
+        if (sections[i].material < materials.size() && materials[sections[i].material].name == material_name)
+            found.push_back(i);
+    return found;
+}
+
 Result<Character> compile_character(const Asset& asset, const CompileSettings& settings) {
     return as_result(
         [&] {

@@ -11,7 +11,7 @@ namespace throng {
 
 // What may be asked of a layer: nothing where it has states.
 struct LayerKind {
-    uint32_t state_count = 0;  // 0: none, a direct layer
+    uint32_t state_count = 0;     // 0: none, a direct layer
     bool inertial_plays = false;  // ControllerLayer::inertial_plays
 };
 std::vector<LayerKind> layer_kinds(const Controller& controller);

@@ -10,9 +10,9 @@ namespace throng {
 
 // Outputs that are copied into a frame slot at the end of an update, since the next one goes on from them or their
 // kernels know one place only; small beside skin matrices.
-inline constexpr std::array kShownBuffers{io::kPlacementsBuffer,   io::kRootsBuffer,   io::kSocketsBuffer,
-                                          io::kActiveMorphsBuffer, io::kModelBuffer,   io::kListBuffer,
-                                          io::kDrawsBuffer,        io::kSkinRowsBuffer};
+inline constexpr std::array kShownBuffers{io::kPlacementsBuffer,   io::kRootsBuffer,    io::kSocketsBuffer,
+                                          io::kActiveMorphsBuffer, io::kModelBuffer,    io::kListBuffer,
+                                          io::kDrawsBuffer,        io::kSkinRowsBuffer, io::kInstanceLooksBuffer};
 
 struct Batch {
     uint32_t group = 0;

@@ -92,6 +92,14 @@ Result<void> Crowd::set_placement(const Instances& instances, std::span<const Af
     return as_result([&] { state().set_placement(instances, Each(instances, world_from_model, "placement")); });
 }
 
+Result<void> Crowd::set_look(const Instances& instances, const InstanceLook& look) {
+    return as_result([&] { state().set_look(instances, Each(look)); });
+}
+
+Result<void> Crowd::set_look(const Instances& instances, std::span<const InstanceLook> look) {
+    return as_result([&] { state().set_look(instances, Each(instances, look, "look")); });
+}
+
 Result<void> Crowd::play(const Instances& instances, uint32_t layer, const LayerPlayback& playback) {
     return as_result([&] { state().play(instances, layer, Each(playback)); });
 }

@@ -66,6 +66,12 @@ void CrowdState::set_placement(const Instances& instances, const Each<Affine>& w
     placements->set(instances, world_from_model);
 }
 
+void CrowdState::set_look(const Instances& instances, const Each<InstanceLook>& look) {
+    check_there(instances, "look");
+    if (!looks) throw Failure(ErrorCode::kInvalidArgument, "look", "no group has CrowdGroup::outfits");
+    looks->set(instances, look);
+}
+
 void CrowdState::send(uint32_t instance, io::ControlCommand command) {
     const InBatch of = at(instance);
     command.instance = of.instance;

@@ -55,6 +55,7 @@ void CrowdState::despawn(std::span<const InstanceHandle> instances) {
             for (uint32_t target = 0; target < group.procedural->target_count; ++target)
                 procedural->set_target(of.batch, of.instance * group.procedural->target_count + target, {});
         if (group.pose_capacity > 0) poses->clear(of, 0);
+        if (group.outfit_count > 0) looks->set(InstanceHandle{instance, generation}, Each(InstanceLook()));
         population->despawn(instance);
     }
     for (std::vector<uint32_t>* requests : {&pose_requests_, &recorded_pose_requests_})

@@ -24,11 +24,11 @@ constexpr StageKind kind_of() {
 }
 
 // An update, in its order.
-constexpr std::array kStages{kind_of<PopulationStage>(), kind_of<PlacementStage>(), kind_of<ControlStage>(),
-                             kind_of<ControllerStage>(), kind_of<SteerStage>(),     kind_of<TerrainStage>(),
-                             kind_of<CullStage>(),       kind_of<PoseStage>(),      kind_of<MorphStage>(),
-                             kind_of<ProceduralStage>(), kind_of<FusedUpdate>(),    kind_of<UpdateRateStage>(),
-                             kind_of<StagedUpdate>(),    kind_of<SkinStage>()};
+constexpr std::array kStages{kind_of<PopulationStage>(), kind_of<PlacementStage>(),  kind_of<LookStage>(),
+                             kind_of<ControlStage>(),    kind_of<ControllerStage>(), kind_of<SteerStage>(),
+                             kind_of<TerrainStage>(),    kind_of<CullStage>(),       kind_of<PoseStage>(),
+                             kind_of<MorphStage>(),      kind_of<ProceduralStage>(), kind_of<FusedUpdate>(),
+                             kind_of<UpdateRateStage>(), kind_of<StagedUpdate>(),    kind_of<SkinStage>()};
 
 }  // namespace
 
@@ -91,6 +91,7 @@ void CrowdState::make_stages(Uploads& uploads, const CrowdSettings& settings) {
         if (kind.is_needed(settings)) stages.push_back(kind.make(context));
     population = find_stage<PopulationStage>(stages);
     placements = find_stage<PlacementStage>(stages);
+    looks = find_stage<LookStage>(stages);
     control = find_stage<ControlStage>(stages);
     controllers = find_stage<ControllerStage>(stages);
     steer = find_stage<SteerStage>(stages);

@@ -9,6 +9,7 @@
 #include "crowd/cull_stage.h"
 #include "crowd/first_uploads.h"
 #include "crowd/fused_update.h"
+#include "crowd/look_stage.h"
 #include "crowd/morph_stage.h"
 #include "crowd/update_rate_stage.h"
 #include "crowd/placement_stage.h"
@@ -41,6 +42,7 @@ struct CrowdState {
     Instances instances(uint32_t group) const;
     void set_playback(const Instances& instances, const Each<Playback>& playback);
     void set_placement(const Instances& instances, const Each<Affine>& world_from_model);
+    void set_look(const Instances& instances, const Each<InstanceLook>& look);
     void play(const Instances& instances, uint32_t layer, const Each<LayerPlayback>& playback);
     void set_layer(const Instances& instances, uint32_t layer, const Each<LayerBlend>& blend);
     void set_parameter(const Instances& instances, uint32_t parameter, const Each<float>& value);
@@ -89,6 +91,7 @@ struct CrowdState {
     std::vector<std::unique_ptr<Stage>> stages;
     PopulationStage* population = nullptr;
     PlacementStage* placements = nullptr;
+    LookStage* looks = nullptr;
     ControlStage* control = nullptr;
     ControllerStage* controllers = nullptr;
     SteerStage* steer = nullptr;

@@ -3,6 +3,7 @@
 #include "base/failure.h"
 #include "controller/controller_tables.h"
 #include "crowd/group_skin_pool.h"
+#include "crowd/look_stage.h"
 #include "sample/sample_io.h"
 #include "skin/skin_io.h"
 
@@ -100,6 +101,8 @@ Group::Group(Uploads& uploads, NativeRigs& rigs, const CrowdGroup& group, const 
         reduce_joints(uploads, rigs, *group.character, settings);
     if (skips_updates(settings)) make_palette_by_set(uploads, *group.character);
     make_skin_tables(uploads, *group.character);
+    outfit_count = static_cast<uint32_t>(group.outfits.size());
+    if (outfit_count > 0) buffers[io::kSectionLooksBuffer] = make_outfits(uploads, group);
     if (group.skin_pool) skin_pool = make_skin_pool(uploads, rigs, *this, group, settings);
     if (pose_capacity > 0)
         buffers[io::kSetPosesBuffer] = make_table<io::JointPose>(

@@ -3,6 +3,7 @@
 #include "cull/cull_io.h"
 #include "draw/scene.glsl"
 #include "gpu/affine.glsl"
+#include "look/look_io.h"
 #include "morph/morph_io.h"
 #include "skin/skin_io.h"
 
@@ -12,6 +13,7 @@ CONSTANT(2, bool, kListed, false);  // what is drawn lies in list
 CONSTANT(3, uint, kSkinBlend, kSkinLinear);
 // In place of skin matrices there are vertices that the skin stage has skinned
 CONSTANT(4, bool, kSkinned, false);
+CONSTANT(5, bool, kHasLooks, false);
 
 READONLY_BUFFER(kVerticesBuffer, VertexRows, vertices);
 READONLY_BUFFER(kInfluencesBuffer, uvec2, influences);
@@ -22,6 +24,8 @@ READONLY_BUFFER(kMorphDeltasBuffer, uvec4, morph_deltas);
 READONLY_BUFFER(kActiveMorphsBuffer, ActiveMorph, active_morphs);
 READONLY_BUFFER(kListBuffer, uint, list);  // cull/cull_io.h
 READONLY_BUFFER(kSkinRowsBuffer, uint, skin_rows);
+READONLY_BUFFER(kInstanceLooksBuffer, InstanceLook, instance_looks);
+READONLY_BUFFER(kSectionLooksBuffer, SectionLook, section_looks);
 PUSH(DrawPush);
 
 layout(location = 0) out vec3 out_world;
@@ -34,6 +38,7 @@ layout(location = 4) flat out uint out_mirrored;
 #include "skin/skin.glsl"
 #include "skin/normal.glsl"
 #include "morph/apply.glsl"
+#include "look/look.glsl"
 
 struct ModelVertex {
     vec3 position, normal;  // model space; the normal is of any length
@@ -57,12 +62,21 @@ ModelVertex model_vertex(uint instance, VertexRows vertex) {
 void main() {
     const uint instance = kListed ? list[kFirstListed + list[kListBegins + push.lod] + gl_InstanceIndex]
                                   : gl_InstanceIndex;
+    vec3 color = vec3(1);
+    if (kHasLooks) {
+        const SectionLook look = look_of_section(instance, push.section, push.section_count);
+        if (is_hidden(look)) {
+            gl_Position = vec4(0, 0, -1, 1);  // in no view
+            return;
+        }
+        color = look_color(instance, look);
+    }
     const VertexRows vertex = vertices[push.first_vertex + gl_VertexIndex];
     const ModelVertex model = model_vertex(instance, vertex);
     const Affine placement = world_from_model[instance];
     const vec4 world = vec4(affine_point(placement, model.position), 1);
     out_texcoord = uintBitsToFloat(vertex.texcoord_color_delta.xy);
-    out_color = unpackUnorm4x8(vertex.texcoord_color_delta.z);
+    out_color = unpackUnorm4x8(vertex.texcoord_color_delta.z) * vec4(color, 1);
     if (kShadow) {
         gl_Position = vec4(2 * dot(scene.map_from_world[0], world) - 1, 2 * dot(scene.map_from_world[1], world) - 1,
                            dot(scene.map_from_world[2], world), 1);

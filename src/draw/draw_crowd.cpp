@@ -66,15 +66,18 @@ void CrowdDrawing::draw_section(VkCommandBuffer commands, const Batch& batch, si
     const Group& group = crowd.groups[batch.group];
     const MeshSection& section = group.sections[section_index];
     const TexturedMaterial<Image>& material = bindings.materials[batch.group].of(section);
-    const OwnedPipeline& pipeline = pass == DrawPass::kShadow ? characters.shadow[material.masked]
+    const CharacterPipelines& pipelines = group.outfit_count > 0 ? *with_looks : characters;
+    const OwnedPipeline& pipeline = pass == DrawPass::kShadow ? pipelines.shadow[material.masked]
                                     : pass == DrawPass::kOccluders
-                                        ? characters.occluder[material.masked]
-                                        : characters.into_picture[material.masked || mirrors][material.has_maps];
+                                        ? pipelines.occluder[material.masked]
+                                        : pipelines.into_picture[material.masked || mirrors][material.has_maps];
     const bool shows_back = pass == DrawPass::kShadow || material.factors.double_sided || mirrors;
     vk.vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pipeline.get());
     bind(commands, kMaterialSet, bindings.materials[batch.group].textures_of(section));
     vk.vkCmdSetCullMode(commands, shows_back ? VK_CULL_MODE_NONE : VK_CULL_MODE_BACK_BIT);
     io::DrawPush push = push_of(group, section, material);
+    push.section = static_cast<uint32_t>(section_index);
+    push.section_count = static_cast<uint32_t>(group.sections.size());
     const VkBuffer draws = batch.shown_in(batch.slot, io::kDrawsBuffer).handle();
     if (!draws) {
         set_push(commands, crowd, layout, push);

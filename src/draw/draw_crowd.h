@@ -14,7 +14,8 @@ struct CrowdDrawing {
     const CrowdBindings& bindings;
     const ShaderLayout& layout;
     const CharacterPipelines& characters;
-    const LinePipelines* lines;  // where there are some
+    const CharacterPipelines* with_looks;  // of groups with CrowdGroup::outfits, where there are some
+    const LinePipelines* lines;            // where there are some
 
     void draw(VkCommandBuffer commands, DrawPass pass) const;
     // For all instances, or those that are listed. Skeletons need CrowdSettings::keep_model_matrices.

@@ -42,7 +42,7 @@ struct DrawPush {
     float normal_scale;  // 0: there is no normal map
     uint vertex_count;   // of the character
     uint has_skin_pool;  // skin matrices lie where skin_rows says
-    uint unused0, unused1;
+    uint section, section_count;
 };
 
 // A joint, as its line is drawn.

@@ -119,6 +119,7 @@ void NativeFrame::list(const CrowdState& crowd, const NativeCrowd& native, const
     drawn_.resize(crowd.batches.size());
     draws_.clear();
     posed_.clear();
+    frame_.has_colors = false;
     uint64_t next_id = 0;
     for (uint32_t b = 0; b < crowd.batches.size(); ++b) {
         const Batch& batch = crowd.batches[b];
@@ -132,11 +133,28 @@ void NativeFrame::list(const CrowdState& crowd, const NativeCrowd& native, const
     divide(crowd, native);
 }
 
+// What is not shown is drawn as a section without triangles.
+void NativeFrame::set_look(const NativeLooks& looks, uint32_t instance, uint32_t section, raster::Draw& draw) {
+    static constexpr raster::Material kNoMaterial{};
+    static constexpr raster::Section kNothing{.material = &kNoMaterial};
+    const std::optional<Vec3<float>> color = looks.color_of(instance, section);
+    if (!color) {
+        draw.section = &kNothing;
+        draw.picture_box[2] = draw.map_box[2] = -1;  // in no tile
+        return;
+    }
+    draw.color[0] = color->x;
+    draw.color[1] = color->y;
+    draw.color[2] = color->z;
+}
+
 // Section by section, level by level, instance by instance, as the device draws them.
 void NativeFrame::add_draws(const CrowdState& crowd, const NativeCrowd& native, uint32_t b, uint64_t& next_id) {
     const Batch& batch = crowd.batches[b];
     const NativeMesh& mesh = native.groups[batch.group].mesh();
     const auto* const placements = reinterpret_cast<const Affine*>(batch[io::kPlacementsBuffer].mapped());
+    const NativeLooks looks(crowd.groups[batch.group], batch);
+    frame_.has_colors = frame_.has_colors || looks;
     Drawn& drawn = drawn_[b];
     const NativeList& list = drawn.list;
     drawn.first_draws.assign(mesh.lod_count() * mesh.section_count(), kNone);
@@ -146,10 +164,13 @@ void NativeFrame::add_draws(const CrowdState& crowd, const NativeCrowd& native, 
             if (!section) continue;
             drawn.first_draws[lod * mesh.section_count() + s] = static_cast<uint32_t>(draws_.size());
             for (uint32_t place = list.begins[lod]; place < list.begins[lod + 1]; ++place) {
-                draws_.push_back({.section = &section->section,
-                                  .first_id = static_cast<uint32_t>(next_id),
-                                  .is_mirrored = determinant(placements[list.instances[place]]) < 0});
-                next_id += rounded_up(section->section.triangle_count, raster::kIdBlock);
+                const uint32_t instance = list.instances[place];
+                raster::Draw& draw = draws_.emplace_back(
+                    raster::Draw{.section = &section->section,
+                                 .first_id = static_cast<uint32_t>(next_id),
+                                 .is_mirrored = determinant(placements[instance]) < 0});
+                if (looks) set_look(looks, instance, static_cast<uint32_t>(s), draw);
+                next_id += rounded_up(draw.section->triangle_count, raster::kIdBlock);
             }
         }
     for (uint32_t lod = 0; lod < mesh.lod_count(); ++lod)
@@ -286,6 +307,7 @@ void NativeFrame::skin_instance(const CrowdState& crowd, const NativeCrowd& nati
         if (!section) continue;
         const uint32_t first_draw = drawn.first_draws[posed.lod * mesh.section_count() + s];
         raster::Draw& draw = draws_[first_draw + posed.place - drawn.list.begins[posed.lod]];
+        if (draw.section->triangle_count == 0) continue;
         const size_t float_count = whole_blocks(section->section.vertex_count) * kBindFloats;
         const float* bind = section->section.bind;
         if (is_morphed && !section->moved.empty()) {

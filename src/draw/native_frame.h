@@ -3,6 +3,7 @@
 
 #include "draw/native_crowd.h"
 #include "draw/native_list.h"
+#include "draw/native_looks.h"
 #include "draw/native_scratch.h"
 #include "native/native.h"
 
@@ -57,6 +58,7 @@ private:
     void give_memory();
     void divide(const CrowdState& crowd, const NativeCrowd& native);
     void add_lines(const CrowdState& crowd, const NativeCrowd& native, const DrawOptions& options);
+    static void set_look(const NativeLooks& looks, uint32_t instance, uint32_t section, raster::Draw& draw);
     void skin(const CrowdState& crowd, const NativeCrowd& native);
     void skin_instance(const CrowdState& crowd, const NativeCrowd& native, const Posed& posed, NativeScratch& scratch);
     void sort_by_distance();

@@ -39,7 +39,7 @@ enum class Depth { kNone, kTested, kAlone, kShadowMap };  // the last two: nothi
 struct Program {
     std::string_view name;
     std::span<const uint32_t> vertex, fragment;  // no fragment shader: depth is written
-    std::array<uint32_t, 5> vertex_constants{};
+    std::array<uint32_t, 6> vertex_constants{};
     std::array<uint32_t, 2> fragment_constants{};
     Depth depth = Depth::kNone;
     bool has_depth = true;
@@ -154,7 +154,7 @@ CharacterPipelines::CharacterPipelines(const PipelineSettings& settings, const V
                        .vertex = kCharacterVertex,
                        .fragment = fragment,
                        .vertex_constants = {depth == Depth::kShadowMap, static_cast<uint32_t>(kind.format), kind.listed,
-                                            static_cast<uint32_t>(kind.blend), kind.skinned},
+                                            static_cast<uint32_t>(kind.blend), kind.skinned, kind.has_looks},
                        .fragment_constants = constants,
                        .depth = depth});
     };

@@ -41,6 +41,7 @@ struct VertexKind {
     SkinBlend blend = SkinBlend::kLinear;
     bool listed = false;   // instances are
     bool skinned = false;  // by the crowd
+    bool has_looks = false;
     friend auto operator<=>(const VertexKind&, const VertexKind&) = default;
 };
 

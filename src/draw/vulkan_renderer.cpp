@@ -82,14 +82,19 @@ VulkanRenderer::Frame VulkanRenderer::prepare(const Crowd& crowd, const Camera& 
     check_drawn(crowd);
     const CrowdState& state = crowd.state();
     const io::DrawScene scene = make_scene(state, camera, targets_.extent(), shadow_map_.extent().width, options);
-    const VertexKind kind{state.skin_format, state.skin_blend, state.cull != nullptr, state.skins_once};
-    const CharacterPipelines& characters = characters_.try_emplace(kind, pipelines_, kind).first->second;
+    VertexKind kind{state.skin_format, state.skin_blend, state.cull != nullptr, state.skins_once};
+    const auto pipelines_of = [&](bool has_looks) {
+        kind.has_looks = has_looks;
+        return &characters_.try_emplace(kind, pipelines_, kind).first->second;
+    };
+    const CharacterPipelines& characters = *pipelines_of(false);
+    const CharacterPipelines* const with_looks = state.looks ? pipelines_of(true) : nullptr;
     const LinePipelines* lines = nullptr;
     if (options.skeletons || options.bounds)
         lines = &lines_.try_emplace(kind.listed, pipelines_, kind.listed).first->second;
     const CrowdBindings& bindings = crowds_.of(
         state, [&] { return std::make_unique<const CrowdBindings>(layout_, sampling_, state); });
-    return {{state, bindings, layout_, characters, lines}, scene};
+    return {{state, bindings, layout_, characters, with_looks, lines}, scene};
 }
 
 void VulkanRenderer::record_drawing(VkCommandBuffer commands, const Crowd& crowd, const Camera& camera) {

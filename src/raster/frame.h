@@ -69,7 +69,8 @@ struct Draw {
     // Number of the draw's first triangle, a multiple of kIdBlock. Numbers grow in drawing order: of two triangles at
     // the same depth the lower one is seen
     uint32_t first_id = 0;
-    bool is_mirrored = false;  // by its placement: front faces wind the other way
+    bool is_mirrored = false;    // by its placement: front faces wind the other way
+    float color[3] = {1, 1, 1};  // times the base colour, where Frame::has_colors
     // Written by skin: a box around all vertices, in pixels of the picture and texels of the map
     float picture_box[4] = {};  // x, y of the least corner, of the greatest
     float map_box[4] = {};
@@ -100,6 +101,7 @@ struct Frame {
 
     Draw* draws = nullptr;  // in the order of their ids
     uint32_t draw_count = 0;
+    bool has_colors = false;                  // those of some draws are not 1
     uint32_t most_vertices = 0;               // of a draw
     const uint32_t* nearest_first = nullptr;  // [draw_count], draws
     const uint32_t* draw_of_ids = nullptr;    // [id / kIdBlock]

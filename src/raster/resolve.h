@@ -143,7 +143,8 @@ private:
         const bool has_textures = is_textured(material);
         for (; count < Lanes::kCount && item != kNone; ++count) {
             const Item& of = span_.items[item];
-            span_.input.set(count, frame_.draws[of.draw], of.triangle, first_column_ + of.column, has_textures);
+            span_.input.set(count, frame_.draws[of.draw], of.triangle, first_column_ + of.column, has_textures,
+                            frame_.has_colors);
             columns[count] = of.column;
             weights[count] = of.weight;
             item = of.next;

@@ -20,9 +20,11 @@ struct ShadeInput {
     Corner corners[3];
     alignas(64) Numbers side;  // -1 where front faces wind the other way
     alignas(64) Numbers column;
+    alignas(64) Numbers red, green, blue;  // of the draw, where Frame::has_colors
 
-    // Fills a lane; texture coordinates only where they are read.
-    INLINE void set(uint32_t lane, const Draw& draw, uint32_t triangle, uint32_t pixel_column, bool is_textured) {
+    // Fills a lane; texture coordinates and the draw's colour only where they are read.
+    INLINE void set(uint32_t lane, const Draw& draw, uint32_t triangle, uint32_t pixel_column, bool is_textured,
+                    bool has_colors) {
         const Section& section = *draw.section;
         for (uint32_t k = 0; k < 3; ++k) {
             const uint32_t vertex = section.corners[k][triangle];
@@ -39,6 +41,10 @@ struct ShadeInput {
         }
         side[lane] = draw.is_mirrored ? -1 : 1;
         column[lane] = static_cast<float>(pixel_column);
+        if (!has_colors) return;
+        red[lane] = draw.color[0];
+        green[lane] = draw.color[1];
+        blue[lane] = draw.color[2];
     }
     // A lane without an item repeats another one.
     INLINE void copy(uint32_t lane, uint32_t from) {
@@ -53,6 +59,9 @@ struct ShadeInput {
         }
         side[lane] = side[from];
         column[lane] = column[from];
+        red[lane] = red[from];
+        green[lane] = green[from];
+        blue[lane] = blue[from];
     }
 };
 
@@ -90,6 +99,7 @@ INLINE vec3 unpacked_normal(Whole packed) {
         emissive(material.emissive[0], material.emissive[1], material.emissive[2]);
     LightText::Surface surface = text.plain_surface(base_color * point.at(colors), material.metallic,
                                                     material.roughness, emissive, world, normal);
+    if (frame.has_colors) surface.albedo = surface.albedo * vec3(load(input.red), load(input.green), load(input.blue));
     if (is_textured(material)) {
         const vec2 texcoord = point.at(texcoords);
         const Steps step_x = point.step_x(pixel_x), step_y = point.step_y(pixel_y);

@@ -127,7 +127,7 @@ bool same(const Rig& a, const Rig& b) {
 
 void expect_same(const Character& a, const Character& b) {
     const auto& [name, rig, clips, times_s, packed, keys, words, root_rows, tracks, skins, palette, vertices,
-                 influences, indices, sections, lods, lod_ranges, lod_indices, joint_lods, materials, images,
+                 influences, indices, sections, section_names, lods, lod_ranges, lod_indices, joint_lods, materials, images,
                  bounds_min, bounds_max, size, morphs, morph_deltas, morph_tracks, morph_times_s, morph_values,
                  warnings] = a;
     EXPECT_TRUE(same(name, b.name));
@@ -145,6 +145,7 @@ void expect_same(const Character& a, const Character& b) {
     EXPECT_TRUE(same(influences, b.influences));
     EXPECT_TRUE(same(indices, b.indices));
     EXPECT_TRUE(same(sections, b.sections));
+    EXPECT_TRUE(same(section_names, b.section_names));
     EXPECT_TRUE(same(lods, b.lods));
     EXPECT_TRUE(same(lod_ranges, b.lod_ranges));
     EXPECT_TRUE(same(lod_indices, b.lod_indices));
@@ -417,18 +418,18 @@ TEST(CharacterFile, EveryTruncationAndEveryTrailingByteIsRefused) {
 TEST(CharacterFile, OtherVersionsAreRefusedWithAWayOut) {
     for (const bool sealed : {true, false}) {  // another version may have another checksum
         Forged forged(small_file(0));
-        forged.header().version = 3;
+        forged.header().version = 4;
         Result<Character> result = load(sealed ? forged.sealed() : forged.bytes());
         ASSERT_FALSE(result);
         EXPECT_EQ(result.error().code, ErrorCode::kUnsupported);
         EXPECT_EQ(
             result.error().text(),
-            "small.throng: version 3, this throng reads version 2; compile it anew from its source, or update throng");
+            "small.throng: version 4, this throng reads version 3; compile it anew from its source, or update throng");
         forged.header().version = 0;
         result = load(sealed ? forged.sealed() : forged.bytes());
         ASSERT_FALSE(result);
         EXPECT_EQ(result.error().text(),
-                  "small.throng: version 0, this throng reads version 2; compile it anew from its source");
+                  "small.throng: version 0, this throng reads version 3; compile it anew from its source");
     }
 }
 

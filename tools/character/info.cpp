@@ -50,6 +50,14 @@ uint32_t largest_influence_count(const Character& character) {
     return sets * 4;
 }
 
+// The name of each section's material; empty where it has none.
+std::vector<std::string> section_materials(const Character& character) {
+    std::vector<std::string> names;
+    for (const MeshSection& section : character.sections)
+        names.push_back(section.material == kNone ? "" : character.materials[section.material].name);
+    return names;
+}
+
 uint64_t morphed_vertex_count(const Character& character) {
     return static_cast<uint64_t>(
         std::ranges::count_if(character.vertices, [](const Vertex& vertex) { return vertex.first_delta > 0; }));
@@ -122,6 +130,8 @@ nlohmann::json to_json(const Character& character) {
             {"vertices", character.vertices.size()},
             {"faces", face_count(character)},
             {"sections", character.sections.size()},
+            {"section_names", character.section_names},
+            {"section_materials", section_materials(character)},
             {"lods", lods},
             {"materials", character.materials.size()},
             {"influences", largest_influence_count(character)},
@@ -144,6 +154,10 @@ void print_text(const Character& character) {
     std::printf("  mesh       %zu vertices, %zu faces, %zu sections, %zu materials, up to %u influences a vertex\n",
                 character.vertices.size(), face_count(character), character.sections.size(), character.materials.size(),
                 largest_influence_count(character));
+    const std::vector<std::string> materials = section_materials(character);
+    for (size_t i = 0; i < character.sections.size() && character.sections.size() > 1; ++i)
+        std::printf("  section %-2zu %u faces  %s%s%s\n", i, character.sections[i].index_count / 3,
+                    character.section_names[i].c_str(), materials[i].empty() ? "" : "  ", materials[i].c_str());
     const std::vector<Lod> lods = lods_of(character);
     for (size_t i = 0; i < lods.size(); ++i)
         std::printf("  lod %-3zu %zu faces, %u joints, off by up to %.2f %% of the size\n", i + 1, lods[i].faces,

@@ -20,7 +20,7 @@ static_assert(std::endian::native == std::endian::little,
 // As PNG's: no text begins with such a byte, and a transfer that rewrites line ends spoils it ("PNG Specification",
 // second edition, 5.2).
 inline constexpr std::array<char, 8> kMagic{'\x89', 't', 'h', 'r', 'o', 'n', 'g', '\n'};
-inline constexpr uint32_t kVersion = 2;
+inline constexpr uint32_t kVersion = 3;
 inline constexpr uint64_t kAlignment_bytes = 16;  // of sections
 
 struct Header {
@@ -255,6 +255,7 @@ void visit_strings(C& character, const Visit& visit) {
     for (auto& material : character.materials) visit(material.name);
     for (auto& image : character.images) visit(image.name);
     for (auto& morph : character.morphs) visit(morph.name);
+    for (auto& name : character.section_names) visit(name);
     for (auto& warning : character.warnings) visit(warning);
 }
 

@@ -172,10 +172,11 @@ private:
         const size_t warning_count = records.scalars.front().warning_count;
         const size_t count = 1 + character.rig.parents.size() + character.clips.size() + character.skins.size() +
                              character.materials.size() + character.images.size() + character.morphs.size() +
-                             warning_count;
+                             character.sections.size() + warning_count;
         if (records.text_ends.size() != count)
             fail(SectionId::kTextEnds, "has ", records.text_ends.size(), " strings, not ", count);
         character.rig.names.resize(character.rig.parents.size());
+        character.section_names.resize(character.sections.size());
         character.warnings.resize(warning_count);
         size_t next = 0;
         uint64_t begin = 0;

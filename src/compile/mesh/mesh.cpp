@@ -113,6 +113,9 @@ private:
             add_rigid_indices(primitive, entry);
         }
         character_.sections.push_back(section);
+        const std::string& node_name = asset_.nodes[instance.node].name;
+        character_.section_names.push_back(
+            printable(node_name.empty() ? asset_.meshes[instance.mesh].name : node_name, std::string::npos));
     }
 
     void add_vertices(const AssetPrimitive& primitive) {

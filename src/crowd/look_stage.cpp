@@ -1,0 +1,85 @@
+#include "crowd/look_stage.h"
+
+#include "base/failure.h"
+#include "crowd/state_archive.h"
+#include "look/look_io.h"
+
+#include <algorithm>
+
+namespace throng {
+namespace {
+
+static_assert(sizeof(InstanceLook) == sizeof(io::InstanceLook));
+
+constexpr float kMost = 1000;
+
+bool is_color(const std::array<float, 3>& color) {
+    return std::ranges::all_of(color, [](float of) { return of >= 0 && of <= kMost; });
+}
+
+}  // namespace
+
+Buffer make_outfits(Uploads& uploads, const CrowdGroup& group) {
+    const size_t section_count = group.character->sections.size();
+    std::vector<io::SectionLook> looks(group.outfits.size() * std::max<size_t>(section_count, 1), {1, 1, 1, 1});
+    for (size_t i = 0; i < group.outfits.size(); ++i)
+        for (const SectionLook& look : group.outfits[i].sections) {
+            const std::string place = group.character->name + ": outfit " + std::to_string(i);
+            if (look.section >= section_count)
+                throw Failure(ErrorCode::kInvalidArgument, place, "section ", look.section, " of a mesh that has ",
+                              section_count);
+            if (!is_color(look.color) || !(look.tint >= 0 && look.tint <= 1))
+                throw Failure(ErrorCode::kInvalidArgument, place, "section ", look.section,
+                              ": colours are 0 to 1000, the part of the tint 0 to 1");
+            const auto [red, green, blue] = look.color;
+            looks[i * section_count + look.section] = {red, green, blue, look.is_shown ? look.tint : -1};
+        }
+    return upload(uploads, group.character->name + ": outfits", looks);
+}
+
+bool LookStage::is_needed(const CrowdSettings& settings) {
+    return std::ranges::any_of(settings.groups, [](const CrowdGroup& group) { return !group.outfits.empty(); });
+}
+
+void LookStage::plan(BatchPlan& plan) {
+    if (plan.group().outfit_count > 0) plan.add_storage(io::kInstanceLooksBuffer, sizeof(io::InstanceLook));
+}
+
+LookStage::LookStage(const StageContext& context) : Stage(context), looks_(context.instance_count) {
+    dirty_.add(0, context.instance_count);
+}
+
+void LookStage::set(const Instances& instances, const Each<InstanceLook>& look) {
+    for (uint32_t i = 0; i < instances.size(); ++i) {
+        const uint32_t outfit_count = group_at(instances.number(i)).outfit_count;
+        const std::string place = "look of instance " + std::to_string(instances.number(i));
+        if (look[i].outfit >= outfit_count)
+            throw Failure(ErrorCode::kInvalidArgument, place, "outfit ", look[i].outfit, " of a group that has ",
+                          outfit_count, " (CrowdGroup::outfits)");
+        if (!is_color(look[i].tint)) throw Failure(ErrorCode::kInvalidArgument, place, "the tint is 0 to 1000");
+    }
+    for (uint32_t i = 0; i < instances.size(); ++i) {
+        looks_[instances.number(i)] = look[i];
+        dirty_.add(instances.number(i), 1);
+    }
+}
+
+void LookStage::begin(const Update& update) {
+    for_each_part(batches_, dirty_.take(), [&](const Batch& batch, uint32_t first, uint32_t count) {
+        if (batch[io::kInstanceLooksBuffer])
+            record_update(*gpu_, update.commands, batch[io::kInstanceLooksBuffer], first - batch.first_instance,
+                          std::span<const InstanceLook>(looks_).subspan(first, count));
+    });
+}
+
+// All are handed to the device with the next update.
+void LookStage::exchange(StateArchive& archive) {
+    archive.values(std::span(looks_));
+    if (!archive.reads()) return;
+    for (uint32_t i = 0; i < looks_.size(); ++i)
+        StateArchive::require(looks_[i].outfit < std::max(group_at(i).outfit_count, 1u) && is_color(looks_[i].tint),
+                              "an outfit that the group does not have");
+    dirty_.add(0, static_cast<uint32_t>(looks_.size()));
+}
+
+}  // namespace throng

@@ -1,0 +1,37 @@
+// How instances of groups with CrowdGroup::outfits look, as the application says.
+#pragma once
+
+#include "crowd/batch_plan.h"
+#include "crowd/dirty_ranges.h"
+#include "crowd/each.h"
+#include "crowd/stage.h"
+
+#include <throng/look.h>
+
+namespace throng {
+
+// CrowdGroup::outfits as `section looks`. Throws kInvalidArgument where one names what there is not, or is out of
+// range.
+Buffer make_outfits(Uploads& uploads, const CrowdGroup& group);
+
+class LookStage : public Stage {
+public:
+    static bool is_needed(const CrowdSettings& settings);
+    static void plan(BatchPlan& plan);
+    explicit LookStage(const StageContext& context);
+
+    void set(const Instances& instances, const Each<InstanceLook>& look);
+
+    void begin(const Update& update) override;
+    void discard() override { dirty_.put_back(); }
+    void exchange(StateArchive& archive) override;
+    uint32_t end_count() const override { return 0; }
+
+private:
+    const Group& group_at(uint32_t instance) const { return group_of(batches_[batch_index_of(batches_, instance)]); }
+
+    std::vector<InstanceLook> looks_;  // [instance_count], as last set
+    DirtyRanges dirty_;
+};
+
+}  // namespace throng

@@ -1,0 +1,20 @@
+// How instances look. Shared by C++ and GLSL.
+#ifndef THRONG_LOOK_IO_H
+#define THRONG_LOOK_IO_H
+#include "gpu/shader_types.h"
+THRONG_IO_BEGIN
+
+// throng::InstanceLook
+struct InstanceLook {
+    float red, green, blue;  // the tint
+    uint outfit;
+};
+
+// A section in an outfit.
+struct SectionLook {
+    float red, green, blue;  // times the base colour
+    float tint;              // how much of the instance's tint colours it, 0..1; below 0: it is not shown
+};
+
+THRONG_IO_END
+#endif

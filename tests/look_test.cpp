@@ -1,0 +1,183 @@
+// Looks: what an outfit hides is as if it were not there, what it colours as if the material had that colour.
+#include "tests/crowd_cases.h"
+#include "tests/kernel_runner.h"
+#include "tests/subset.h"
+
+#include <throng/draw.h>
+
+#include <gtest/gtest.h>
+
+#include <set>
+
+namespace throng::test {
+namespace {
+
+const InSubset kInSubsets({Subset::kGpuAssisted}, {"*Looks.*"}), kNatively({Subset::kNative}, {"*Looks.*"});
+
+// A creature in two sections, "creature" by name: the second has every third triangle and a material of its own.
+Asset in_two_sections() {
+    Asset asset = make_creature({.joint_count = 30, .level_count = 10}).value();
+    std::vector<AssetPrimitive>& primitives = asset.meshes[0].primitives;
+    primitives.push_back(primitives[0]);
+    asset.materials.push_back(asset.materials[primitives[0].material]);
+    asset.materials[0].name = "first";
+    asset.materials[1].name = "second";
+    primitives[1].material = 1;
+    const std::vector<uint32_t> all = primitives[0].indices;
+    for (AssetPrimitive& primitive : primitives) primitive.indices.clear();
+    for (size_t triangle = 0; triangle < all.size() / 3; ++triangle)
+        for (size_t i = 0; i < 3; ++i) primitives[triangle % 3 == 0].indices.push_back(all[3 * triangle + i]);
+    return asset;
+}
+
+Character compiled(const Asset& asset) { return compile_character(asset, {.lods = false}).value(); }
+
+constexpr uint32_t kCount = 6;
+
+class Looks : public testing::TestWithParam<DrawPath> {
+protected:
+    void SetUp() override {
+        if (GetParam() == DrawPath::kDevice && test_gpu()->is_native()) GTEST_SKIP() << "it has no shaders";
+        if (GetParam() == DrawPath::kNative && !test_gpu()->native)
+            GTEST_SKIP() << "the processor does not draw for it";
+    }
+    Crowd crowd_of(const Character& character, std::vector<Outfit> outfits = {}, bool culls = true) const {
+        CrowdSettings settings{.groups = {{.character = &character, .outfits = std::move(outfits)}}};
+        settings.groups[0].instance_count = kCount;
+        if (culls) settings.culling.emplace();
+        Crowd crowd = create(settings);
+        std::vector<Affine> places;
+        for (uint32_t i = 0; i < kCount; ++i)
+            places.push_back(to_affine(
+                Trs<float>{.translation = Vec3<float>{static_cast<float>(i), 0, 0} * (0.7f * character.size)}));
+        EXPECT_TRUE(crowd.set_placement(crowd.instances(), places));
+        EXPECT_TRUE(crowd.set_playback(crowd.instances(), {.first = {.clip = 0, .time_s = 0.3}}));
+        return crowd;
+    }
+    std::vector<uint8_t> picture_of(Crowd& crowd) {
+        if (!renderer_)
+            renderer_.emplace(
+                Renderer::create(test_device(), {.width = 240, .height = 120, .path = GetParam()}).value());
+        EXPECT_TRUE(crowd.update(0));
+        const float size = compiled(asset_).size;
+        const Camera camera{.eye = Vec3<float>{2, 1, 3} * size, .target = Vec3<float>{1.5f, 0.3f, 0} * size};
+        return renderer_->render(crowd, camera).value().picture.rgba;
+    }
+
+    Asset asset_ = in_two_sections();
+    std::optional<Renderer> renderer_;
+};
+
+// The largest difference of a byte.
+int difference(const std::vector<uint8_t>& a, const std::vector<uint8_t>& b) {
+    int most = 0;
+    for (size_t i = 0; i < a.size(); ++i) most = std::max(most, std::abs(a[i] - b[i]));
+    return most;
+}
+
+TEST_P(Looks, WhatIsHiddenIsAsIfItWereNotThere) {
+    Asset first_alone = asset_;
+    first_alone.meshes[0].primitives[1].indices.clear();
+    const Character both = compiled(asset_), first = compiled(first_alone);
+    for (const bool culls : {false, true}) {
+        Crowd all = crowd_of(both, {}, culls), wanted = crowd_of(first, {}, culls),
+              crowd = crowd_of(both, {{}, {{{.section = 1, .is_shown = false}}}}, culls);
+        const std::vector<uint8_t> of_all = picture_of(all), of_first = picture_of(wanted);
+        EXPECT_GT(difference(of_all, of_first), 30);
+        EXPECT_EQ(picture_of(crowd), of_all) << "the first outfit shows everything";
+        ASSERT_TRUE(crowd.set_look(crowd.instances(), {.outfit = 1}));
+        EXPECT_EQ(picture_of(crowd), of_first);
+        ASSERT_TRUE(crowd.set_look(crowd.instances(), InstanceLook{}));
+        EXPECT_EQ(picture_of(crowd), of_all) << "and it comes back";
+    }
+}
+
+TEST_P(Looks, ColorsAreTimesTheMaterials) {
+    const std::array<float, 3> color{0.2f, 0.9f, 0.4f}, tint{0.5f, 0.25f, 1};
+    Asset colored = asset_;
+    for (size_t i = 0; i < 3; ++i) {
+        colored.materials[0].base_color[i] *= tint[i];
+        colored.materials[1].base_color[i] *= color[i] * (0.25f + 0.75f * tint[i]);
+    }
+    const Character character = compiled(asset_), wanted_character = compiled(colored);
+    Crowd plain = crowd_of(character), wanted = crowd_of(wanted_character),
+          crowd = crowd_of(character, {{}, {{{.section = 1, .color = color, .tint = 0.75f}}}});
+    ASSERT_TRUE(crowd.set_look(crowd.instances(), {.tint = tint, .outfit = 1}));
+    const std::vector<uint8_t> picture = picture_of(crowd);
+    EXPECT_GT(difference(picture, picture_of(plain)), 30);
+    EXPECT_LE(difference(picture, picture_of(wanted)), 1);
+}
+
+// One instance's look is no other's.
+TEST_P(Looks, EachInstanceHasItsOwn) {
+    const Character character = compiled(asset_);
+    std::set<std::vector<uint8_t>> pictures;
+    Crowd crowd = crowd_of(character, {{}, {{{.section = 0, .is_shown = false}}}});
+    pictures.insert(picture_of(crowd));
+    for (uint32_t i = 0; i < 4; ++i) {
+        ASSERT_TRUE(crowd.set_look(InstanceHandle{i}, {.tint = {1, 0, 0}, .outfit = i % 2}));
+        EXPECT_TRUE(pictures.insert(picture_of(crowd)).second) << i;
+    }
+    std::vector<InstanceLook> looks(kCount);
+    ASSERT_TRUE(crowd.set_look(crowd.instances(), looks));
+    EXPECT_FALSE(pictures.insert(picture_of(crowd)).second) << "as at first";
+    for (uint32_t i = 0; i < kCount; ++i) looks[i] = {.tint = {0.1f, 0.2f, static_cast<float>(i)}, .outfit = i % 2};
+    ASSERT_TRUE(crowd.set_look(crowd.instances(), looks));
+    ASSERT_TRUE(crowd.update(0));
+    const auto written = output<InstanceLook>(crowd.outputs()[0], &OutputBlock::look, kCount);
+    EXPECT_TRUE(same_bits(written, looks));
+}
+
+TEST_P(Looks, NewbornsHaveTheDefaultAndSavedOnesTheirs) {
+    const Character character = compiled(asset_);
+    CrowdSettings settings{.groups = {{.character = &character, .capacity = 4, .outfits = {{}, {}}}}};
+    Crowd crowd = create(settings);
+    const std::vector<InstanceHandle> two = crowd.spawn(0, std::vector<Affine>(2)).value();
+    const std::array<InstanceLook, 2> looks{InstanceLook{{1, 0, 0}, 1}, InstanceLook{{0, 1, 0}, 0}};
+    ASSERT_TRUE(crowd.set_look(two, looks));
+    const auto written = [](Crowd& of) {
+        EXPECT_TRUE(of.update(0));
+        return output<InstanceLook>(of.outputs()[0], &OutputBlock::look, 2);
+    };
+    EXPECT_TRUE(same_bits(written(crowd), std::vector(looks.begin(), looks.end())));
+    Crowd other = create(settings);
+    ASSERT_TRUE(other.restore_state(crowd.save_state().value()));
+    EXPECT_TRUE(same_bits(written(other), std::vector(looks.begin(), looks.end())));
+    ASSERT_TRUE(crowd.despawn({two.data(), 1}));
+    ASSERT_TRUE(crowd.spawn(0, std::array{Affine{}}));
+    EXPECT_TRUE(same_bits(written(crowd), std::vector{InstanceLook{}, looks[1]}));
+}
+
+TEST_P(Looks, RefusesWhatThereIsNot) {
+    const Character character = compiled(asset_);
+    Crowd plain = crowd_of(character), crowd = crowd_of(character, {{}});
+    EXPECT_EQ(refusal(plain.set_look(InstanceHandle{0}, InstanceLook{})), "look: no group has CrowdGroup::outfits");
+    EXPECT_EQ(refusal(crowd.set_look(InstanceHandle{2}, {.outfit = 1})),
+              "look of instance 2: outfit 1 of a group that has 1 (CrowdGroup::outfits)");
+    EXPECT_EQ(refusal(crowd.set_look(InstanceHandle{2}, {.tint = {0, -1, 0}})),
+              "look of instance 2: the tint is 0 to 1000");
+    EXPECT_EQ(refusal(crowd.set_look(InstanceHandle{2}, {.tint = {0, std::nanf(""), 0}})),
+              "look of instance 2: the tint is 0 to 1000");
+    EXPECT_FALSE(crowd.set_look(InstanceHandle{kCount}, InstanceLook{}));
+    const auto refused = [&](const SectionLook& look) {
+        const std::vector<Outfit> outfits{{}, {{look}}};
+        return refusal(Crowd::create(test_device(),
+                                     {.groups = {{.character = &character, .instance_count = 1, .outfits = outfits}}}));
+    };
+    EXPECT_EQ(refused({.section = 2}), character.name + ": outfit 1: section 2 of a mesh that has 2");
+    const std::string range = character.name +
+                              ": outfit 1: section 1: colours are 0 to 1000, the part of the tint 0 to 1";
+    EXPECT_EQ(refused({.section = 1, .color = {1, 1, 1001}}), range);
+    EXPECT_EQ(refused({.section = 1, .tint = -0.1f}), range);
+    EXPECT_EQ(character.find_sections_of_material("second"), std::vector<uint32_t>{1});
+    EXPECT_EQ(character.find_sections(character.section_names[0]), (std::vector<uint32_t>{0, 1}));
+    EXPECT_TRUE(character.find_sections("nobody").empty());
+}
+
+INSTANTIATE_TEST_SUITE_P(Both, Looks, testing::Values(DrawPath::kNative, DrawPath::kDevice),
+                         [](const testing::TestParamInfo<DrawPath>& of) {
+                             return of.param == DrawPath::kNative ? "Natively" : "ByShaders";
+                         });
+
+}  // namespace
+}  // namespace throng::test
