@@ -88,18 +88,25 @@ Box box_of_joints(const Asset& asset, const Matrices& model_from_joint) {
 }
 Box box_of_skin(const Asset& asset, const Matrices& model_from_joint) {
     Box box;
-    const AssetPrimitive& p = asset.meshes[0].primitives[0];
-    for (size_t v = 0; v < p.positions.size(); ++v) {
-        Vec3<double> position;
-        for (size_t i = 4 * v; i < 4 * v + 4; ++i) {
-            const uint32_t joint = p.influence_joints[i];
-            const auto skin = model_from_joint[asset.skins[0].joints[joint]] *
-                              asset.skins[0].inverse_binds[joint].as<double>();
-            position = position + transform_point(skin, p.positions[v].as<double>()) * double(p.influence_weights[i]);
+    for (const AssetPrimitive& p : asset.meshes[0].primitives)
+        for (size_t v = 0; v < p.positions.size(); ++v) {
+            Vec3<double> position;
+            for (size_t i = 4 * v; i < 4 * v + 4; ++i) {
+                const uint32_t joint = p.influence_joints[i];
+                const auto skin = model_from_joint[asset.skins[0].joints[joint]] *
+                                  asset.skins[0].inverse_binds[joint].as<double>();
+                position = position +
+                           transform_point(skin, p.positions[v].as<double>()) * double(p.influence_weights[i]);
+            }
+            box.add(position);
         }
-        box.add(position);
-    }
     return box;
+}
+
+size_t face_count(const Asset& asset) {
+    size_t index_count = 0;
+    for (const AssetPrimitive& primitive : asset.meshes[0].primitives) index_count += primitive.indices.size();
+    return index_count / 3;
 }
 
 void expect_tree(const Asset& asset, const CreatureSettings& settings) {
@@ -133,9 +140,8 @@ void expect_inverse_binds_undo_rest(const Asset& asset) {
     }
 }
 
-void expect_sound_mesh(const Asset& asset) {
-    ASSERT_EQ(asset.meshes.size(), 1u);
-    const AssetPrimitive& p = asset.meshes[0].primitives.at(0);
+void expect_sound_primitive(const Asset& asset, const AssetPrimitive& p) {
+    ASSERT_LT(p.material, asset.materials.size());
     const size_t vertices = p.positions.size();
     ASSERT_EQ(p.normals.size(), vertices);
     ASSERT_EQ(p.colors.size(), vertices);
@@ -155,6 +161,12 @@ void expect_sound_mesh(const Asset& asset) {
         ASSERT_NEAR(sum, 1, 1e-6) << "vertex " << v;
         for (const float channel : p.colors[v]) ASSERT_TRUE(channel >= 0 && channel <= 1);
     }
+}
+
+void expect_sound_mesh(const Asset& asset) {
+    ASSERT_EQ(asset.meshes.size(), 1u);
+    ASSERT_FALSE(asset.meshes[0].primitives.empty());
+    for (const AssetPrimitive& primitive : asset.meshes[0].primitives) expect_sound_primitive(asset, primitive);
 }
 
 std::vector<std::string> clips_of(CreatureKind kind) {
@@ -257,9 +269,7 @@ TEST(Creature, HasExactlyTheLargestTrees) {
 }
 
 TEST(Creature, MeshIsNearItsFaceBudget) {
-    const auto faces_of = [](const CreatureSettings& settings) {
-        return creature(settings).meshes[0].primitives[0].indices.size() / 3;
-    };
+    const auto faces_of = [](const CreatureSettings& settings) { return face_count(creature(settings)); };
     const auto expect_near = [&](const CreatureSettings& settings) {
         const double made = double(faces_of(settings)), wanted = settings.face_count;
         EXPECT_LE(made, wanted) << text_of(settings);
@@ -296,7 +306,7 @@ TEST(Creature, HasSizesOfItsKind) {
         EXPECT_LE(usual.face_count, 3000u);
         const Asset asset = creature(usual);
         expect_tree(asset, usual);
-        EXPECT_NEAR(double(asset.meshes[0].primitives[0].indices.size() / 3), usual.face_count, 10);
+        EXPECT_NEAR(double(face_count(asset)), usual.face_count, 10);
         const Result<Character> compiled = compile_character(asset);
         ASSERT_TRUE(compiled.ok());
         EXPECT_EQ(compiled->clips.size(), clips_of(kind).size());
@@ -434,12 +444,16 @@ TEST(GlbWriter, IsReadByTinygltf) {
             for (const tinygltf::AnimationSampler& sampler : clip.samplers)
                 EXPECT_EQ(sampler.input, clip.samplers[0].input);
         }
-        const tinygltf::Primitive& primitive = model.meshes.at(0).primitives.at(0);
-        const AssetPrimitive& wanted = asset.meshes[0].primitives[0];
-        EXPECT_EQ(model.accessors[size_t(primitive.indices)].count, wanted.indices.size());
-        for (const char* semantic : {"POSITION", "NORMAL", "COLOR_0", "JOINTS_0", "WEIGHTS_0"})
-            EXPECT_EQ(model.accessors[size_t(primitive.attributes.at(semantic))].count, wanted.positions.size())
-                << semantic;
+        ASSERT_EQ(model.meshes.at(0).primitives.size(), asset.meshes[0].primitives.size());
+        for (size_t i = 0; i < asset.meshes[0].primitives.size(); ++i) {
+            const tinygltf::Primitive& primitive = model.meshes[0].primitives[i];
+            const AssetPrimitive& wanted = asset.meshes[0].primitives[i];
+            EXPECT_EQ(model.accessors[size_t(primitive.indices)].count, wanted.indices.size());
+            for (const char* semantic : {"POSITION", "NORMAL", "COLOR_0", "JOINTS_0", "WEIGHTS_0"})
+                EXPECT_EQ(model.accessors[size_t(primitive.attributes.at(semantic))].count, wanted.positions.size())
+                    << semantic;
+            EXPECT_EQ(model.materials.at(size_t(primitive.material)).name, asset.materials[wanted.material].name);
+        }
         EXPECT_TRUE(model.materials.at(0).doubleSided);
     }
 }

@@ -1,5 +1,6 @@
-// Reads a .glb with three.js, a reader that is not ours, and prints as JSON what it finds: the names of the clips, the numbers of vertices and faces of the skinned mesh, and of each joint, in the order of the skin,
-// model_from_joint by columns, in that clip at that time. Usage: node three_reader.js FILE.glb CLIP SECONDS
+// Reads a .glb with three.js, a reader that is not ours, and prints as JSON what it finds: the names of the clips, the
+// numbers of vertices and faces of the skinned meshes, and of each joint, in the order of the skin, model_from_joint by
+// columns, in that clip at that time. Usage: node three_reader.js FILE.glb CLIP SECONDS
 "use strict";
 const fs = require("fs"), vm = require("vm");
 
@@ -13,11 +14,15 @@ const print = (gltf) => {
     mixer.clipAction(gltf.animations.find((one) => one.name === clip)).play();
     mixer.setTime(Number(seconds));
     gltf.scene.updateMatrixWorld(true);
+    const found = { clips: gltf.animations.map((one) => one.name), vertices: 0, faces: 0 };
     gltf.scene.traverse((object) => {
         if (!object.isSkinnedMesh) return;
         const { attributes, index } = object.geometry;
-        console.log(JSON.stringify({ clips: gltf.animations.map((one) => one.name), vertices: attributes.position.count, faces: index.count / 3, joints: object.skeleton.bones.map((bone) => bone.matrixWorld.elements) }));
+        found.vertices += attributes.position.count;
+        found.faces += index.count / 3;
+        found.joints = object.skeleton.bones.map((bone) => bone.matrixWorld.elements);
     });
+    console.log(JSON.stringify(found));
 };
 new THREE.GLTFLoader().parse(bytes.buffer.slice(bytes.byteOffset, bytes.byteOffset + bytes.length), "", print, (error) => {
     console.error(String(error));

@@ -119,6 +119,7 @@ TEST_F(CliFilm, FramesOfOtherSettingsAreRefused) {
         {"--placement", {"grid", "placement"}},
         {"--spacing", {"2", "spacing 1.0, not 2.0"}},
         {"--controller", {THRONG_SOURCE_DIR "/examples/controllers/walker.json", "controllers"}},
+        {"--looks", {"dragon.glb=" THRONG_SOURCE_DIR "/examples/looks/dragon.json", "looks"}},
         {"--clip", {"dragon.glb=0", "clips"}},
         {"--seed", {"2", "seed 1, not 2"}},
         {"--scan", {"serial", "scan"}},

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include <filesystem>
+#include <fstream>
 
 namespace throng::test {
 namespace {
@@ -52,6 +53,36 @@ TEST_F(CliRender, ClipsAreChosenByNameOrNumber) {
     EXPECT_TRUE(
         refuses({"--clip", "0", "--controller", "walker.glb=" THRONG_SOURCE_DIR "/examples/controllers/walker.json"},
                 "--clip 0: walker.glb has a controller, which chooses the clips"));
+}
+
+TEST_F(CliRender, LooksAreChosenForEachCharacter) {
+    const std::string walker = "walker.glb=" THRONG_SOURCE_DIR "/examples/looks/walker.json";
+    const std::string plain = picture("plain.png", {}), looks = picture("looks.png", {"--looks", walker});
+    EXPECT_TRUE(plain != looks);
+    EXPECT_TRUE(picture("again.png", {"--looks", walker}) == looks);
+    EXPECT_TRUE(picture("seed.png", {"--looks", walker, "--seed", "2"}) != looks);
+    EXPECT_TRUE(picture("dragons.png", {"--looks", "dragon.glb=" THRONG_SOURCE_DIR "/examples/looks/dragon.json"}) !=
+                plain);
+
+    const auto refuses_file = [](const std::string& json, const std::string& why) {
+        std::ofstream("looks.json") << json;
+        return refuses({"--looks", "walker.glb=looks.json"}, why);
+    };
+    std::ofstream("looks.json") << R"({"wear": {"head": {"all": ["creature"], "a": [], "b": [], "c": [], "d": []}}})";
+    EXPECT_TRUE(picture("worn.png", {"--looks", "walker.glb=looks.json"}) != plain);
+    EXPECT_TRUE(refuses_file("{\n\"colors\": {\"clok\": [\"#ffffff\"]}}",
+                             "looks.json:2: colors.clok: there is no material 'clok'; did you mean 'cloak'?"));
+    EXPECT_TRUE(refuses_file(R"({"colors": {"cloak": ["red"]}})",
+                             "looks.json:1: colors.cloak[0]: must be a colour like \"#c03a2b\", but is 'red'"));
+    EXPECT_TRUE(refuses_file(R"({"colors": {"cloak": []}})", "looks.json:1: colors.cloak: must not be empty"));
+    EXPECT_TRUE(refuses_file(R"({"wear": {"hand": {"sword": ["sword"]}}})",
+                             "looks.json:1: wear.hand.sword[0]: there is no section 'sword'"));
+    EXPECT_TRUE(refuses_file(R"({"tint": {"materials": ["cloak"]}})", "looks.json:1: tint: 'between' is missing"));
+    EXPECT_TRUE(refuses_file(R"({"hats": 3})", "looks.json:1: hats"));
+    EXPECT_TRUE(refuses_file("{", "looks.json"));
+    EXPECT_TRUE(refuses({"--looks", "walker.glb=nowhere.json"}, "nowhere.json"));
+    EXPECT_TRUE(
+        refuses({"--looks", "fox.glb=looks.json"}, "--looks fox.glb=looks.json: 'fox.glb' is none of the files"));
 }
 
 TEST_F(CliRender, PicturesAreWrittenAsTheirNamesSay) {

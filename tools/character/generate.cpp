@@ -23,9 +23,10 @@ void run_generate(const GenerateOptions& options) {
     const Asset asset = unwrap(make_creature(settings));
     const std::vector<std::byte> bytes = unwrap(write_glb(asset));
     write_file(options.out, bytes);
+    size_t index_count = 0;
+    for (const AssetPrimitive& primitive : asset.meshes[0].primitives) index_count += primitive.indices.size();
     std::printf("%s: %u joints, %u levels, %zu faces, %zu clips, %zu bytes\n", options.out.c_str(),
-                settings.joint_count, settings.level_count, asset.meshes[0].primitives[0].indices.size() / 3,
-                asset.clips.size(), bytes.size());
+                settings.joint_count, settings.level_count, index_count / 3, asset.clips.size(), bytes.size());
 }
 
 }  // namespace

@@ -70,10 +70,13 @@ Asset assemble(const CreatureSettings& settings) {
     asset.skins = {std::move(skin)};
     asset.clips = creature::make_clips(body, asset.nodes, model.motion);
     asset.meshes = {creature::make_mesh(std::move(model.pieces), settings.face_count)};
-    AssetMaterial material;
-    material.name = "creature";
-    material.double_sided = true;  // membranes, cloth and leaves are single sheets
-    asset.materials = {material};
+    for (const creature::Material& of : model.materials) {
+        AssetMaterial& material = asset.materials.emplace_back();
+        material.name = of.name;
+        const Vec3<float> color = of.color.as<float>();
+        material.base_color = {color.x, color.y, color.z, 1};
+        material.double_sided = true;  // membranes, cloth and leaves are single sheets
+    }
     asset.mesh_instances = {{body.joint_count(), 0, 0}};
     asset.nodes.push_back({"creature", kNone, {}});
     return asset;

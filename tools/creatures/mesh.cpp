@@ -1,6 +1,7 @@
 // Every piece says how fine it would like to be; one factor on all of them meets the face budget.
 #include "tools/creatures/mesh.h"
 
+#include <map>
 #include <span>
 
 namespace throng::creature {
@@ -43,11 +44,15 @@ public:
 
     AssetMesh sculpt() {
         meet_budget();
-        for (const Piece& piece : pieces_) std::visit([&](const auto& p) { build(p); }, piece);
-        smooth_normals();
-        out_.material = 0;
-        out_.influence_count = 4;
-        return {.name = "creature", .primitives = {std::move(out_)}};
+        std::map<uint32_t, AssetPrimitive> by_material;
+        for (const Piece& piece : pieces_) std::visit([&](const auto& p) { build(p, by_material[p.material]); }, piece);
+        AssetMesh mesh{.name = "creature"};
+        for (auto& [material, primitive] : by_material) {
+            primitive.material = material;
+            primitive.influence_count = 4;
+            mesh.primitives.push_back(std::move(primitive));
+        }
+        return mesh;
     }
 
 private:
@@ -93,6 +98,24 @@ private:
         return uint32_t(out_.positions.size() - 1);
     }
     void add_face(uint32_t a, uint32_t b, uint32_t c) { out_.indices.insert(out_.indices.end(), {a, b, c}); }
+
+    // Pieces share no vertices, so that each has its normals by itself.
+    template <class P>
+    void build(const P& piece, AssetPrimitive& into) {
+        out_ = {};
+        given_normals_.clear();
+        build(piece);
+        smooth_normals();
+        const auto first = static_cast<uint32_t>(into.positions.size());
+        for (uint32_t& index : out_.indices) index += first;
+        const auto append = [](auto& to, const auto& from) { to.insert(to.end(), from.begin(), from.end()); };
+        append(into.positions, out_.positions);
+        append(into.normals, out_.normals);
+        append(into.colors, out_.colors);
+        append(into.influence_joints, out_.influence_joints);
+        append(into.influence_weights, out_.influence_weights);
+        append(into.indices, out_.indices);
+    }
 
     void build(const Tube& tube) {
         const uint32_t sides = tube.sides.parts, segments = tube.segments.parts;
@@ -183,8 +206,8 @@ private:
 
     std::vector<Piece> pieces_;
     uint64_t face_budget_;
-    AssetPrimitive out_;
-    std::vector<std::pair<size_t, Vec>> given_normals_;  // of vertices whose faces do not say how they are lit
+    AssetPrimitive out_;                                 // the piece that is being built
+    std::vector<std::pair<size_t, Vec>> given_normals_;  // of its vertices whose faces do not say how they are lit
 };
 
 }  // namespace

@@ -33,6 +33,7 @@ struct Tube {
     bool open_start = true;
     Cuts sides{3}, segments;
     bool segments_fixed = false;  // its rings meet another piece's edge
+    uint32_t material = 0;        // of the model
 };
 
 struct SkinPoint {
@@ -46,6 +47,7 @@ struct Sheet {
     Paint paint;            // of u and v
     bool mirrored = false;  // its outside is where u × v points away from
     Cuts along, across;
+    uint32_t material = 0;
 };
 
 // A diamond from `base` to `base + along`, `across` to each side, lit as if it faced along `normal`: leaves on their
@@ -57,6 +59,7 @@ struct Leaf {
 struct Leaves {
     std::function<Leaf(uint32_t index, uint32_t count)> at;
     Cuts count;
+    uint32_t material = 0;
 };
 
 using Piece = std::variant<Tube, Sheet, Leaves>;
@@ -82,7 +85,8 @@ protected:
     std::vector<Piece> pieces_;
 };
 
-// Most important pieces first: what does not fit is left out from the end. About `face_count` triangles.
+// Most important pieces first: what does not fit is left out from the end. About `face_count` triangles. A primitive
+// for each material that a piece has.
 AssetMesh make_mesh(std::vector<Piece> pieces, uint32_t face_count);
 
 }  // namespace throng::creature

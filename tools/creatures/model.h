@@ -6,10 +6,16 @@
 
 namespace throng::creature {
 
+struct Material {
+    const char* name;
+    Vec color;  // linear; what pieces are painted with is times it
+};
+
 struct Model {
     Body body;
     std::vector<Piece> pieces;  // most important first: what does not fit the face budget is left out from the end
     Motion motion;
+    std::vector<Material> materials{{"creature", {1, 1, 1}}};
 };
 
 Model make_dragon(const CreatureSettings& settings);

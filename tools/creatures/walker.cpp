@@ -139,8 +139,13 @@ private:
     Random random_;
 };
 
+enum MaterialOf : uint32_t { kSkin, kHair, kTunic, kTrousers, kLeather, kCloak, kEyes };
+
+constexpr Vec kWhite{1, 1, 1};
+
+// Of the materials: pieces are painted lighter or darker, so that whoever changes a colour changes all of it.
 struct Colors {
-    Vec skin, hair, tunic, trousers, boots, leather, cloak, lining;
+    Vec skin, hair, tunic, trousers, leather, cloak;
 
     explicit Colors(uint64_t seed) {
         Random random(~seed);
@@ -152,34 +157,42 @@ struct Colors {
                            : color_of(0.07, 0.5, random.between(0.1, 0.3));
         tunic = color_of(other, random.between(0.25, 0.5), random.between(0.6, 0.85));
         trousers = color_of(other + 0.1, 0.3, random.between(0.25, 0.4));
-        boots = color_of(0.07, 0.55, random.between(0.2, 0.32));
-        leather = color_of(0.08, 0.6, 0.38);
-        cloak = color_of(hue, random.between(0.65, 0.85), random.between(0.45, 0.7));
-        lining = color_of(hue + 0.04, 0.5, 0.85);
+        leather = color_of(0.07, 0.55, random.between(0.28, 0.4));
+        cloak = color_of(hue, random.between(0.65, 0.85), random.between(0.6, 0.85));
     }
 };
 
+// In the order of MaterialOf.
+std::vector<Material> materials_of(uint64_t seed) {
+    const Colors colors(seed);
+    return {
+        {"skin", colors.skin},       {"hair", colors.hair},   {"tunic", colors.tunic}, {"trousers", colors.trousers},
+        {"leather", colors.leather}, {"cloak", colors.cloak}, {"eyes", kWhite}};
+}
+
 class Tailor : Flesh {
 public:
-    Tailor(const Body& body, const CreatureSettings& settings)
-        : Flesh(body), colors_(settings.seed), spine_(body.chains[0].outline), spine_bones_(bones_of(body.chains[0])) {}
+    explicit Tailor(const Body& body)
+        : Flesh(body), spine_(body.chains[0].outline), spine_bones_(bones_of(body.chains[0])) {}
 
     std::vector<Piece> dress() {
         add(Tube{.outline = spine_,
                  .to = 8.2 / 13,
                  .bones = spine_bones_,
                  .up = kBehind,
-                 .paint = fading(colors_.tunic * 0.8, colors_.tunic),
+                 .paint = fading(kWhite * 0.8, kWhite),
                  .open_start = false,
                  .sides = {10, 4},
-                 .segments = {12, 4}});
+                 .segments = {12, 4},
+                 .material = kTunic});
         add(Tube{.outline = spine_,
                  .from = kNeckFrom,
                  .bones = spine_bones_,
                  .up = kBehind,
-                 .paint = plain(colors_.skin),
+                 .paint = plain(kWhite),
                  .sides = {10},
-                 .segments = {10, 4}});
+                 .segments = {10, 4},
+                 .material = kSkin});
         for (const Chain& leg : body_.chains_of("leg")) add_leg(leg);
         for (const Chain& arm : body_.chains_of("arm")) add_arm(arm);
         add_cloak();
@@ -213,17 +226,19 @@ private:
                  .to = 0.56,
                  .bones = bones,
                  .up = leg.up,
-                 .paint = fading(colors_.trousers, colors_.trousers * 0.8),
+                 .paint = fading(kWhite, kWhite * 0.8),
                  .sides = {7},
-                 .segments = {8, 2}});
+                 .segments = {8, 2},
+                 .material = kTrousers});
         // A boot: shaft and foot.
         add(Tube{.outline = {thicker(flesh, 0.34, 1.16), thicker(flesh, 0.40, 1.15), thicker(flesh, 0.47, 1.15),
                              thicker(flesh, 0.52, 1.1)},
                  .bones = part_of(bones, 0.34, 0.52),
                  .up = leg.up,
-                 .paint = fading(colors_.boots * 1.3, colors_.boots),
+                 .paint = fading(kWhite, kWhite * 0.75),
                  .sides = {7},
-                 .segments = {3}});
+                 .segments = {3},
+                 .material = kLeather});
         const double x = flesh.at(0.5).center.x, out = 0.02 * leg.side;
         add(Tube{.outline = {{{x, 0.07, -0.085}},
                              {{x, 0.062, -0.07}, 0.040, 0.055},
@@ -232,10 +247,11 @@ private:
                              {{x + out, 0.034, 0.17}, 0.050, 0.033},
                              {{x + out, 0.028, 0.215}}},
                  .bones = part_of(bones, 0.42, 0.96),
-                 .paint = plain(colors_.boots),
+                 .paint = plain(kWhite * 0.75),
                  .open_start = false,
                  .sides = {7},
-                 .segments = {6, 3}});
+                 .segments = {6, 3},
+                 .material = kLeather});
     }
 
     void add_arm(const Chain& arm) {
@@ -245,30 +261,34 @@ private:
                  .to = 0.5,
                  .bones = bones,
                  .up = arm.up,
-                 .paint = fading(colors_.tunic, colors_.tunic * 0.85),
+                 .paint = fading(kWhite, kWhite * 0.85),
                  .open_start = false,
                  .sides = {7},
-                 .segments = {8, 3}});
+                 .segments = {8, 3},
+                 .material = kTunic});
         add(Tube{.outline = flesh,
                  .from = 0.42,
                  .bones = bones,
                  .up = arm.up,
-                 .paint = plain(colors_.skin),
+                 .paint = plain(kWhite),
                  .sides = {6},
-                 .segments = {5}});
+                 .segments = {5},
+                 .material = kSkin});
         const Vec palm = flesh.at(0.62).center;
         add(Tube{.outline = {{palm, 0.014},
                              {palm + Vec{-0.012 * arm.side, -0.035, 0.045}, 0.013},
                              {palm + Vec{-0.008 * arm.side, -0.075, 0.055}}},
                  .bones = stiff(influences_at(bones, 0.6)),
-                 .paint = plain(colors_.skin),
-                 .segments = {2}});
+                 .paint = plain(kWhite),
+                 .segments = {2},
+                 .material = kSkin});
         add(Tube{.outline = {thicker(flesh, 0.36, 1.12), thicker(flesh, 0.42, 1.15), thicker(flesh, 0.47, 1.2)},
                  .bones = part_of(bones, 0.36, 0.47),
                  .up = arm.up,
-                 .paint = plain(colors_.leather),
+                 .paint = plain(kWhite),
                  .sides = {6},
-                 .segments = {2}});
+                 .segments = {2},
+                 .material = kLeather});
     }
 
     // One cloth over all its chains.
@@ -289,14 +309,15 @@ private:
                               joined(influences_at(folds[i].bones, u, 1 - w), influences_at(folds[i + 1].bones, u, w))};
                       },
                   .paint =
-                      [c = colors_](double u, double v) {
+                      [](double u, double v) {
                           const double border = std::max(smooth_step(0.94, 0.97, u),
                                                          smooth_step(0.44, 0.47, std::abs(v - 0.5)));
-                          return lerp(c.cloak * mix(1.1, 0.8, u), c.lining, border);
+                          return lerp(kWhite * mix(0.6, 0.45, u), kWhite, border);
                       },
                   .mirrored = true,
                   .along = {13, 3},
-                  .across = {14, 4}});
+                  .across = {14, 4},
+                  .material = kCloak});
         // The collar that holds it.
         const Station neck = spine_.at(7.55 / 13);
         const auto collar = [&](double y, double size) {
@@ -305,9 +326,10 @@ private:
         add(Tube{.outline = {collar(-0.045, 1.25), collar(-0.01, 1.08), collar(0.03, 0.86), collar(0.05, 0.7)},
                  .bones = stiff(influences_at(spine_bones_, 7 / 13.0)),
                  .up = kBehind,
-                 .paint = fading(colors_.cloak, colors_.lining),
+                 .paint = fading(kWhite * 0.6, kWhite),
                  .sides = {10},
-                 .segments = {3}});
+                 .segments = {3},
+                 .material = kCloak});
     }
 
     // The bones of what grows on the head.
@@ -325,12 +347,13 @@ private:
                 Vec{0, 1.862, 0.004} + Vec{0.112 * direction.x, 0.162 * direction.y, 0.133 * direction.z} * size, base};
         };
         add(Sheet{
-            .at = at, .paint = fading(colors_.hair * 1.1, colors_.hair * 0.85), .along = {6, 3}, .across = {14, 6}});
+            .at = at, .paint = fading(kWhite, kWhite * 0.75), .along = {6, 3}, .across = {14, 6}, .material = kHair});
         for (const Chain& chain : body_.chains_of("hair")) {
             const bool braid = chain.number == 0;
-            add_limb(chain, {.paint = fading(colors_.hair, colors_.hair * 1.25),
+            add_limb(chain, {.paint = fading(kWhite * 0.85, kWhite),
                              .sides = {braid ? 6.0 : 4.0},
-                             .segments = {braid ? 14.0 : 6.0}});
+                             .segments = {braid ? 14.0 : 6.0},
+                             .material = kHair});
         }
     }
 
@@ -349,17 +372,19 @@ private:
             return SkinPoint{position, joined(std::move(all), influences_at(thighs[1], 0.12, follow * (1 - left)))};
         };
         add(Sheet{.at = at,
-                  .paint = fading(colors_.tunic * 0.8, colors_.tunic * 0.95),
+                  .paint = fading(kWhite * 0.8, kWhite * 0.95),
                   .mirrored = true,
                   .along = {5, 2},
-                  .across = {14, 6}});
+                  .across = {14, 6},
+                  .material = kTunic});
         const auto belt = [&](double above) { return thicker(spine_, kWaistAt + above, 1.13); };
         add(Tube{.outline = {belt(-0.012), belt(0.004), belt(0.02), belt(0.036)},
                  .bones = stiff(influences_at(spine_bones_, kWaistAt)),
                  .up = kBehind,
-                 .paint = plain(colors_.leather * 0.7),
+                 .paint = plain(kWhite * 0.7),
                  .sides = {10},
-                 .segments = {2}});
+                 .segments = {2},
+                 .material = kLeather});
     }
 
     void add_face() {
@@ -370,7 +395,8 @@ private:
                 .bones = head(),
                 .paint = changing({0.8, 0.8, 0.8}, {{0.2, 0.5, {0.015, 0.015, 0.02}}}),
                 .sides = {6},
-                .segments = {3, 3}});
+                .segments = {3, 3},
+                .material = kEyes});
         }
         const Vec nose{0, 1.80, 0.115};
         add(Tube{.outline = {{nose + Vec{0, 0.035, 0.0}, 0.010, 0.012},
@@ -378,21 +404,22 @@ private:
                              {nose + Vec{0, -0.016, 0.006}}},
                  .bones = head(),
                  .up = {0, 0, 1},
-                 .paint = plain(colors_.skin * 0.95),
+                 .paint = plain(kWhite * 0.95),
                  .sides = {4},
-                 .segments = {2}});
+                 .segments = {2},
+                 .material = kSkin});
         for (const double side : kSides) {
             const Vec brow{side * 0.016, 1.864, 0.128};
             add(Tube{.outline = {{brow, 0.004, 0.007},
                                  {brow + Vec{side * 0.022, 0.008, -0.003}, 0.004, 0.007},
                                  {brow + Vec{side * 0.044, 0.0, -0.016}}},
                      .bones = head(),
-                     .paint = plain(colors_.hair * 0.7),
-                     .segments = {2}});
+                     .paint = plain(kWhite * 0.6),
+                     .segments = {2},
+                     .material = kHair});
         }
     }
 
-    Colors colors_;
     Outline spine_;
     Bones spine_bones_;
 };
@@ -537,7 +564,7 @@ RootMotion root_motion(uint32_t clip, double loop) {
 
 Model make_walker(const CreatureSettings& settings) {
     Body body = Dealer(settings).deal();
-    std::vector<Piece> flesh = Tailor(body, settings).dress();
+    std::vector<Piece> flesh = Tailor(body).dress();
     return {std::move(body),
             std::move(flesh),
             {{{"idle", 72}, {"walk", 36}, {"run", 24}, {"wave", 72}},
@@ -546,7 +573,8 @@ Model make_walker(const CreatureSettings& settings) {
               {"arm", bend_of_arm},
               {"cloak", bend_of_cloak},
               {"hair", bend_of_hair}},
-             root_motion}};
+             root_motion},
+            materials_of(settings.seed)};
 }
 
 }  // namespace throng::creature

@@ -67,14 +67,16 @@ std::string content_hash(const std::string& path) {
 // All that a frame depends on, but for the device and what it leaves to this machine's processor.
 nlohmann::json settings_of(const RenderOptions& options) {
     const SceneOptions& scene = options.scene;
-    nlohmann::json files = nlohmann::json::array(), controllers = files;
+    nlohmann::json files = nlohmann::json::array(), controllers = files, looks = files;
     for (const std::string& file : scene.files)
         files.push_back({fs::path(file).filename().string(), content_hash(file)});
     for (const std::string& controller : controller_files(scene))
         controllers.push_back(controller.empty() ? "" : content_hash(controller));
+    for (const std::string& file : look_files(scene)) looks.push_back(file.empty() ? "" : content_hash(file));
     return {{"throng", THRONG_VERSION},
             {"files", files},
             {"controllers", controllers},
+            {"looks", looks},
             {"clips", scene.clips},
             {"blends", scene.blends},
             {"weight", scene.weight},

@@ -90,7 +90,10 @@ void add_scene_options(Command app, SceneOptions& options) {
     app.add_option("--controller", options.controllers,
                    "a controller's .json for all files, or FILE=CONTROLLER.json for one; characters are told "
                    "parameters at random. Without one, each blends two clips");
-    app.add_option("--seed", options.seed, "of clips, times, blends, places and what controllers are told")
+    app.add_option("--looks", options.looks,
+                   "a .json of colours and of what is worn, chosen at random for each character, for all files, or "
+                   "FILE=LOOKS.json for one");
+    app.add_option("--seed", options.seed, "of clips, times, blends, places, looks and what controllers are told")
         .capture_default_str();
     add_scan_option(app, options.scan);
     add_path_option(app, options.path);
@@ -112,18 +115,25 @@ std::vector<std::string> controller_files(const SceneOptions& options) {
     return of_files(options.files, options.controllers, "--controller");
 }
 
+std::vector<std::string> look_files(const SceneOptions& options) {
+    return of_files(options.files, options.looks, "--looks");
+}
+
 std::vector<std::string> input_files(const SceneOptions& options) {
     std::vector<std::string> files = options.files;
     for (const std::string& controller : controller_files(options)) files.push_back(controller);
+    for (const std::string& looks : look_files(options)) files.push_back(looks);
     return files;
 }
 
 SceneCast::SceneCast(const SceneOptions& options) {
     check_lengths(options);
-    const std::vector<std::string> controller_of = controller_files(options);
+    const std::vector<std::string> controller_of = controller_files(options), looks_of = look_files(options);
     characters = load_characters(options.files, options.compile);
     controllers.resize(characters.size());
+    looks.resize(characters.size());
     for (size_t k = 0; k < characters.size(); ++k) {
+        if (!looks_of[k].empty()) looks[k].emplace(looks_of[k], characters[k]);
         if (controller_of[k].empty()) continue;
         controllers[k] = unwrap(load_controller(controller_of[k]));
         unwrap(check_controller(*controllers[k], characters[k]));
@@ -142,6 +152,7 @@ CrowdScene::CrowdScene(const Device& device, const SceneOptions& options, CrowdS
         if (options.steer)
             field.groups[k].steering = steering_of(characters[k], cast.controllers[k] ? &*cast.controllers[k] : nullptr,
                                                    field.scales[k]);
+        if (cast.looks[k]) field.groups[k].outfits = cast.looks[k]->outfits();
         if (!cast.controllers[k]) continue;
         field.groups[k].controller = &*cast.controllers[k];
         has_controllers_ = true;
@@ -167,6 +178,9 @@ CrowdScene::CrowdScene(const Device& device, const SceneOptions& options, CrowdS
         if (!group.controller)
             unwrap(crowd_->set_playback(Instances::numbered(first, group.instance_count),
                                         std::span(field.playback).subspan(first, group.instance_count)));
+        if (cast.looks[k])
+            unwrap(crowd_->set_look(Instances::numbered(first, group.instance_count),
+                                    cast.looks[k]->of_instances(group.instance_count, options.seed + k)));
         first += group.instance_count;
     }
     unwrap(crowd_->set_placement(crowd_->instances(), field.placement));

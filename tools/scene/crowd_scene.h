@@ -4,6 +4,7 @@
 #include "tools/scene/camera_path.h"
 #include "tools/cli/command.h"
 #include "tools/scene/director.h"
+#include "tools/scene/looks.h"
 #include "tools/scene/scatter.h"
 
 #include <throng/throng.h>
@@ -18,6 +19,7 @@ namespace throng::tools {
 struct SceneOptions {
     std::vector<std::string> files;
     std::vector<std::string> controllers;  // "CONTROLLER.json" for all files, or "FILE=CONTROLLER.json"
+    std::vector<std::string> looks;        // "LOOKS.json" for all files, or "FILE=LOOKS.json"
     // A clip's name or number for all files, or "FILE=CLIP"; files without one play clips at random
     std::vector<std::string> clips, blends;
     double weight = 0.5;  // of `clips`, where `blends` has a second one
@@ -42,7 +44,10 @@ void add_clip_options(Command app, SceneOptions& options);
 // The controller of each file, [files], or an empty name. Throws CommandError.
 std::vector<std::string> controller_files(const SceneOptions& options);
 
-// The files and their controllers: what a scene is read from.
+// Likewise of how its characters look.
+std::vector<std::string> look_files(const SceneOptions& options);
+
+// The files, their controllers and looks: what a scene is read from.
 std::vector<std::string> input_files(const SceneOptions& options);
 
 // Reads the files, with progress and warnings on stderr, and the controllers that they are to have. Throws
@@ -52,6 +57,7 @@ struct SceneCast {
 
     std::vector<Character> characters;                   // [files]
     std::vector<std::optional<Controller>> controllers;  // [files]
+    std::vector<std::optional<Looks>> looks;             // [files]
 };
 
 class CrowdScene {

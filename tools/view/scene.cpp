@@ -78,6 +78,7 @@ void Scene::make_field() {
                                                 double{of.spacing}, of.seed});
     for (size_t group = 0; group < field_.groups.size(); ++group) {
         field_.groups[group].controller = controller_of(static_cast<uint32_t>(group));
+        if (cast().looks[group]) field_.groups[group].outfits = cast().looks[group]->outfits();
         field_.groups[group].moves_placements = false;  // so that who is clicked at stands where it is known to
     }
     playing_.assign(field_.playback.size(), {});
@@ -104,6 +105,9 @@ void Scene::make_crowd() {
     director_.emplace(field_.groups, of.seed);
     for (uint32_t group = 0; group < field_.groups.size(); ++group) {
         if (!controller_of(group)) send_playback(group);
+        if (cast().looks[group])
+            tools::unwrap(crowd_->set_look(*crowd_->instances(group), cast().looks[group]->of_instances(
+                                                                          instance_count_of(group), of.seed + group)));
         for (uint32_t p = 0; p < parameters(group).size(); ++p)
             if (parameters(group)[p] != controller_of(group)->parameters[p].initial)
                 set_parameter(group, p, parameters(group)[p]);

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "tools/scene/director.h"
+#include "tools/scene/looks.h"
 #include "tools/scene/scatter.h"
 #include "tools/view/pick.h"
 
@@ -19,12 +20,16 @@ namespace throng::view {
 struct Cast {
     std::vector<Character> characters;                   // not empty
     std::vector<std::optional<Controller>> controllers;  // [characters]
+    std::vector<std::optional<tools::Looks>> looks;      // [characters]
     std::vector<uint32_t> shares;                        // [characters], of the whole number
     std::vector<double> heights;                         // as ScatterSettings has them
 
     // As many of each, without controllers, of one size.
     explicit Cast(std::vector<Character> of)
-        : characters(std::move(of)), controllers(characters.size()), shares(characters.size(), 1) {}
+        : characters(std::move(of)),
+          controllers(characters.size()),
+          looks(characters.size()),
+          shares(characters.size(), 1) {}
 };
 
 // A change of any of these makes the crowd anew.

@@ -24,6 +24,7 @@ Cast make_cast(const tools::SceneOptions& options) {
     tools::SceneCast files(options);
     Cast cast(std::move(files.characters));
     cast.controllers = std::move(files.controllers);
+    cast.looks = std::move(files.looks);
     if (!options.counts.empty()) cast.shares = options.counts;
     cast.heights = options.sizes;
     return cast;

@@ -11,6 +11,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <utility>
 
 namespace throng {
@@ -139,11 +140,97 @@ std::vector<Coarse> coarse_meshes(std::span<const uint32_t> fine, const Triangle
     return candidates;
 }
 
+// All sections as one mesh: indices of the character's vertices.
+std::vector<uint32_t> joined_indices(const Character& character) {
+    std::vector<uint32_t> all;
+    for (const MeshSection& section : character.sections)
+        for (const uint32_t index : indices_of(character, section)) all.push_back(section.first_vertex + index);
+    return all;
+}
+
+// By edge collapses of all sections together, so that those which lose least by it give up most triangles.
+std::vector<uint32_t> collapsed_together(const Character& character, std::span<const Vec3<float>> positions,
+                                         size_t wanted) {
+    const std::vector<uint32_t> all = joined_indices(character);
+    std::vector<uint32_t> collapsed(all.size());
+    collapsed.resize(meshopt_simplify(collapsed.data(), all.data(), all.size(), &positions[0].x, positions.size(),
+                                      sizeof positions[0], wanted, kLargestError, 0, nullptr));
+    return collapsed;
+}
+
+// By clusters of one size in all sections.
+std::vector<uint32_t> clustered_by(float cell, const Character& character, std::span<const Vec3<float>> positions) {
+    std::vector<uint32_t> all;
+    for (const MeshSection& section : character.sections) {
+        const std::span<const uint32_t> fine = indices_of(character, section);
+        if (fine.empty()) continue;
+        const std::span<const Vec3<float>> places = positions.subspan(section.first_vertex, section.vertex_count);
+        const float extent = meshopt_simplifyScale(&places[0].x, places.size(), sizeof places[0]);
+        std::vector<uint32_t> clustered(fine.size());
+        // It wants no triangles, and the error, a part of the extent, then is the size of a cluster
+        clustered.resize(meshopt_simplifySloppy(clustered.data(), fine.data(), fine.size(), &places[0].x, places.size(),
+                                                sizeof places[0], 0, std::min(cell / extent, 1.0f), nullptr));
+        for (const uint32_t index : clustered) all.push_back(section.first_vertex + index);
+    }
+    return all;
+}
+
+std::vector<uint32_t> clustered_together(const Character& character, std::span<const Vec3<float>> positions,
+                                         size_t wanted) {
+    constexpr int kHalvings = 10;
+    float least = 0, most = character.size;  // of a cluster
+    std::vector<uint32_t> coarsest = clustered_by(most, character, positions);
+    for (int i = 0; i < kHalvings; ++i) {
+        const float middle = (least + most) / 2;
+        std::vector<uint32_t> of_middle = clustered_by(middle, character, positions);
+        const bool is_coarse = of_middle.size() <= wanted;
+        (is_coarse ? most : least) = middle;
+        if (is_coarse) coarsest = std::move(of_middle);
+    }
+    return coarsest;
+}
+
 // The one that is off by less.
 const Coarse& best_of(const std::vector<Coarse>& candidates) {
     return *std::ranges::min_element(candidates, {}, &Coarse::error);
 }
-using CoarseLevel = std::vector<std::vector<Coarse>>;  // [sections][candidates]
+
+struct CoarseLevel {
+    std::vector<std::vector<Coarse>> apart;  // [sections][candidates]
+    std::vector<Coarse> together;            // candidates, of the joined mesh
+};
+
+// What a level is to have.
+struct Chosen {
+    std::vector<std::vector<uint32_t>> indices;  // [sections], relative to the section's first vertex
+    size_t index_count = 0;
+    float error = 0;
+};
+
+// Sections simplified together or apart, whichever is off by less and is not much finer.
+Chosen best_of(const CoarseLevel& level, const Character& character) {
+    Chosen chosen;
+    for (const std::vector<Coarse>& candidates : level.apart) {
+        const Coarse& best = best_of(candidates);
+        chosen.indices.push_back(best.indices);
+        chosen.index_count += best.indices.size();
+        chosen.error = std::max(chosen.error, best.error);
+    }
+    const double most = kAlmost * static_cast<double>(chosen.index_count);
+    for (const Coarse& together : level.together) {
+        const auto count = static_cast<double>(together.indices.size());
+        if (count == 0 || count > most || together.error >= chosen.error) continue;
+        chosen = {.indices = std::vector<std::vector<uint32_t>>(character.sections.size()),
+                  .index_count = together.indices.size(),
+                  .error = together.error};
+        for (const uint32_t index : together.indices) {
+            const auto after = std::ranges::upper_bound(character.sections, index, {}, &MeshSection::first_vertex);
+            chosen.indices[static_cast<size_t>(after - character.sections.begin()) - 1].push_back(
+                index - std::prev(after)->first_vertex);
+        }
+    }
+    return chosen;
+}
 
 class LodMaker {
 public:
@@ -152,14 +239,19 @@ public:
         const std::vector<Vec3<float>> positions = positions_in(character, rest);
         for (const MeshSection& section : character.sections)
             fine_.emplace_back(indices_of(character, section), of_section(section, positions));
+        if (fine_.size() > 1) joined_.emplace(joined_indices(character), positions);
         double share = 1;
         for (CoarseLevel& level : levels_) {
             share *= kShare;
             for (size_t i = 0; i < fine_.size(); ++i) {
                 const MeshSection& section = character.sections[i];
-                level.push_back(
+                level.apart.push_back(
                     coarse_meshes(indices_of(character, section), fine_[i], of_section(section, positions), share));
             }
+            if (!joined_) continue;
+            const size_t wanted = static_cast<size_t>(share * static_cast<double>(character.indices.size())) / 3 * 3;
+            for (auto* const simplified : {collapsed_together, clustered_together})
+                level.together.emplace_back(simplified(character, positions, wanted), *joined_, positions);
         }
     }
 
@@ -171,8 +263,12 @@ public:
             const std::span<const Vec3<float>> places = of_section(character_.sections[i], positions);
             fine_[i].move(places);
             for (CoarseLevel& level : levels_)
-                for (Coarse& coarse : level[i]) coarse.measure(fine_[i], places, steps_);
+                for (Coarse& coarse : level.apart[i]) coarse.measure(fine_[i], places, steps_);
         }
+        if (!joined_) return;
+        joined_->move(positions);
+        for (CoarseLevel& level : levels_)
+            for (Coarse& coarse : level.together) coarse.measure(*joined_, positions, steps_);
     }
 
     // As long as triangles become markedly fewer.
@@ -180,17 +276,15 @@ public:
         size_t count_before = character_.indices.size();
         float error = kLeastError * character_.size;
         for (const CoarseLevel& level : levels_) {
-            size_t count = 0;
-            for (const std::vector<Coarse>& section : level) count += best_of(section).indices.size();
+            const Chosen chosen = best_of(level, character_);
+            const size_t count = chosen.index_count;
             if (count_before <= kFewest || static_cast<double>(count) > kWorthwhile * static_cast<double>(count_before))
                 return;
             count_before = count;
-            for (const std::vector<Coarse>& section : level) {
-                const Coarse& coarse = best_of(section);
-                error = std::max(error, coarse.error);
-                character_.lod_ranges.push_back({count_of(character_.lod_indices), count_of(coarse.indices)});
-                character_.lod_indices.insert(character_.lod_indices.end(), coarse.indices.begin(),
-                                              coarse.indices.end());
+            error = std::max(error, chosen.error);
+            for (const std::vector<uint32_t>& indices : chosen.indices) {
+                character_.lod_ranges.push_back({count_of(character_.lod_indices), count_of(indices)});
+                character_.lod_indices.insert(character_.lod_indices.end(), indices.begin(), indices.end());
             }
             character_.lods.push_back({error});
         }
@@ -204,7 +298,8 @@ private:
     }
 
     Character& character_;
-    std::vector<TriangleIndex> fine_;  // [sections]
+    std::vector<TriangleIndex> fine_;      // [sections]
+    std::optional<TriangleIndex> joined_;  // all of several sections
     std::vector<CoarseLevel> levels_;
     uint64_t steps_ = 0;
 };

@@ -1,0 +1,166 @@
+#include "tools/scene/looks.h"
+
+#include "base/read_file.h"
+#include "json/json_text.h"
+#include "json/known_names.h"
+#include "tools/cli/command.h"
+#include "tools/creatures/creature_math.h"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+
+namespace throng::tools {
+namespace {
+
+using creature::Random;
+using Color = std::array<float, 3>;
+
+constexpr uint32_t kOutfits = 256;  // so many of all combinations, at random
+constexpr float kMost = 1000;       // as SectionLook has it
+
+float linear_of(uint32_t srgb) {
+    const double encoded = srgb / 255.0;
+    return static_cast<float>(encoded <= 0.04045 ? encoded / 12.92 : std::pow((encoded + 0.055) / 1.055, 2.4));
+}
+
+Color read_color(const JsonView& value) {
+    const std::string& text = value.as_string();
+    const bool is_hex = text.size() == 7 && text[0] == '#' &&
+                        text.find_first_not_of("0123456789abcdefABCDEF", 1) == std::string::npos;
+    if (!is_hex) value.fail("must be a colour like \"#c03a2b\", but is '", printable(text), "'");
+    const auto rgb = static_cast<uint32_t>(std::stoul(text.substr(1), nullptr, 16));
+    return {linear_of(rgb >> 16), linear_of(rgb >> 8 & 0xFF), linear_of(rgb & 0xFF)};
+}
+
+std::vector<Color> read_colors(const JsonView& array) {
+    std::vector<Color> colors;
+    for (const JsonView color : array.as_array()) colors.push_back(read_color(color));
+    if (colors.empty()) array.fail("must not be empty");
+    return colors;
+}
+
+// What a character has by names, for messages.
+struct Names {
+    explicit Names(const Character& of) : character(of) {
+        for (const AssetMaterial& material : character.materials) materials.add(material.name);
+        for (const std::string& name : character.section_names) sections.add(name);
+    }
+    std::vector<uint32_t> of_material(const std::string& name, const JsonView& where) const {
+        if (materials.find(name) == kNone) where.fail(materials.unknown(name));
+        return character.find_sections_of_material(name);
+    }
+    std::vector<uint32_t> of_section(const std::string& name, const JsonView& where) const {
+        if (sections.find(name) == kNone) where.fail(sections.unknown(name));
+        return character.find_sections(name);
+    }
+
+    const Character& character;
+    KnownNames materials{"material"}, sections{"section"};
+};
+
+// Sections that take one of some colours.
+struct ColorChoice {
+    std::vector<uint32_t> sections;
+    std::vector<Color> colors;
+};
+// Of sets of sections, one is shown; those of the others are not.
+using WearChoice = std::vector<std::vector<uint32_t>>;
+
+struct Choices {
+    Choices(const JsonView& top, const Character& character) {
+        const Names names(character);
+        top.allow({"colors", "tint", "wear"});
+        for (const JsonView color : top.optional_members("colors"))
+            colors.push_back({names.of_material(color.key(), color), read_colors(color)});
+        for (const JsonView choice : top.optional_members("wear")) {
+            WearChoice& of = wear.emplace_back();
+            for (const JsonView alternative : choice.as_object()) {
+                std::vector<uint32_t>& shown = of.emplace_back();
+                for (const JsonView section : alternative.as_array())
+                    std::ranges::copy(names.of_section(section.as_string(), section), std::back_inserter(shown));
+            }
+            if (of.empty()) choice.fail("must not be empty");
+        }
+        if (const auto tint = top.optional_object("tint")) {
+            tint->allow({"materials", "between"});
+            for (const JsonView material : tint->required_array("materials"))
+                std::ranges::copy(names.of_material(material.as_string(), material), std::back_inserter(tinted));
+            tints = read_colors(tint->required("between"));
+        }
+    }
+
+    std::vector<ColorChoice> colors;
+    std::vector<WearChoice> wear;
+    std::vector<uint32_t> tinted;  // sections
+    std::vector<Color> tints;
+};
+
+template <class T>
+const T& one_of(const std::vector<T>& all, Random& random) {
+    return all[std::min(static_cast<size_t>(random.unit() * static_cast<double>(all.size())), all.size() - 1)];
+}
+
+// What the base colour of a section is to be multiplied with, to become this one.
+Color factor_of(const Character& character, uint32_t section, const Color& wanted) {
+    const uint32_t material = character.sections[section].material;
+    Color factor = wanted;
+    for (size_t i = 0; i < factor.size() && material != kNone; ++i)
+        factor[i] = std::min(factor[i] / std::max(character.materials[material].base_color[i], 1e-6f), kMost);
+    return factor;
+}
+
+Outfit outfit_of(const Choices& choices, const Character& character, Random& random) {
+    Outfit outfit;
+    for (uint32_t section = 0; section < character.sections.size(); ++section)
+        outfit.sections.push_back({.section = section, .tint = 0});
+    for (const uint32_t section : choices.tinted) {
+        outfit.sections[section].tint = 1;
+        outfit.sections[section].color = factor_of(character, section, {1, 1, 1});
+    }
+    for (const WearChoice& choice : choices.wear) {
+        for (const std::vector<uint32_t>& alternative : choice)
+            for (const uint32_t section : alternative) outfit.sections[section].is_shown = false;
+        for (const uint32_t section : one_of(choice, random)) outfit.sections[section].is_shown = true;
+    }
+    for (const auto& [sections, colors] : choices.colors) {
+        const Color& color = one_of(colors, random);
+        for (const uint32_t section : sections) outfit.sections[section].color = factor_of(character, section, color);
+    }
+    return outfit;
+}
+
+}  // namespace
+
+Looks::Looks(const std::string& path, const Character& character) {
+    const std::string file = printable(std::filesystem::path(path).filename().string(), 120);
+    unwrap(as_result(
+        [&] {
+            const std::vector<std::byte> bytes = read_file(path, kJsonTextLimit_bytes, file, "is larger than 4 MiB");
+            const JsonText text({reinterpret_cast<const char*>(bytes.data()), bytes.size()}, JsonAuthor::kPerson, file);
+            try {
+                const Choices choices(text.view(), character);
+                Random random(1);
+                for (uint32_t i = 0; i < kOutfits; ++i) outfits_.push_back(outfit_of(choices, character, random));
+                tints_ = choices.tints;
+            } catch (const Failure& failure) {
+                throw Failure(failure.error.code, text.located(file, failure.error.place), failure.error.message);
+            }
+        },
+        file));
+}
+
+std::vector<InstanceLook> Looks::of_instances(uint32_t count, uint64_t seed) const {
+    Random random(seed);
+    std::vector<InstanceLook> looks(count);
+    for (InstanceLook& look : looks) {
+        look.outfit = std::min(static_cast<uint32_t>(random.unit() * kOutfits), kOutfits - 1);
+        if (tints_.empty()) continue;
+        const Color &a = one_of(tints_, random), &b = one_of(tints_, random);
+        const auto between = static_cast<float>(random.unit());
+        for (size_t i = 0; i < a.size(); ++i) look.tint[i] = a[i] + (b[i] - a[i]) * between;
+    }
+    return looks;
+}
+
+}  // namespace throng::tools
