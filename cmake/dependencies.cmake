@@ -1,5 +1,8 @@
 # Debian 12's packages; the list to install stands in ./run. Nothing is downloaded.
-find_package(VulkanHeaders REQUIRED)   # libvulkan-dev
+find_package(Vulkan QUIET GLOBAL)      # libvulkan-dev, or an SDK named by VULKAN_SDK
+if(NOT TARGET Vulkan::Headers)
+  find_package(VulkanHeaders REQUIRED GLOBAL)  # the headers alone
+endif()
 find_package(nlohmann_json REQUIRED)   # nlohmann-json3-dev
 find_package(meshoptimizer REQUIRED)   # libmeshoptimizer-dev
 find_package(draco REQUIRED)           # libdraco-dev

@@ -1,13 +1,27 @@
-# cmake --install: the shared library, its headers, and a package for find_package(throng).
+# cmake --install, or one part of it by --component: Runtime, the library; Development, headers and what CMake and
+# pkg-config read; Tools, the command line (tools/CMakeLists.txt); Documentation, with the schema that editors read.
 include(CMakePackageConfigHelpers)
-
-install(TARGETS throng EXPORT throng-targets)
-install(DIRECTORY ${PROJECT_SOURCE_DIR}/include/throng DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
 set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/throng)
-install(EXPORT throng-targets NAMESPACE throng:: DESTINATION ${package_dir})
-write_basic_package_version_file(${PROJECT_BINARY_DIR}/throng-config-version.cmake COMPATIBILITY SameMinorVersion)
+set(pkgconfig_dir ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
+set(doc_dir ${CMAKE_INSTALL_DATAROOTDIR}/doc/throng)
+
+install(TARGETS throng EXPORT throng-targets LIBRARY COMPONENT Runtime NAMELINK_COMPONENT Development)
+
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/include/throng DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT Development)
+install(EXPORT throng-targets NAMESPACE throng:: DESTINATION ${package_dir} COMPONENT Development)
+write_basic_package_version_file(${PROJECT_BINARY_DIR}/throng-config-version.cmake COMPATIBILITY SameMajorVersion)
 configure_package_config_file(${PROJECT_SOURCE_DIR}/cmake/throng-config.cmake.in
   ${PROJECT_BINARY_DIR}/throng-config.cmake
   INSTALL_DESTINATION ${package_dir})
-install(FILES ${PROJECT_BINARY_DIR}/throng-config.cmake ${PROJECT_BINARY_DIR}/throng-config-version.cmake DESTINATION
-  ${package_dir})
+install(FILES ${PROJECT_BINARY_DIR}/throng-config.cmake ${PROJECT_BINARY_DIR}/throng-config-version.cmake
+  DESTINATION ${package_dir} COMPONENT Development)
+string(REGEX REPLACE "[^/]+" ".." prefix_from_pkgconfig ${pkgconfig_dir})
+configure_file(${PROJECT_SOURCE_DIR}/cmake/throng.pc.in ${PROJECT_BINARY_DIR}/throng.pc @ONLY)
+install(FILES ${PROJECT_BINARY_DIR}/throng.pc DESTINATION ${pkgconfig_dir} COMPONENT Development)
+
+install(FILES ${PROJECT_SOURCE_DIR}/docs/controller.schema.json DESTINATION ${CMAKE_INSTALL_DATAROOTDIR}/throng
+  COMPONENT Documentation)
+install(FILES ${PROJECT_SOURCE_DIR}/README.md ${PROJECT_SOURCE_DIR}/CHANGELOG.md DESTINATION ${doc_dir}
+  COMPONENT Documentation)
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/docs DESTINATION ${doc_dir} COMPONENT Documentation)
+install(FILES ${PROJECT_SOURCE_DIR}/LICENSE DESTINATION ${doc_dir} COMPONENT Runtime)

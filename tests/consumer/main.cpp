@@ -2,6 +2,10 @@
 
 #include <cstdio>
 
+#if defined(NEEDS_HEADERS_OF_SDK) && !defined(HEADERS_OF_SDK)
+#error "these are not the Vulkan headers of the SDK"
+#endif
+
 namespace {
 
 throng::Result<void> animate(const char* file) {
