@@ -2,14 +2,17 @@
 // An engine with its own importer fills an Asset itself and hands it to compile_character().
 #pragma once
 
+#include <throng/load_hooks.h>
 #include <throng/result.h>
 #include <throng/transform.h>
 
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace throng {
@@ -132,7 +135,7 @@ struct AssetMeshInstance {
 };
 
 struct Asset {
-    std::string name{};  // file name, for messages
+    std::string name{};  // of the file, for messages
     std::vector<AssetNode> nodes{};
     std::vector<AssetSkin> skins{};
     std::vector<AssetClip> clips{};
@@ -146,8 +149,20 @@ struct Asset {
 // Reads a .glb or .gltf file (glTF 2.0), its buffers and its images.
 // Extensions: KHR_mesh_quantization, EXT_ and KHR_meshopt_compression, KHR_draco_mesh_compression,
 // KHR_texture_transform is ignored with a warning; another extension in `extensionsRequired` is refused by name. Side
-// files must lie in the file's own folder or below it. Errors: kFile, kInvalidFile, kUnsupported, kLimit; each names
-// the file and the place in it. Thread-safe.
-Result<Asset> load_asset(const std::filesystem::path& path);
+// files must lie in the file's own folder or below it. Errors: kFile, kInvalidFile, kUnsupported, kLimit, kCancelled;
+// each names the file and the place in it. Thread-safe.
+Result<Asset> load_asset(const std::filesystem::path& path, const LoadHooks& hooks = {});
+
+// Hands over the whole of a side file, a buffer or an image, from wherever the application has it. `path` is as the
+// file has it, percent-decoded: relative to the file's folder, without '..'; never a data: URI. Called on the thread
+// that called throng, and not again within a call for what it has handed over. Where it returns kFile or kInvalidFile
+// for an image, that is left out with a warning; other errors, and those of buffers, end the call. What it throws
+// becomes kInvalidArgument.
+using AssetResolver = std::function<Result<std::vector<std::byte>>(std::string_view path)>;
+
+// The same for the content of a file; `name`, Asset::name, stands in messages. Without a resolver there are no side
+// files: a buffer in one is refused with kFile. The side files may have 2 GiB in all, as those on disk.
+Result<Asset> load_asset(std::span<const std::byte> bytes, std::string_view name, const AssetResolver& resolver = {},
+                         const LoadHooks& hooks = {});
 
 }  // namespace throng

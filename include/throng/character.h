@@ -250,8 +250,9 @@ inline const CompileSettings kExact{.error = 0};
 // Names of morphs are cut at 256 bytes. Control characters of names become '?'. Errors: kInvalidArgument (an asset
 // that is not as asset.h says; the error bound, no joint of that name for root motion), kInvalidFile (poses that are
 // not finite), kUnsupported (nothing to animate; an animated or unevenly scaled joint above that of root motion),
-// kLimit.
-Result<Character> compile_character(const Asset& asset, const CompileSettings& settings = {});
+// kLimit, kCancelled.
+Result<Character> compile_character(const Asset& asset, const CompileSettings& settings = {},
+                                    const LoadHooks& hooks = {});
 
 // Whether a regular file of this name begins as one that save_character() wrote.
 bool is_compiled_file(const std::filesystem::path& path);
@@ -262,7 +263,8 @@ std::vector<Influences> influences_of_lod(const Character& character, uint32_t l
 
 // load_asset() and compile_character() in one. A file that save_character() wrote, known by its first bytes, is read as
 // it is: the settings are not used then.
-Result<Character> load_character(const std::filesystem::path& path, const CompileSettings& settings = {});
+Result<Character> load_character(const std::filesystem::path& path, const CompileSettings& settings = {},
+                                 const LoadHooks& hooks = {});
 
 // Writes a compiled character to a file of its own (docs/file_format.md), bit for bit: under another name first, then
 // renamed, so that nobody sees half of it. Errors: kFile, and kInvalidArgument or kLimit for a Character that

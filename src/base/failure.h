@@ -23,6 +23,21 @@ struct Failure : std::exception {
     std::string text;
 };
 
+// Calls what the application has handed over; what it throws becomes a Failure. `name` is what it is called in
+// messages.
+template <class Call>
+auto call_application(const std::string& place, const char* name, const Call& call) {
+    try {
+        return call();
+    } catch (const std::bad_alloc&) {
+        throw Failure(ErrorCode::kOutOfMemory, place, name, ": out of memory");
+    } catch (const std::exception& thrown) {
+        throw Failure(ErrorCode::kInvalidArgument, place, name, " threw: ", printable(thrown.what(), 200));
+    } catch (...) {
+        throw Failure(ErrorCode::kInvalidArgument, place, name, " threw");
+    }
+}
+
 // Runs `body` and returns its value, or the Error that it threw. `place` is given to errors that name none.
 template <class Body>
 auto as_result(Body&& body, std::string place = {}) -> Result<std::invoke_result_t<Body>> {

@@ -2,12 +2,13 @@
 
 #include "base/failure.h"
 
+#include <algorithm>
 #include <fstream>
 
 namespace throng {
 
 std::vector<std::byte> read_file(const std::filesystem::path& path, uint64_t limit_bytes, const std::string& place,
-                                 const char* too_large) {
+                                 const char* too_large, const Progress& progress) {
     namespace fs = std::filesystem;
     std::error_code error;
     const fs::file_status status = fs::status(path, error);
@@ -19,10 +20,17 @@ std::vector<std::byte> read_file(const std::filesystem::path& path, uint64_t lim
     if (size_bytes > limit_bytes) throw Failure(ErrorCode::kLimit, place, too_large);
     std::ifstream stream(path, std::ios::binary);
     if (!stream) throw Failure(ErrorCode::kFile, place, "the file cannot be opened");
-    std::vector<std::byte> bytes(size_bytes);
-    stream.read(reinterpret_cast<char*>(bytes.data()), std::streamsize(size_bytes));
-    if (uint64_t(stream.gcount()) != size_bytes)
-        throw Failure(ErrorCode::kFile, place, "the file cannot be read to its end");
+    constexpr uint64_t kPiece_bytes = 4 << 20;  // some milliseconds
+    std::vector<std::byte> bytes;
+    bytes.reserve(size_bytes);
+    for (uint64_t begin = 0; begin < size_bytes; begin = bytes.size()) {
+        progress.report(begin, size_bytes);
+        const uint64_t piece_bytes = std::min(kPiece_bytes, size_bytes - begin);
+        bytes.resize(begin + piece_bytes);
+        stream.read(reinterpret_cast<char*>(bytes.data() + begin), std::streamsize(piece_bytes));
+        if (uint64_t(stream.gcount()) != piece_bytes)
+            throw Failure(ErrorCode::kFile, place, "the file cannot be read to its end");
+    }
     return bytes;
 }
 

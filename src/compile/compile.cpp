@@ -2,6 +2,7 @@
 
 #include "base/failure.h"
 #include "base/find_name.h"
+#include "base/progress.h"
 #include "bind/bind_reference.h"
 #include "compile/asset_check.h"
 #include "compile/file/character_file.h"
@@ -19,6 +20,7 @@
 #include "compile/clip/root_motion.h"
 #include "compile/rig/uniform_scale.h"
 #include "base/read_file.h"
+#include "import/read_asset.h"
 #include "skin/skin_reference.h"
 
 #include <algorithm>
@@ -48,6 +50,58 @@ void measure(Character& character) {
         throw Failure(ErrorCode::kInvalidFile, character.name, "the rest pose is not finite");
 }
 
+// What is done of the work after each part of it, about: of an asset, and of load_character().
+constexpr double kMeshCompiled = 0.05, kClipsRead = 0.1, kRootMotionExtracted = 0.15, kClipsPacked = 0.7,
+                 kLodsMade = 0.95;
+constexpr double kLoaded = 0.1;
+
+Result<Character> compile(const Asset& asset, const CompileSettings& settings, const Progress& progress) {
+    return as_result(
+        [&] {
+            check_error_bound(settings.error, asset.name);
+            progress.report(0);
+            check_asset(asset);
+            Character character;
+            character.name = asset.name;
+            character.warnings = asset.warnings;
+            const RigMap map = build_rig(asset);
+            character.rig = map.rig;
+            compile_mesh(asset, map, character, progress.between(0, kMeshCompiled));
+            compile_morphs(asset, character, progress);
+            measure(character);
+            std::vector<ExactClip> clips = read_clips(asset, map, character,
+                                                      progress.between(kMeshCompiled, kClipsRead));
+            if (!settings.root_motion_joint.empty())
+                extract_root_motion(clips, settings.root_motion_joint, character,
+                                    progress.between(kClipsRead, kRootMotionExtracted));
+            if (settings.error > 0)
+                pack_clips(clips, settings.error, character, progress.between(kRootMotionExtracted, kClipsPacked));
+            else
+                write_exact(clips, character);
+            character.rig.uniform_scale = has_uniform_scale(character);
+            compile_morph_tracks(asset, character, progress);
+            if (settings.lods) {
+                make_lods(character, progress.between(kClipsPacked, kLodsMade));
+                make_joint_lods(character, progress);
+            }
+            measure_clips(character, progress.between(kLodsMade, 1));
+            file::visit_strings(character, [](std::string& text) { text = printable(text, std::string::npos); });
+            progress.report(1);
+            return character;
+        },
+        asset.name);
+}
+
+// What save_character() wrote.
+Character read_compiled(const std::filesystem::path& path, const std::string& place, const Progress& progress) {
+    constexpr double kRead = 0.5;
+    const std::vector<std::byte> bytes = read_file(path, kCompiledFileLimit_bytes, place, kLargerThanFiles,
+                                                   progress.between(0, kRead));
+    Character character = read_character(bytes, place);
+    progress.report(1);
+    return character;
+}
+
 }  // namespace
 
 uint32_t Rig::find_joint(std::string_view joint_name) const { return find_name(names, joint_name); }
@@ -69,47 +123,20 @@ std::vector<uint32_t> Character::find_sections_of_material(std::string_view mate
     return found;
 }
 
-Result<Character> compile_character(const Asset& asset, const CompileSettings& settings) {
-    return as_result(
-        [&] {
-            check_error_bound(settings.error, asset.name);
-            check_asset(asset);
-            Character character;
-            character.name = asset.name;
-            character.warnings = asset.warnings;
-            const RigMap map = build_rig(asset);
-            character.rig = map.rig;
-            compile_mesh(asset, map, character);
-            compile_morphs(asset, character);
-            measure(character);
-            std::vector<ExactClip> clips = read_clips(asset, map, character);
-            if (!settings.root_motion_joint.empty()) extract_root_motion(clips, settings.root_motion_joint, character);
-            if (settings.error > 0)
-                pack_clips(clips, settings.error, character);
-            else
-                write_exact(clips, character);
-            character.rig.uniform_scale = has_uniform_scale(character);
-            compile_morph_tracks(asset, character);
-            if (settings.lods) {
-                make_lods(character);
-                make_joint_lods(character);
-            }
-            measure_clips(character);
-            file::visit_strings(character, [](std::string& text) { text = printable(text, std::string::npos); });
-            return character;
-        },
-        asset.name);
+Result<Character> compile_character(const Asset& asset, const CompileSettings& settings, const LoadHooks& hooks) {
+    return compile(asset, settings, Progress(hooks));
 }
 
-Result<Character> load_character(const std::filesystem::path& path, const CompileSettings& settings) {
+Result<Character> load_character(const std::filesystem::path& path, const CompileSettings& settings,
+                                 const LoadHooks& hooks) {
+    const Progress progress(hooks);
     if (is_compiled_file(path)) {
         const std::string place = printable(path.filename().string(), 120);
-        return as_result([&] { return read_character(read_file(path, kCompiledFileLimit_bytes, place), place); },
-                         place);
+        return as_result([&] { return read_compiled(path, place, progress); }, place);
     }
-    Result<Asset> asset = load_asset(path);
+    Result<Asset> asset = gltf::load_asset(path, progress.between(0, kLoaded));
     if (!asset) return asset.error();
-    return compile_character(*asset, settings);
+    return compile(*asset, settings, progress.between(kLoaded, 1));
 }
 
 }  // namespace throng

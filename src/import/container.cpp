@@ -64,6 +64,18 @@ Container open_glb(std::span<const std::byte> file, Warnings& warnings) {
     return out;
 }
 
+// What the application has under a name.
+std::vector<std::byte> resolved(const AssetResolver& resolver, const std::string& name, const std::string& place) {
+    if (!resolver)
+        throw Failure(ErrorCode::kFile, place, "'", printable(name),
+                      "' cannot be found: a file in memory needs a resolver for side files (load_asset)");
+    Result<std::vector<std::byte>> bytes = call_application(place, "the resolver", [&] { return resolver(name); });
+    if (!bytes)
+        throw Failure(bytes.error().code, place, "'", printable(name),
+                      "' cannot be had from the resolver: ", printable(bytes.error().text(), 200));
+    return *std::move(bytes);
+}
+
 }  // namespace
 
 Container open_container(std::span<const std::byte> file, Warnings& warnings) {
@@ -75,11 +87,11 @@ Container open_container(std::span<const std::byte> file, Warnings& warnings) {
     return Container{text, {}};
 }
 
-Buffers::Buffers(JsonView root, const Container& container, std::filesystem::path folder, Budget& budget)
+Buffers::Buffers(JsonView root, const Container& container, const SideFiles& side_files, Budget& budget)
     : buffers_(root.optional_array("buffers")),
       views_(root.optional_array("bufferViews")),
       bin_(container.bin),
-      folder_(std::move(folder)),
+      side_files_(side_files),
       budget_(budget) {}
 
 Buffers::View Buffers::view_of(const JsonView& user) {
@@ -135,17 +147,20 @@ std::span<const std::byte> Buffers::buffer(uint32_t index) {
 }
 
 std::shared_ptr<const std::vector<std::byte>> Buffers::side_file(std::string_view uri, const std::string& place) {
-    const std::filesystem::path path = resolve_side_file(uri, folder_, place);
-    auto& content = side_files_[path];
-    if (!content) {
-        content = std::make_shared<const std::vector<std::byte>>(
-            read_file(path, side_files_left_bytes_, place,
-                      side_files_left_bytes_ < kFileLimitBytes
-                          ? "with the side files before it, it is larger than the limit of 2 GiB"
-                          : kLargerThanFiles));
-        side_files_left_bytes_ -= content->size();
-    }
-    return content;
+    const auto* folder = std::get_if<std::filesystem::path>(&side_files_);
+    const std::filesystem::path path = folder ? resolve_side_file(uri, *folder, place)
+                                              : std::filesystem::path(side_file_name(uri, place));
+    auto& content = loaded_side_files_[path];
+    if (content) return content;
+    const char* too_large = side_files_left_bytes_ < kFileLimitBytes
+                                ? "with the side files before it, it is larger than the limit of 2 GiB"
+                                : kLargerThanFiles;
+    std::vector<std::byte> bytes = folder
+                                       ? read_file(path, side_files_left_bytes_, place, too_large, budget_.progress())
+                                       : resolved(std::get<AssetResolver>(side_files_), path.string(), place);
+    if (bytes.size() > side_files_left_bytes_) throw Failure(ErrorCode::kLimit, place, too_large);
+    side_files_left_bytes_ -= bytes.size();
+    return content = std::make_shared<const std::vector<std::byte>>(std::move(bytes));
 }
 
 }  // namespace throng::gltf

@@ -5,10 +5,13 @@
 #include "import/warnings.h"
 #include "json/json_view.h"
 
+#include <throng/asset.h>
+
 #include <filesystem>
 #include <map>
 #include <memory>
 #include <span>
+#include <variant>
 #include <vector>
 
 namespace throng::gltf {
@@ -22,11 +25,15 @@ struct Container {
 // A GLB by its magic, and otherwise JSON as a whole. Fails with kInvalidFile, and kUnsupported for GLB 1 (glTF 1.0).
 Container open_container(std::span<const std::byte> file, Warnings& warnings);
 
+// Where side files are: in a folder, or where the application has them.
+using SideFiles = std::variant<std::filesystem::path, AssetResolver>;
+
 // Buffers and buffer views, read at first use: a buffer that nothing needs (the fallback of EXT_meshopt_compression,
 // which may be without data) is not looked at.
 class Buffers {
 public:
-    Buffers(JsonView root, const Container& container, std::filesystem::path folder, Budget& budget);
+    // Keeps references.
+    Buffers(JsonView root, const Container& container, const SideFiles& side_files, Budget& budget);
 
     struct View {
         std::span<const std::byte> bytes;
@@ -51,12 +58,12 @@ private:
     JsonView buffers_;
     JsonView views_;
     std::optional<std::span<const std::byte>> bin_;
-    std::filesystem::path folder_;
+    const SideFiles& side_files_;
     Budget& budget_;
     uint64_t side_files_left_bytes_ = kFileLimitBytes;
     std::map<uint32_t, Loaded> loaded_buffers_;
     std::map<uint32_t, std::vector<std::byte>> decompressed_views_;
-    std::map<std::filesystem::path, std::shared_ptr<const std::vector<std::byte>>> side_files_;
+    std::map<std::filesystem::path, std::shared_ptr<const std::vector<std::byte>>> loaded_side_files_;
 };
 
 }  // namespace throng::gltf

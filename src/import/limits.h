@@ -4,6 +4,7 @@
 #pragma once
 
 #include "base/failure.h"
+#include "base/progress.h"
 
 #include <cstdint>
 #include <string>
@@ -15,10 +16,14 @@ inline constexpr uint64_t kMemoryLimitBytes = uint64_t(384) << 20;  // JSON as r
 inline constexpr uint64_t kJsonLimitBytes = uint64_t(256) << 20;    // JSON text, data: URIs included
 inline constexpr uint32_t kWarningLimit = 100;
 
+// All work on a file's content is charged here, so this is also where it asks whether it is to go on.
 class Budget {
 public:
+    explicit Budget(const Progress& progress = {}) : progress_(progress.between(0, 0)) {}
+
     // Fails with kLimit where `size_bytes` more would exceed kMemoryLimitBytes.
     void charge(uint64_t size_bytes, const std::string& place) {
+        progress_.poll();
         if (size_bytes > left_bytes_)
             throw Failure(ErrorCode::kLimit, place,
                           "the file's content needs more than the limit of 384 MiB of memory");
@@ -29,7 +34,13 @@ public:
         charge(count > kMemoryLimitBytes ? count : count * element_bytes, place);
     }
 
+    // At each step of a loop over what is decoded.
+    void poll_at(uint64_t step) const { progress_.poll_at(step); }
+    // Only asked: what it is told is not reported.
+    const Progress& progress() const { return progress_; }
+
 private:
+    Progress progress_;
     uint64_t left_bytes_ = kMemoryLimitBytes;
 };
 

@@ -9,6 +9,9 @@
 namespace throng::gltf {
 namespace {
 
+// What is done of the work after each part of it, about: of a file, and of its content.
+constexpr double kFileRead = 0.3, kParsed = 0.2, kClipsRead = 0.5, kMaterialsRead = 0.6;
+
 // "2.0": two numbers of up to five digits.
 bool is_version(std::string_view text) {
     const size_t dot = text.find('.');
@@ -58,10 +61,11 @@ bool check_extensions(const JsonView& root) {
 
 // What the parsed text will take, before it is parsed: nlohmann's values are 16 bytes, and each member of an object has
 // its key beside it. Measured: not below what is really taken, at most twice it.
-uint64_t parsed_bytes(std::string_view text) {
+uint64_t parsed_bytes(std::string_view text, const Budget& budget) {
     uint64_t size_bytes = text.size();
     bool in_string = false;
     for (size_t i = 0; i < text.size(); ++i) {
+        budget.poll_at(i);
         const char c = text[i];
         if (in_string) {
             if (c == '\\') ++i;
@@ -83,32 +87,33 @@ uint64_t parsed_bytes(std::string_view text) {
     return size_bytes;
 }
 
-Asset read_parts(std::span<const std::byte> bytes, const std::filesystem::path& folder, Warnings& warnings) {
-    Budget budget;
+Asset read_parts(std::span<const std::byte> bytes, const SideFiles& side_files, Warnings& warnings,
+                 const Progress& progress) {
+    Budget budget(progress);
     const Container container = open_container(bytes, warnings);
-    const JsonText json = parse_json(container.json, budget);
+    const JsonText json = parse_json(container.json, budget, progress.between(0, kParsed));
     const JsonView root = json.view();
     root.as_object();
     check_version(root);
     const bool quantized = check_extensions(root);
-    Buffers buffers(root, container, folder, budget);
+    Buffers buffers(root, container, side_files, budget);
     Accessors accessors(root, buffers, budget, warnings);
     Reading reading{root, buffers, accessors, budget, warnings, quantized};
 
     Asset asset;
     read_nodes(reading, asset);
     read_skins(reading, asset);
+    reading.progress = progress.between(kParsed, kClipsRead);
     read_clips(reading, asset);
+    reading.progress = progress.between(kClipsRead, kMaterialsRead);
     const std::vector<uint32_t> texcoord_sets = read_materials(reading, asset);
+    reading.progress = progress.between(kMaterialsRead, 1);
     read_meshes(reading, texcoord_sets, asset);
     read_mesh_instances(reading, asset);
     return asset;
 }
 
-std::string message_name(const std::filesystem::path& path) {
-    const std::string name = printable(path.filename().string(), 120);
-    return name.empty() ? printable(path.string(), 120) : name;
-}
+std::string message_name(std::string_view name) { return name.empty() ? "(no name)" : printable(name, 120); }
 
 // Runs `body`; a Failure's place is given the file's name in front.
 template <class Body>
@@ -131,33 +136,58 @@ std::string read_name(Reading& reading, const JsonView& json) {
     return {};
 }
 
-JsonText parse_json(std::string_view text, Budget& budget) {
+JsonText parse_json(std::string_view text, Budget& budget, const Progress& progress) {
     if (text.size() > kJsonLimitBytes)
         throw Failure(ErrorCode::kLimit, "", "the JSON is larger than the limit of 256 MiB");
     // Some exporters pad the JSON chunk of a GLB with zeros in place of spaces.
     text = text.substr(0, text.find_last_not_of('\0') + 1);
-    budget.charge(parsed_bytes(text), "");
-    return JsonText(text, JsonAuthor::kProgram);
+    budget.charge(parsed_bytes(text, budget), "");
+    return JsonText(text, JsonAuthor::kProgram, {}, progress);
 }
 
-Asset read_asset(std::span<const std::byte> bytes, const std::filesystem::path& origin) {
-    const std::string name = message_name(origin);
-    return in_file(name, [&] {
-        Warnings warnings(name);
-        Asset asset = read_parts(bytes, origin.parent_path(), warnings);
-        asset.name = printable(origin.filename().string(), std::string::npos);
+Asset read_asset(std::span<const std::byte> bytes, std::string_view name, const SideFiles& side_files,
+                 const Progress& progress) {
+    const std::string place = message_name(name);
+    return in_file(place, [&] {
+        progress.report(0);
+        Warnings warnings(place);
+        Asset asset = read_parts(bytes, side_files, warnings, progress);
+        asset.name = printable(name, std::string::npos);
         asset.warnings = warnings.take();
+        progress.report(1);
         return asset;
     });
+}
+
+Result<Asset> load_asset(const std::filesystem::path& path, const Progress& progress) {
+    const std::string name = path.has_filename() ? path.filename().string() : path.string();
+    const std::string place = message_name(name);
+    return as_result(
+        [&] {
+            const std::vector<std::byte> bytes = read_file(path, kFileLimitBytes, place, kLargerThanFiles,
+                                                           progress.between(0, kFileRead));
+            return read_asset(bytes, name, path.parent_path(), progress.between(kFileRead, 1));
+        },
+        place);
 }
 
 }  // namespace throng::gltf
 
 namespace throng {
 
-Result<Asset> load_asset(const std::filesystem::path& path) {
-    const std::string name = gltf::message_name(path);
-    return as_result([&] { return gltf::read_asset(read_file(path, gltf::kFileLimitBytes, name), path); }, name);
+Result<Asset> load_asset(const std::filesystem::path& path, const LoadHooks& hooks) {
+    return gltf::load_asset(path, Progress(hooks));
+}
+
+Result<Asset> load_asset(std::span<const std::byte> bytes, std::string_view name, const AssetResolver& resolver,
+                         const LoadHooks& hooks) {
+    const std::string place = gltf::message_name(name);
+    return as_result(
+        [&] {
+            if (bytes.size() > gltf::kFileLimitBytes) throw Failure(ErrorCode::kLimit, place, kLargerThanFiles);
+            return gltf::read_asset(bytes, name, resolver, Progress(hooks));
+        },
+        place);
 }
 
 }  // namespace throng

@@ -40,6 +40,7 @@ Keys read_times(Reading& reading, const JsonView& sampler, Interpolation interpo
     Keys out;
     out.file_count = input.count();
     for (uint32_t key = 0; key < input.count(); ++key) {
+        reading.budget.poll_at(key);
         const auto fail = [&](const char* what) { sampler.fail_at("input", "the time of key ", key, " ", what); };
         if (!std::isfinite(time_of(key))) fail("is not finite");
         if (time_of(key) < 0) fail("is negative");
@@ -102,6 +103,7 @@ std::vector<float> read_values(Reading& reading, const JsonView& sampler, const 
     bool has_zero = false;
     for (const uint32_t key : keys.kept)
         for (uint64_t part = 0; part < per_key; ++part) {
+            reading.budget.poll_at(key * per_key + part);
             float length_squared = 0;
             for (uint32_t c = 0; c < format.component_count; ++c) {
                 const float value = output.number(uint32_t(key * per_key + part), c);
@@ -222,8 +224,10 @@ private:
 void read_clips(Reading& reading, Asset& asset) {
     const JsonView animations = reading.charged_array("animations", sizeof(AssetClip));
     asset.clips.reserve(animations.size());
-    for (const JsonView animation : animations)
+    for (const JsonView animation : animations) {
+        reading.progress.report(asset.clips.size(), animations.size());
         asset.clips.push_back(ClipReader(reading, animation, asset.nodes.size()).take());
+    }
 }
 
 }  // namespace throng::gltf

@@ -146,6 +146,7 @@ std::vector<uint32_t> read_materials(Reading& reading, Asset& asset) {
     std::vector<uint32_t> texcoord_sets(materials.size(), 0);
     Images images(reading, asset);
     for (size_t i = 0; i < materials.size(); ++i) {
+        reading.progress.report(i, materials.size());
         const JsonView json = materials[i].as_object();
         AssetMaterial& material = asset.materials[i];
         material.name = read_name(reading, json);

@@ -91,10 +91,11 @@ private:
         return is_short(format) && format.is_unsigned() && format.normalized;
     }
 
-    static std::vector<Vec3<float>> finite_vectors(const JsonView& attributes, const char* name,
-                                                   const AccessorView& view) {
+    std::vector<Vec3<float>> finite_vectors(const JsonView& attributes, const char* name,
+                                            const AccessorView& view) const {
         std::vector<Vec3<float>> out(view.count());
         for (uint32_t v = 0; v < view.count(); ++v) {
+            reading_.budget.poll_at(v);
             out[v] = {view.number(v, 0), view.number(v, 1), view.number(v, 2)};
             if (!std::isfinite(out[v].x) || !std::isfinite(out[v].y) || !std::isfinite(out[v].z))
                 attributes.fail_at(name, "vertex ", v, " is not finite");
@@ -118,6 +119,7 @@ private:
         bool mended = false;
         out.reserve(view.count());
         for (uint32_t v = 0; v < view.count(); ++v) {
+            reading_.budget.poll_at(v);
             std::array<float, sizeof(Element) / sizeof(float)> values;
             for (uint32_t c = 0; c < values.size(); ++c) {
                 values[c] = c < view.format.component_count ? view.number(v, c) : 1;
@@ -229,6 +231,7 @@ private:
             out_.influence_weights.resize(out_.positions.size() * influence_count);
             uint32_t not_finite_count = 0, negative_count = 0;  // vertices
             for (uint32_t v = 0; v < joints.count(); ++v) {
+                reading_.budget.poll_at(v);
                 bool not_finite = false, negative = false;
                 for (uint32_t k = 0; k < 4; ++k) {
                     const float stored = weights.number(v, k);
@@ -292,6 +295,7 @@ private:
         const uint32_t restart = uint32_t((uint64_t(1) << 8 * size_of(view.format.component_type)) - 1);
         out.resize(view.count());
         for (uint32_t i = 0; i < out.size(); ++i) {
+            reading_.budget.poll_at(i);
             out[i] = view.integer(i, 0);
             if (out[i] == restart)
                 json_.fail_at("indices", "index ", restart, " is the primitive restart value, which glTF forbids");
@@ -358,6 +362,7 @@ void read_meshes(Reading& reading, const std::vector<uint32_t>& texcoord_sets, A
     const JsonView meshes = reading.charged_array("meshes", sizeof(AssetMesh));
     asset.meshes.reserve(meshes.size());
     for (const JsonView json : meshes) {
+        reading.progress.report(asset.meshes.size(), meshes.size());
         AssetMesh mesh;
         mesh.name = read_name(reading, json);
         const uint32_t target_count = morph_target_count(json);

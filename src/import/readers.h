@@ -15,7 +15,8 @@ struct Reading {
     Accessors& accessors;
     Budget& budget;
     Warnings& warnings;
-    bool quantized;  // KHR_mesh_quantization is used
+    bool quantized;          // KHR_mesh_quantization is used
+    Progress progress = {};  // of the reader that runs
 
     // An array of the file, with `element_bytes` charged for each element.
     JsonView charged_array(const char* key, uint64_t element_bytes) {

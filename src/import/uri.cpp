@@ -38,12 +38,14 @@ constexpr std::array<int8_t, 256> kBase64Digits = [] {
     return digits;
 }();
 
-std::vector<std::byte> base64_decoded(std::string_view text, const std::string& place) {
+std::vector<std::byte> base64_decoded(std::string_view text, const Budget& budget, const std::string& place) {
     std::vector<std::byte> out;
     out.reserve(text.size() / 4 * 3 + 3);
     uint32_t bits = 0, bit_count = 0;
     bool ended = false;
-    for (const char c : text) {
+    for (size_t i = 0; i < text.size(); ++i) {
+        budget.poll_at(i);
+        const char c = text[i];
         if (c == ' ' || c == '\n' || c == '\r' || c == '\t') continue;
         if (c == '=') {
             ended = true;
@@ -69,6 +71,23 @@ bool has_scheme(std::string_view uri) {
     return end != uri.npos && uri[end] == ':';
 }
 
+// Whatever the system, since an application may have file systems of its own.
+constexpr std::string_view kSeparators = "/\\";
+bool is_absolute(std::string_view path) {
+    return kSeparators.find(path[0]) != kSeparators.npos || (path.size() > 1 && path[1] == ':');
+}
+bool leads_up(std::string_view path) {
+    for (size_t begin = 0, end = 0; end != path.npos; begin = end + 1) {
+        end = path.find_first_of(kSeparators, begin);
+        if (path.substr(begin, end - begin) == "..") return true;
+    }
+    return false;
+}
+
+[[noreturn]] void refuse(ErrorCode code, std::string_view uri, const std::string& place, const char* why) {
+    throw Failure(code, place, "'", printable(uri), "' ", why);
+}
+
 }  // namespace
 
 bool is_data_uri(std::string_view uri) {
@@ -84,35 +103,33 @@ std::vector<std::byte> decode_data_uri(std::string_view uri, Budget& budget, con
     budget.charge(payload.size() * (escaped ? 2 : 1), place);
     const std::string unescaped = escaped ? percent_decoded(payload, place) : std::string();
     const std::string_view text = escaped ? std::string_view(unescaped) : payload;
-    if (header.ends_with(";base64")) return base64_decoded(text, place);
+    if (header.ends_with(";base64")) return base64_decoded(text, budget, place);
     const auto* bytes = reinterpret_cast<const std::byte*>(text.data());
     return {bytes, bytes + text.size()};
 }
 
-fs::path resolve_side_file(std::string_view uri, const fs::path& folder, const std::string& place) {
-    const auto refuse = [&](ErrorCode code, const char* why) {
-        throw Failure(code, place, "'", printable(uri), "' ", why);
-    };
-    if (has_scheme(uri))
-        refuse(ErrorCode::kInvalidFile,
-               "is not a relative path: only data: URIs and files beside the glTF file are read");
-    const std::string decoded = percent_decoded(uri, place);
-    if (decoded.empty() || decoded.find('\0') != decoded.npos) refuse(ErrorCode::kInvalidFile, "is not a file name");
-    const fs::path relative(decoded);
-    if (relative.is_absolute())
-        refuse(ErrorCode::kInvalidFile, "is an absolute path: side files must lie in the file's folder");
-    for (const fs::path& part : relative)
-        if (part == "..") refuse(ErrorCode::kInvalidFile, "has '..' in it: side files must lie in the file's folder");
+std::string side_file_name(std::string_view uri, const std::string& place) {
+    const auto fail = [&](const char* why) { refuse(ErrorCode::kInvalidFile, uri, place, why); };
+    if (has_scheme(uri)) fail("is not a relative path: only data: URIs and files beside the glTF file are read");
+    std::string name = percent_decoded(uri, place);
+    if (name.empty() || name.find('\0') != name.npos) fail("is not a file name");
+    if (is_absolute(name)) fail("is an absolute path: side files must lie in the file's folder");
+    if (leads_up(name)) fail("has '..' in it: side files must lie in the file's folder");
+    return name;
+}
 
+fs::path resolve_side_file(std::string_view uri, const fs::path& folder, const std::string& place) {
+    const auto fail = [&](ErrorCode code, const char* why) { refuse(code, uri, place, why); };
+    const fs::path relative(side_file_name(uri, place));
     std::error_code error;
     const fs::path root = fs::weakly_canonical(folder.empty() ? fs::path(".") : folder, error);
-    if (error) refuse(ErrorCode::kFile, "cannot be found");
+    if (error) fail(ErrorCode::kFile, "cannot be found");
     const fs::path file = fs::weakly_canonical(root / relative, error);
-    if (error || !fs::exists(file, error)) refuse(ErrorCode::kFile, "cannot be found");
+    if (error || !fs::exists(file, error)) fail(ErrorCode::kFile, "cannot be found");
     // A symbolic link may lead out of the folder.
     const auto [root_end, file_end] = std::mismatch(root.begin(), root.end(), file.begin(), file.end());
-    if (root_end != root.end()) refuse(ErrorCode::kInvalidFile, "leads out of the file's folder");
-    if (!fs::is_regular_file(file, error)) refuse(ErrorCode::kFile, "is not a regular file");
+    if (root_end != root.end()) fail(ErrorCode::kInvalidFile, "leads out of the file's folder");
+    if (!fs::is_regular_file(file, error)) fail(ErrorCode::kFile, "is not a regular file");
     return file;
 }
 

@@ -13,7 +13,8 @@ namespace {
 
 std::string at_line(const std::string& file, uint32_t line) { return joined(file, ":", line); }
 
-// nlohmann's parser knows lines, but tells them only with its own errors. So it reads through this, which counts them.
+// nlohmann's parser knows lines, but tells them only with its own errors. So it reads through this, which counts them,
+// and says how far it has come.
 class LineCounter {
 public:
     using iterator_category = std::input_iterator_tag;
@@ -22,19 +23,27 @@ public:
     using pointer = const char*;
     using reference = const char&;
 
-    LineCounter(const char* at, uint32_t* line) : at_(at), line_(line) {}
+    // `line` and `progress` are of the begin; the end has none.
+    LineCounter(std::string_view text, size_t at, uint32_t* line = nullptr, const Progress* progress = nullptr)
+        : text_(text), at_(text.data() + at), line_(line), progress_(progress) {}
     const char& operator*() const { return *at_; }
     LineCounter& operator++() {
         // A number is read up to the character behind it, which may end the line
         *line_ += std::exchange(ends_line_, *at_ == '\n');
         ++at_;
+        if (const auto read = static_cast<size_t>(at_ - text_.data()); read % kCharactersBetweenReports == 0)
+            progress_->report(read, text_.size());
         return *this;
     }
     bool operator==(const LineCounter& other) const { return at_ == other.at_; }
 
 private:
+    static constexpr size_t kCharactersBetweenReports = 1 << 16;
+
+    std::string_view text_;
     const char* at_;
     uint32_t* line_;  // of the last character that was read
+    const Progress* progress_;
     bool ends_line_ = false;
 };
 
@@ -155,11 +164,11 @@ size_t value_count(const JsonView& json) {
 
 }  // namespace
 
-JsonText::JsonText(std::string_view text, JsonAuthor author, const std::string& file)
+JsonText::JsonText(std::string_view text, JsonAuthor author, const std::string& file, const Progress& progress)
     : author_(author), root_(std::make_unique<Json>()) {
-    uint32_t line = 1, unused = 0;
+    uint32_t line = 1;
     TreeBuilder builder(author, file, line, *root_, lines_);
-    Json::sax_parse(LineCounter(text.data(), &line), LineCounter(text.data() + text.size(), &unused), &builder);
+    Json::sax_parse(LineCounter(text, 0, &line, &progress), LineCounter(text, text.size()), &builder);
 }
 
 JsonText::~JsonText() = default;

@@ -1,6 +1,7 @@
 // The text of a JSON file, parsed; each value knows its line.
 #pragma once
 
+#include "base/progress.h"
 #include "json/json_view.h"
 
 #include <memory>
@@ -18,7 +19,7 @@ class JsonText {
 public:
     // Throws kInvalidFile and kLimit. Of what people write, no key may stand twice in an object, and the place of a
     // failure is `file` and line; else the last of several counts, and the place is empty.
-    JsonText(std::string_view text, JsonAuthor author, const std::string& file = {});
+    JsonText(std::string_view text, JsonAuthor author, const std::string& file = {}, const Progress& progress = {});
     ~JsonText();
 
     JsonView view() const { return JsonView(*root_, author_); }

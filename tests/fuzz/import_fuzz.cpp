@@ -8,8 +8,8 @@
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
     const std::span bytes(reinterpret_cast<const std::byte*>(data), size);
-    const auto result = throng::as_result([&] { return throng::gltf::read_asset(bytes, "/nowhere/fuzz.glb"); },
-                                          "fuzz.glb");
+    const auto result = throng::as_result(
+        [&] { return throng::gltf::read_asset(bytes, "fuzz.glb", std::filesystem::path("/nowhere")); }, "fuzz.glb");
     // Whatever is refused is refused with one line that begins with the file's name.
     if (!result.ok()) {
         const std::string text = result.error().text();

@@ -23,9 +23,10 @@ void add_posed(Box& bounds, const AffineT<double>& model_from_joint, const Box& 
 
 }  // namespace
 
-void measure_clips(Character& character) {
+void measure_clips(Character& character, const Progress& progress) {
     const std::vector<Box> boxes = influence_boxes(character);
     for (uint32_t number = 0; number < character.clips.size(); ++number) {
+        progress.report(number, character.clips.size());
         Clip& clip = character.clips[number];
         Box bounds;
         const auto add_pose = [&](double time_s) {
@@ -33,6 +34,7 @@ void measure_clips(Character& character) {
             for (size_t joint = 0; joint < model.size(); ++joint) add_posed(bounds, model[joint], boxes[joint]);
         };
         for (uint32_t row = 0; row < clip.row_count; ++row) {
+            progress.poll();
             const double time_s = character.times_s[clip.first_time + row];
             add_pose(time_s);
             if (row + 1 < clip.row_count) add_pose((time_s + character.times_s[clip.first_time + row + 1]) / 2);

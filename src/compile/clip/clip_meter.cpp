@@ -10,10 +10,12 @@ constexpr size_t kCachedModels = 1 << 18;  // exact transforms that are kept: 24
 
 }  // namespace
 
-ClipMeter::ClipMeter(const Character& character, const ClipGrid& grid, std::span<const Box> boxes)
+ClipMeter::ClipMeter(const Character& character, const ClipGrid& grid, std::span<const Box> boxes,
+                     const Progress& progress)
     : character_(character),
       grid_(grid),
       boxes_(boxes),
+      progress_(progress),
       models_(boxes.size()),
       exact_models_(boxes.size()),
       exact_pose_(grid.still),
@@ -22,6 +24,7 @@ ClipMeter::ClipMeter(const Character& character, const ClipGrid& grid, std::span
     std::vector<AffineT<double>> all;
     all.reserve(grid.point_count() * boxes.size());
     for (size_t point = 0; point < grid.point_count(); ++point) {
+        progress.poll();
         const std::span<const AffineT<double>> models = compute_exact(point);
         all.insert(all.end(), models.begin(), models.end());
     }
@@ -44,6 +47,7 @@ std::span<const AffineT<double>> ClipMeter::compute_exact(size_t point) {
 }
 
 std::span<const AffineT<double>> ClipMeter::exact(size_t point) {
+    progress_.poll();
     return cache_.empty() ? compute_exact(point)
                           : std::span<const AffineT<double>>(cache_).subspan(point * boxes_.size(), boxes_.size());
 }

@@ -1,15 +1,17 @@
 // How far the skin is displaced where a clip is read from fewer rows, or from quantised ones.
 #pragma once
 
+#include "base/progress.h"
 #include "compile/clip/clip_grid.h"
 #include "reference/influence_boxes.h"
 
 namespace throng {
 
-// Keeps references. Reading between two rows is what the sample stage does: the straight line, rotations normalised.
+// Keeps references. At each point that it looks at it asks whether it is to go on. Reading between two rows is what the
+// sample stage does: the straight line, rotations normalised.
 class ClipMeter {
 public:
-    ClipMeter(const Character& character, const ClipGrid& grid, std::span<const Box> boxes);
+    ClipMeter(const Character& character, const ClipGrid& grid, std::span<const Box> boxes, const Progress& progress);
 
     // [joint_count], model_from_joint of the exact tracks at a point of the grid.
     std::span<const AffineT<double>> exact(size_t point);
@@ -44,6 +46,7 @@ private:
     const Character& character_;
     const ClipGrid& grid_;
     std::span<const Box> boxes_;
+    const Progress& progress_;
     std::vector<AffineT<double>> cache_;  // [point][joint_count]; empty where that is too much
     std::vector<AffineT<double>> models_, exact_models_;
     std::vector<Trs<double>> pose_, exact_pose_;

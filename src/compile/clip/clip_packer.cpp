@@ -53,14 +53,15 @@ std::vector<std::vector<Trs<double>>> sample_poses(const ExactClip& clip, const 
 class ClipPacker {
 public:
     ClipPacker(const Character& character, const ExactClip& clip, std::span<const Box> boxes,
-               const PackSettings& settings)
+               const PackSettings& settings, const Progress& progress)
         : character_(character),
+          progress_(progress),
           boxes_(boxes),
           bound_(settings.bound),
           poses_(sample_poses(clip, character.rig)),
           grid_(make_clip_grid(clip, character.rig, joint_reaches(character, boxes, poses_.back()),
                                {kArcShare * bound_, settings.joint_rows})),
-          meter_(character, grid_, boxes),
+          meter_(character, grid_, boxes, progress),
           encoder_(character, grid_, meter_) {}
 
     PackedClip run() {
@@ -90,7 +91,10 @@ private:
     void take(std::vector<size_t> rows) {
         rows_ = std::move(rows);
         shapes_ = track_shapes(character_, grid_, rows_);
-        for (const auto& pose : poses_) add_sensitivity(shapes_, character_, boxes_, pose, bound_);
+        for (const auto& pose : poses_) {
+            progress_.poll();
+            add_sensitivity(shapes_, character_, boxes_, pose, bound_);
+        }
         weights_.assign(boxes_.size(), 1);
     }
 
@@ -182,6 +186,7 @@ private:
     }
 
     const Character& character_;
+    const Progress& progress_;
     const std::span<const Box> boxes_;
     const double bound_;
     const std::vector<std::vector<Trs<double>>> poses_;  // [sampled row][joint_count], exact
@@ -199,8 +204,8 @@ private:
 }  // namespace
 
 PackedClip pack_clip(const Character& character, const ExactClip& clip, std::span<const Box> boxes,
-                     const PackSettings& settings) {
-    return ClipPacker(character, clip, boxes, settings).run();
+                     const PackSettings& settings, const Progress& progress) {
+    return ClipPacker(character, clip, boxes, settings, progress).run();
 }
 
 }  // namespace throng

@@ -1,6 +1,7 @@
 // One clip: which rows are kept, and how finely each track is quantised.
 #pragma once
 
+#include "base/progress.h"
 #include "compile/clip/exact_clip.h"
 #include "reference/influence_boxes.h"
 
@@ -22,6 +23,6 @@ struct PackSettings {
 
 // Throws kInvalidFile where poses of the clip are not finite.
 PackedClip pack_clip(const Character& character, const ExactClip& clip, std::span<const Box> boxes,
-                     const PackSettings& settings);
+                     const PackSettings& settings, const Progress& progress = {});
 
 }  // namespace throng

@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <atomic>
 #include <bit>
+#include <chrono>
 #include <cstdio>
 #include <future>
 #include <map>
@@ -132,9 +133,10 @@ void check_error_bound(double error, const std::string& place) {
         std::string("an error bound of ") + text + "; it is 0 (exact) or 1e-6 to 0.1 of the character's size");
 }
 
-void pack_clips(std::span<const ExactClip> clips, double error, Character& character) {
-    uint64_t joint_rows = 0;
-    for (const ExactClip& clip : clips) joint_rows += uint64_t{clip.times_s.size()} * character.rig.joint_count();
+void pack_clips(std::span<const ExactClip> clips, double error, Character& character, const Progress& progress) {
+    uint64_t row_count = 0;
+    for (const ExactClip& clip : clips) row_count += clip.times_s.size();
+    const uint64_t joint_rows = row_count * character.rig.joint_count();
     if (joint_rows > kPackingLimit)
         throw Failure(ErrorCode::kLimit, printable(character.name, 120),
                       std::to_string(joint_rows) + " poses of a joint in its clips, and the limit of compressing is " +
@@ -142,22 +144,35 @@ void pack_clips(std::span<const ExactClip> clips, double error, Character& chara
 
     // Clips do not depend on each other: the result is the same with any number of threads.
     constexpr size_t kMostThreads = 4;  // each may hold some 100 MiB
+    constexpr std::chrono::milliseconds kReportInterval(10);
     const std::vector<Box> boxes = influence_boxes(character);
     const size_t clip_count = clips.size();
     const PackSettings settings{error * double{character.size},
                                 std::min(GridSettings().joint_rows, kPackingLimit / std::max<size_t>(1, clip_count))};
     Packing packing(clips, error, character);
-    std::atomic<uint32_t> next = 0;
+    std::atomic<size_t> next = 0, rows_done = 0;
+    const auto report = [&] { progress.report(rows_done, row_count); };
     const auto work = [&] {
-        for (uint32_t clip = next++; clip < clip_count; clip = next++)
-            packing.add(clip, pack_clip(character, clips[clip], boxes, settings));
+        try {
+            for (size_t clip = next++; clip < clip_count; clip = next++) {
+                report();
+                packing.add(static_cast<uint32_t>(clip), pack_clip(character, clips[clip], boxes, settings, progress));
+                rows_done += clips[clip].times_s.size();
+            }
+        } catch (...) {
+            next = clip_count;  // the other threads need not begin more
+            throw;
+        }
     };
     std::vector<std::future<void>> threads;
     const size_t thread_count = std::min(
         {clip_count, kMostThreads, size_t{std::max(1u, std::thread::hardware_concurrency())}});
     for (size_t i = 0; i + 1 < thread_count; ++i) threads.push_back(std::async(std::launch::async, work));
     work();
-    for (std::future<void>& thread : threads) thread.get();
+    for (std::future<void>& thread : threads) {
+        while (thread.wait_for(kReportInterval) != std::future_status::ready) report();
+        thread.get();
+    }
     packing.finish();
 }
 

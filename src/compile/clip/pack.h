@@ -1,6 +1,7 @@
 // Exact keys -> packed ones (throng/character.h has the layout).
 #pragma once
 
+#include "base/progress.h"
 #include "compile/clip/exact_clip.h"
 
 namespace throng {
@@ -14,6 +15,6 @@ void check_error_bound(double error, const std::string& place);
 // measured at the skin, range reduction, bits per track found by measuring. Different: the bits come from sensitivities
 // and one scale a clip, not from trying them track by track; a joint's target is what puts it right below its packed
 // parent, so that errors do not add up along chains; rows are left out by the same measure.
-void pack_clips(std::span<const ExactClip> clips, double error, Character& character);
+void pack_clips(std::span<const ExactClip> clips, double error, Character& character, const Progress& progress);
 
 }  // namespace throng

@@ -34,12 +34,14 @@ struct HalfTurn {
 class ClipReader {
 public:
     // `key_count`: of the rest pose and the clips before.
-    ClipReader(const Asset& asset, const RigMap& map, size_t index, uint64_t key_count, Character& character)
+    ClipReader(const Asset& asset, const RigMap& map, size_t index, uint64_t key_count, Character& character,
+               const Progress& progress)
         : map_(map),
           source_(asset.clips[index]),
           place_(asset.name + ": animations[" + std::to_string(index) + "]"),
           keys_before_(key_count),
-          character_(character) {}
+          character_(character),
+          progress_(progress) {}
 
     ExactClip read() {
         clip_.facts.name = source_.name;
@@ -86,6 +88,7 @@ private:
             if (!column.is_arc()) continue;
             const auto& times = column.source.track().times_s;
             for (size_t key = 0; key + 1 < times.size(); ++key) {
+                progress_.poll_at(key);
                 if (!is_half_turn(column.source.evaluate(times[key]), column.source.evaluate(times[key + 1]))) continue;
                 const float middle_s = times[key] + (times[key + 1] - times[key]) / 2;
                 half_turns_.push_back({&column, middle_s});
@@ -154,6 +157,7 @@ private:
         };
         std::vector<float> refined;
         for (size_t row = 0; row + 1 < times_s_.size(); ++row) {
+            progress_.poll();
             std::vector<float> ends{times_s_[row + 1]};  // of the intervals still to look at, the nearest last
             float from_s = times_s_[row];
             refined.push_back(from_s);
@@ -188,6 +192,7 @@ private:
         std::vector<float> kept{times_s_.front()};
         size_t from = 0;
         while (from + 1 < times_s_.size()) {
+            progress_.poll();
             size_t to = from + 1;
             while (to + 1 < times_s_.size() && to - from < kLookAhead && reproduces(bends, from, to + 1)) ++to;
             kept.push_back(times_s_[to]);
@@ -234,7 +239,10 @@ private:
         for (const Column& column : columns_) {
             ExactTrack& track = clip_.tracks[column.track];
             track.keys.reserve(times_s_.size());
-            for (const float time_s : times_s_) track.keys.push_back(key_of(column.source.evaluate(time_s)));
+            for (const float time_s : times_s_) {
+                progress_.poll_at(track.keys.size());
+                track.keys.push_back(key_of(column.source.evaluate(time_s)));
+            }
             if (track.target == TrackTarget::kRotation) join_hemispheres(track.keys);
         }
         clip_.times_s = std::move(times_s_);
@@ -245,6 +253,7 @@ private:
     const std::string place_;
     uint64_t keys_before_;  // of the rows
     Character& character_;
+    const Progress& progress_;
     ExactClip clip_;
     std::vector<Column> columns_;
     std::vector<float> times_s_;
@@ -254,7 +263,8 @@ private:
 
 }  // namespace
 
-std::vector<ExactClip> read_clips(const Asset& asset, const RigMap& map, Character& character) {
+std::vector<ExactClip> read_clips(const Asset& asset, const RigMap& map, Character& character,
+                                  const Progress& progress) {
     const uint32_t joint_count = map.rig.joint_count();
     const uint64_t table_bytes = (asset.clips.size() + 1) * uint64_t{joint_count} * sizeof(JointTracks);
     if (table_bytes > kKeyLimit_bytes)
@@ -265,7 +275,8 @@ std::vector<ExactClip> read_clips(const Asset& asset, const RigMap& map, Charact
     std::vector<ExactClip> clips;
     uint64_t keys = uint64_t{3} * joint_count;
     for (size_t index = 0; index < asset.clips.size(); ++index) {
-        clips.push_back(ClipReader(asset, map, index, keys, character).read());
+        progress.report(index, asset.clips.size());
+        clips.push_back(ClipReader(asset, map, index, keys, character, progress).read());
         keys += key_count(clips.back(), clips.back().times_s.size());
     }
     return clips;

@@ -227,9 +227,11 @@ public:
         key_count_ = uint64_t{3} * character.rig.joint_count();
     }
 
-    void run() {
+    void run(const Progress& progress) {
         bool moves = false;
+        size_t done = 0;
         for (ExactClip& clip : clips_) {
+            progress.report(done++, clips_.size());
             JointMotion motion(clip, character_.rig, joint_, model_from_parent(clip), character_.size);
             std::optional<Extracted> extracted = motion.extract(place_);
             if (extracted)
@@ -330,8 +332,9 @@ private:
 
 }  // namespace
 
-void extract_root_motion(std::vector<ExactClip>& clips, std::string_view joint_name, Character& character) {
-    Extraction(clips, joint_name, character).run();
+void extract_root_motion(std::vector<ExactClip>& clips, std::string_view joint_name, Character& character,
+                         const Progress& progress) {
+    Extraction(clips, joint_name, character).run(progress);
 }
 
 }  // namespace throng

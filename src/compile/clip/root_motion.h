@@ -1,6 +1,7 @@
 // Root motion: what a joint moves over the ground is taken out of the clips, for the instance to move by instead.
 #pragma once
 
+#include "base/progress.h"
 #include "compile/clip/exact_clip.h"
 
 #include <string_view>
@@ -15,6 +16,7 @@ namespace throng {
 // the character's size, or radians. Of the character, rig and size are set; warnings are added to it. Throws
 // kInvalidArgument where no joint has the name, kUnsupported where a joint above it is animated, or is not scaled the
 // same along x, y and z, and kLimit where rows or keys exceed 256 MiB.
-void extract_root_motion(std::vector<ExactClip>& clips, std::string_view joint_name, Character& character);
+void extract_root_motion(std::vector<ExactClip>& clips, std::string_view joint_name, Character& character,
+                         const Progress& progress);
 
 }  // namespace throng

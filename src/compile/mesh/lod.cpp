@@ -67,12 +67,14 @@ using NearTriangles = std::vector<uint32_t>;
 // quadrics' own measure is a mean, several times too low for this. Each is looked at only until it is known not to be
 // the furthest.
 template <class Place>
-float furthest_from(const TriangleIndex& mesh, NearTriangles& near, const Place& place, float known, uint64_t& steps) {
+float furthest_from(const TriangleIndex& mesh, NearTriangles& near, const Place& place, float known,
+                    const Progress& progress, uint64_t& steps) {
     float furthest = known * known;
     uint32_t last = 0;
     // Some of all parts first: then it is known about how far the furthest is.
     for (const size_t stride : {size_t{16}, size_t{1}}) {
         for (size_t i = 0; i < near.size(); i += stride) {
+            progress.poll_at(i);
             const TriangleIndex::Nearest found = mesh.nearest(place(i), furthest, near[i] == kNone ? last : near[i]);
             furthest = std::max(furthest, found.squared_distance);
             near[i] = last = found.triangle;
@@ -97,12 +99,13 @@ struct Coarse {
           near_middles(indices.size() / 3 * kMiddles, kNone) {}
 
     // Raises the error to what it is in a pose.
-    void measure(const TriangleIndex& fine, std::span<const Vec3<float>> positions, uint64_t& steps) {
+    void measure(const TriangleIndex& fine, std::span<const Vec3<float>> positions, const Progress& progress,
+                 uint64_t& steps) {
         index.move(positions);
         const auto lost_place = [&](size_t i) { return positions[lost[i]]; };
         const auto middle = [&](size_t i) { return middle_of(index.triangles()[i / kMiddles], i % kMiddles); };
-        error = furthest_from(index, near_lost, lost_place, error, steps);
-        error = furthest_from(fine, near_middles, middle, error, steps);
+        error = furthest_from(index, near_lost, lost_place, error, progress, steps);
+        error = furthest_from(fine, near_middles, middle, error, progress, steps);
     }
 
     std::vector<uint32_t> indices;
@@ -118,15 +121,17 @@ struct Coarse {
 // and clusters of vertices, which do not, and lose no thin part that is larger than a cluster.
 // `index` is that of the fine mesh. Returns one or two.
 std::vector<Coarse> coarse_meshes(std::span<const uint32_t> fine, const TriangleIndex& index,
-                                  std::span<const Vec3<float>> positions, double share) {
+                                  std::span<const Vec3<float>> positions, double share, const Progress& progress) {
     if (fine.empty()) return std::vector<Coarse>(1);
     const size_t wanted = static_cast<size_t>(share * static_cast<double>(fine.size())) / 3 * 3;
     std::vector<uint32_t> collapsed(fine.size()), clustered(fine.size());
     const size_t stride = sizeof positions[0];
     collapsed.resize(meshopt_simplify(collapsed.data(), fine.data(), fine.size(), &positions[0].x, positions.size(),
                                       stride, wanted, kLargestError, 0, nullptr));
+    progress.poll();
     clustered.resize(meshopt_simplifySloppy(clustered.data(), fine.data(), fine.size(), &positions[0].x,
                                             positions.size(), stride, wanted, kLargestError, nullptr));
+    progress.poll();
     if (collapsed.empty()) collapsed.assign(fine.begin(), fine.end());  // nothing vanishes
     const auto is_coarse = [wanted](const std::vector<uint32_t>& mesh) {
         return static_cast<double>(mesh.size()) <= kAlmost * static_cast<double>(wanted);
@@ -136,6 +141,7 @@ std::vector<Coarse> coarse_meshes(std::span<const uint32_t> fine, const Triangle
     const bool prefers_collapsed = clustered.empty() || collapsed.size() <= clustered.size();
     std::vector<Coarse> candidates;
     if (are_coarse || prefers_collapsed) candidates.emplace_back(std::move(collapsed), index, positions);
+    progress.poll();
     if (are_coarse || !prefers_collapsed) candidates.emplace_back(std::move(clustered), index, positions);
     return candidates;
 }
@@ -234,24 +240,31 @@ Chosen best_of(const CoarseLevel& level, const Character& character) {
 
 class LodMaker {
 public:
-    explicit LodMaker(Character& character) : character_(character), levels_(kLodLimit) {
+    LodMaker(Character& character, const Progress& progress)
+        : character_(character), progress_(progress), levels_(kLodLimit) {
         const SampledPose rest{.clip = count_of(character.clips)};
         const std::vector<Vec3<float>> positions = positions_in(character, rest);
-        for (const MeshSection& section : character.sections)
+        for (const MeshSection& section : character.sections) {
+            progress.poll();
             fine_.emplace_back(indices_of(character, section), of_section(section, positions));
+        }
         if (fine_.size() > 1) joined_.emplace(joined_indices(character), positions);
         double share = 1;
+        size_t done = 0;
         for (CoarseLevel& level : levels_) {
             share *= kShare;
             for (size_t i = 0; i < fine_.size(); ++i) {
                 const MeshSection& section = character.sections[i];
-                level.apart.push_back(
-                    coarse_meshes(indices_of(character, section), fine_[i], of_section(section, positions), share));
+                progress.report(done++, levels_.size() * fine_.size());
+                level.apart.push_back(coarse_meshes(indices_of(character, section), fine_[i],
+                                                    of_section(section, positions), share, progress));
             }
             if (!joined_) continue;
             const size_t wanted = static_cast<size_t>(share * static_cast<double>(character.indices.size())) / 3 * 3;
-            for (auto* const simplified : {collapsed_together, clustered_together})
+            for (auto* const simplified : {collapsed_together, clustered_together}) {
+                progress.poll();
                 level.together.emplace_back(simplified(character, positions, wanted), *joined_, positions);
+            }
         }
     }
 
@@ -263,12 +276,12 @@ public:
             const std::span<const Vec3<float>> places = of_section(character_.sections[i], positions);
             fine_[i].move(places);
             for (CoarseLevel& level : levels_)
-                for (Coarse& coarse : level.apart[i]) coarse.measure(fine_[i], places, steps_);
+                for (Coarse& coarse : level.apart[i]) coarse.measure(fine_[i], places, progress_, steps_);
         }
         if (!joined_) return;
         joined_->move(positions);
         for (CoarseLevel& level : levels_)
-            for (Coarse& coarse : level.together) coarse.measure(*joined_, positions, steps_);
+            for (Coarse& coarse : level.together) coarse.measure(*joined_, positions, progress_, steps_);
     }
 
     // As long as triangles become markedly fewer.
@@ -298,6 +311,7 @@ private:
     }
 
     Character& character_;
+    const Progress progress_;
     std::vector<TriangleIndex> fine_;      // [sections]
     std::optional<TriangleIndex> joined_;  // all of several sections
     std::vector<CoarseLevel> levels_;
@@ -306,10 +320,16 @@ private:
 
 }  // namespace
 
-uint64_t make_lods(Character& character) {
+uint64_t make_lods(Character& character, const Progress& progress) {
     if (character.indices.size() <= kFewest) return 0;
-    LodMaker maker(character);
-    for (const SampledPose& pose : sampled_poses(character, kPoses)) maker.measure_in(pose);
+    constexpr double kSimplified = 0.3;  // part of the work; the rest is measuring
+    LodMaker maker(character, progress.between(0, kSimplified));
+    const std::vector<SampledPose> poses = sampled_poses(character, kPoses);
+    const Progress measuring = progress.between(kSimplified, 1);
+    for (size_t i = 0; i < poses.size(); ++i) {
+        measuring.report(i, poses.size());
+        maker.measure_in(poses[i]);
+    }
     maker.keep_levels();
     return maker.steps();
 }

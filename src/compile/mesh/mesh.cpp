@@ -40,14 +40,21 @@ uint32_t pack_color(const std::array<float, 4>& color) {
 
 class MeshCompiler {
 public:
-    MeshCompiler(const Asset& asset, const RigMap& map, Character& character)
-        : asset_(asset), map_(map), character_(character), rest_model_from_joint_(rest_model_from_joint(map.rig)) {}
+    MeshCompiler(const Asset& asset, const RigMap& map, Character& character, const Progress& progress)
+        : asset_(asset),
+          map_(map),
+          character_(character),
+          progress_(progress),
+          rest_model_from_joint_(rest_model_from_joint(map.rig)) {}
 
     void run() {
         for (const AssetSkin& skin : asset_.skins) add_skin(skin);
-        for (const AssetMeshInstance& instance : asset_.mesh_instances)
+        size_t done = 0;
+        for (const AssetMeshInstance& instance : asset_.mesh_instances) {
+            progress_.report(done++, asset_.mesh_instances.size());
             for (uint32_t primitive = 0; primitive < asset_.meshes[instance.mesh].primitives.size(); ++primitive)
                 add_section(instance, primitive);
+        }
         character_.materials = asset_.materials;
         character_.images = asset_.images;
         warn_of_weightless();
@@ -180,6 +187,7 @@ private:
     const Asset& asset_;
     const RigMap& map_;
     Character& character_;
+    const Progress& progress_;
     const std::vector<AffineT<double>> rest_model_from_joint_;
     std::map<uint32_t, uint32_t> rigid_entries_;         // node -> palette entry
     uint64_t skinned_count_ = 0, weightless_count_ = 0;  // vertices
@@ -188,8 +196,8 @@ private:
 
 }  // namespace
 
-void compile_mesh(const Asset& asset, const RigMap& map, Character& character) {
-    MeshCompiler(asset, map, character).run();
+void compile_mesh(const Asset& asset, const RigMap& map, Character& character, const Progress& progress) {
+    MeshCompiler(asset, map, character, progress).run();
 }
 
 }  // namespace throng

@@ -1,12 +1,13 @@
 // Meshes and skins -> one vertex pool, one palette.
 #pragma once
 
+#include "base/progress.h"
 #include "compile/rig/rig.h"
 
 namespace throng {
 
 // Fills skins, palette, vertices, influences, indices, sections, materials and images. character.rig is set.
 // Throws kLimit beyond 65,536 palette entries.
-void compile_mesh(const Asset& asset, const RigMap& map, Character& character);
+void compile_mesh(const Asset& asset, const RigMap& map, Character& character, const Progress& progress);
 
 }  // namespace throng

@@ -45,11 +45,12 @@ bool moves(const AssetMorphTarget& target, size_t vertex) {
 }
 
 void add_deltas(const AssetPrimitive& primitive, const MeshSection& section, Character& character,
-                const std::string& place) {
+                const std::string& place, const Progress& progress) {
     std::vector<const AssetMorphTarget*> moving;  // a file may have thousands that hold nothing
     for (const AssetMorphTarget& target : primitive.targets)
         if (!target.positions.empty() || !target.normals.empty()) moving.push_back(&target);
     for (size_t v = 0; v < primitive.positions.size(); ++v) {
+        progress.poll();
         if (std::ranges::none_of(moving, [&](const AssetMorphTarget* target) { return moves(*target, v); })) continue;
         character.vertices[section.first_vertex + v].first_delta = static_cast<uint32_t>(character.morph_deltas.size() +
                                                                                          1);
@@ -106,7 +107,8 @@ private:
 
 class WeightRows {
 public:
-    WeightRows(Character& character, const std::string& place) : character_(character), place_(place) {}
+    WeightRows(Character& character, const std::string& place, const Progress& progress)
+        : character_(character), place_(place), progress_(progress) {}
 
     void add(const WeightTrack& track, uint32_t& word) {
         if (track.is_constant()) {
@@ -185,6 +187,7 @@ private:
         if (cubic.empty()) return;
         std::vector<float> refined;
         for (size_t row = 0; row < times_s_.size(); ++row) {
+            progress_.poll();
             std::vector<float> ends{times_s_[row]};  // of the intervals still to look at, the nearest last
             while (!ends.empty()) {
                 const float to_s = ends.back(), from_s = refined.empty() ? to_s : refined.back(),
@@ -207,6 +210,7 @@ private:
 
     Character& character_;
     const std::string& place_;
+    const Progress& progress_;
     std::vector<Column> columns_;
     std::vector<float> times_s_;
 };
@@ -226,7 +230,7 @@ std::map<uint32_t, NodeMorphs> morphs_by_node(const Character& character) {
 
 }  // namespace
 
-void compile_morphs(const Asset& asset, Character& character) {
+void compile_morphs(const Asset& asset, Character& character, const Progress& progress) {
     const std::string place = place_of(asset);
     for (const AssetMeshInstance& instance : asset.mesh_instances) {
         const AssetMesh& mesh = asset.meshes[instance.mesh];
@@ -256,18 +260,19 @@ void compile_morphs(const Asset& asset, Character& character) {
         if (primitive.targets.size() != section.morph_count)
             throw Failure(ErrorCode::kInvalidFile, place, primitive.targets.size(), " of a primitive, and ",
                           section.morph_count, " weights of its mesh");
-        add_deltas(primitive, section, character, place);
+        add_deltas(primitive, section, character, place, progress);
     }
 }
 
-void compile_morph_tracks(const Asset& asset, Character& character) {
+void compile_morph_tracks(const Asset& asset, Character& character, const Progress& progress) {
     const uint64_t table_bytes = character.clips.size() * uint64_t{character.morphs.size()} * sizeof(uint32_t);
     require_size(table_bytes, place_of(asset), "tracks (clips x morph targets)");
     character.morph_tracks.assign(character.clips.size() * character.morphs.size(), kNone);
     const std::map<uint32_t, NodeMorphs> by_node = morphs_by_node(character);
     for (size_t index = 0; index < character.clips.size(); ++index) {
+        progress.poll();
         const std::string place = printable(asset.name, 120) + ": animations[" + std::to_string(index) + "]";
-        WeightRows rows(character, place);
+        WeightRows rows(character, place, progress);
         for (const AssetMorphTrack& track : asset.clips[index].morph_tracks) {
             const auto of_node = by_node.find(track.node);
             if (of_node == by_node.end()) continue;  // not in the scene

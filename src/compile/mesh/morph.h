@@ -1,17 +1,19 @@
 // Morph targets -> differences of the vertices that they move; their weights in clips -> rows.
 #pragma once
 
+#include "base/progress.h"
+
 #include <throng/character.h>
 
 namespace throng {
 
 // Fills morphs and morph_deltas, and what sections and vertices say of them. character.sections and vertices are set.
 // Throws kLimit beyond 4,096 morphs, or 256 MiB of differences.
-void compile_morphs(const Asset& asset, Character& character);
+void compile_morphs(const Asset& asset, Character& character, const Progress& progress);
 
 // Fills morph_tracks, morph_times_s and morph_values, and what clips say of them. character.clips are set, those of the
 // asset in its order. Throws kLimit where values or the track table exceed 256 MiB, or the cubic tracks of a clip take
 // more than 4,000,000 weights.
-void compile_morph_tracks(const Asset& asset, Character& character);
+void compile_morph_tracks(const Asset& asset, Character& character, const Progress& progress);
 
 }  // namespace throng

@@ -67,7 +67,7 @@ AffineT<double> difference(const AffineT<double>& a, const AffineT<double>& b) {
 // one above it stand for theirs.
 class JointDisplacements {
 public:
-    explicit JointDisplacements(const Character& character)
+    JointDisplacements(const Character& character, const Progress& progress)
         : character_(character),
           parents_(character.rig.parents),
           entries_(character),
@@ -85,8 +85,10 @@ public:
                     boxes_below_[counterpart].add(boxes_below_[entry]);
         }
         for (const SampledPose& pose :
-             sampled_poses(character, std::max(kPoses, static_cast<uint32_t>(character.clips.size()))))
+             sampled_poses(character, std::max(kPoses, static_cast<uint32_t>(character.clips.size())))) {
+            progress.poll();
             measure_in(pose);
+        }
     }
 
     double of(uint32_t joint) const { return bounds_[joint]; }  // infinite for roots
@@ -165,10 +167,10 @@ std::vector<Influences> influences_of_lod(const Character& character, uint32_t l
     return out;
 }
 
-void make_joint_lods(Character& character) {
+void make_joint_lods(Character& character, const Progress& progress) {
     character.joint_lods.clear();
     if (character.lods.empty() || character.clips.empty()) return;
-    const JointDisplacements displacements(character);
+    const JointDisplacements displacements(character, progress);
     character.joint_lods.resize(character.rig.joint_count());
     for (uint32_t level = 1; level <= character.lods.size(); ++level) {
         Lod& lod = character.lods[level - 1];

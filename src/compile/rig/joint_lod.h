@@ -1,6 +1,8 @@
 // Fewer joints for characters far away.
 #pragma once
 
+#include "base/progress.h"
+
 #include <throng/character.h>
 
 namespace throng {
@@ -13,6 +15,6 @@ std::vector<uint32_t> entries_of_lod(const Character& character, uint32_t lod);
 // more than half of the level's error, and adds how far they do to that error. Measured in the rest pose and in poses
 // of all clips; of a character without clips nothing is known, and joint_lods stay empty. Where a joint does not
 // move, nothing below it does.
-void make_joint_lods(Character& character);
+void make_joint_lods(Character& character, const Progress& progress = {});
 
 }  // namespace throng

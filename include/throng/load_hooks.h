@@ -1,0 +1,19 @@
+// How far a call that takes long has come, and whether it is to go on.
+#pragma once
+
+#include <functional>
+
+namespace throng {
+
+// Both are called on the thread that called throng, and not after the call has returned. What they throw ends the call
+// with kInvalidArgument.
+struct LoadHooks {
+    // The part of the work that is done: 0..1, never less than before; 1 only at the end of a call that succeeds.
+    std::function<void(double part_done)> progress{};
+    // Asked very often, so it should be no more than a look at a flag. Once it says true, the call ends with
+    // kCancelled, most often within 50 ms; but a mesh is simplified, or decompressed, without looking up, which takes a
+    // second for a million triangles.
+    std::function<bool()> is_cancelled{};
+};
+
+}  // namespace throng
