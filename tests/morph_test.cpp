@@ -40,7 +40,8 @@ std::vector<MorphLayer> layers_of(const Character& character, const Playback& pl
 
 class Stage {
 public:
-    explicit Stage(const Character& character) : character_(character) {
+    // An instance shows so many at most.
+    explicit Stage(const Character& character, uint32_t limit = UINT32_MAX) : character_(character), limit_(limit) {
         upload_now([&](Uploads& uploads) { upload_morph_tables(uploads, character, tables_); });
     }
 
@@ -89,7 +90,8 @@ private:
     std::vector<std::vector<io::ActiveMorph>> run(const BufferRange& playbacks, const BufferRange& active_clips,
                                                   const BufferRange& times, uint32_t count,
                                                   uint32_t active_clip_limit) const {
-        const Guarded<io::ActiveMorph> active(poison<io::ActiveMorph>(count * size_t{io::kActiveMorphs}));
+        const uint32_t limit = std::min(limit_, static_cast<uint32_t>(character_.morphs.size()));
+        const Guarded<io::ActiveMorph> active(poison<io::ActiveMorph>(count * size_t{limit}));
         run_invocations(morph_kernel(test_gpu(), active_clip_limit > 0),
                         BufferTable{{io::kPlaybacksBuffer, playbacks},
                                     {io::kActiveClipsBuffer, active_clips},
@@ -100,17 +102,17 @@ private:
                                     {io::kMorphValuesBuffer, tables_[io::kMorphValuesBuffer]},
                                     {io::kActiveMorphsBuffer, active}},
                         io::MorphPush{count, static_cast<uint32_t>(character_.morphs.size()),
-                                      character_.rig.joint_count(), active_clip_limit},
+                                      character_.rig.joint_count(), active_clip_limit, limit},
                         count);
         const std::vector<io::ActiveMorph> all = active.read();
         std::vector<std::vector<io::ActiveMorph>> out;
-        for (size_t i = 0; i < all.size(); i += io::kActiveMorphs)
-            out.emplace_back(all.begin() + static_cast<ptrdiff_t>(i),
-                             all.begin() + static_cast<ptrdiff_t>(i + io::kActiveMorphs));
+        for (size_t i = 0; i < all.size(); i += limit)
+            out.emplace_back(all.begin() + static_cast<ptrdiff_t>(i), all.begin() + static_cast<ptrdiff_t>(i + limit));
         return out;
     }
 
     const Character& character_;
+    uint32_t limit_;
     Buffers tables_;
 };
 
@@ -121,8 +123,13 @@ double compare(const std::vector<io::ActiveMorph>& got, const std::vector<double
     std::vector<bool> is_active(weights.size());
     for (size_t i = 0; i < got.size(); ++i) {
         least = std::min(least, std::abs(double{got[i].weight}));
-        if (i > 0) {
-            EXPECT_LE(std::abs(got[i].weight), std::abs(got[i - 1].weight));
+        if (i > 0 && got[i].weight != 0 && got.size() < weights.size()) {
+            EXPECT_LE(std::abs(got[i].weight), std::abs(got[i - 1].weight)) << "sorted, where not all may be shown";
+        } else if (i > 0 && got[i].weight != 0) {
+            EXPECT_GT(got[i].morph, got[i - 1].morph);
+        }
+        if (i > 0 && got[i - 1].weight == 0) {
+            EXPECT_EQ(got[i].weight, 0);
         }
         if (got[i].weight == 0) continue;
         EXPECT_LT(got[i].morph, weights.size());
@@ -143,10 +150,10 @@ double as_float(double value) { return static_cast<float>(value); }
 
 TEST(Morph, TwoClipsFollowTheReference) {
     double worst = 0;
-    for (const uint32_t morph_count : {1u, 2u, 3u, 5u, 40u}) {
+    for (const auto& [morph_count, limit] : {std::pair{1u, 8u}, {2u, 1u}, {3u, 8u}, {5u, 8u}, {40u, 8u}, {40u, 100u}}) {
         const Character character = make_character(
             {.joint_count = 4, .seed = morph_count, .cubic = true, .morph_count = morph_count});
-        const Stage stage(character);
+        const Stage stage(character, limit);
         Random random(morph_count);
         std::vector<Playback> playbacks;
         for (int i = 0; i < 100; ++i) {
@@ -165,10 +172,10 @@ TEST(Morph, TwoClipsFollowTheReference) {
 
 TEST(Morph, LayersFollowTheReference) {
     double worst = 0;
-    for (const uint32_t morph_count : {1u, 4u, 7u, 30u}) {
+    for (const auto& [morph_count, limit] : {std::pair{1u, 8u}, {4u, 8u}, {7u, 8u}, {30u, 8u}, {30u, 60u}}) {
         const Character character = make_character(
             {.joint_count = 4, .seed = morph_count + 50, .cubic = true, .morph_count = morph_count});
-        const Stage stage(character);
+        const Stage stage(character, limit);
         Random random(morph_count);
         std::vector<std::vector<MorphLayer>> instances;
         for (int i = 0; i < 120; ++i) {
@@ -224,7 +231,8 @@ TEST(Morph, LayersKeepTheRules) {
     expect(weights({{.active_clips = {rest}}, {.is_additive = true, .active_clips = {still}}}), {0, 0.5, 0});
 }
 
-TEST(Morph, TheEightLargestAreShown) {
+TEST(Morph, TheLargestAreShown) {
+    constexpr uint32_t kLimit = 8;
     Asset asset = make_asset({.joint_count = 3, .vertex_count = 6});
     const std::vector<float> defaults{0.1f, -0.5f, 0.5f, 1e-6f, 0, 0.3f, -0.9f, 0.3f, 0.3f, 2, 0.3f, 0.3f, -0.3f};
     asset.meshes[0].weights = defaults;
@@ -234,11 +242,11 @@ TEST(Morph, TheEightLargestAreShown) {
     const auto expect = [&](const std::vector<float>& weights, const std::vector<uint32_t>& order) {
         Character changed = character;
         for (size_t i = 0; i < weights.size(); ++i) changed.morphs[i].default_weight = weights[i];
-        const std::vector<io::ActiveMorph> got = Stage(changed).run_two({Playback{}})[0];
+        const std::vector<io::ActiveMorph> got = Stage(changed, kLimit).run_two({Playback{}})[0];
         const std::vector<WeightedMorph> wanted = active_morphs_reference(
-            std::vector<double>(weights.begin(), weights.end()));
+            std::vector<double>(weights.begin(), weights.end()), kLimit);
         ASSERT_EQ(wanted.size(), order.size());
-        for (size_t i = 0; i < io::kActiveMorphs; ++i) {
+        for (size_t i = 0; i < kLimit; ++i) {
             EXPECT_EQ(got[i].morph, i < order.size() ? order[i] : 0) << i;
             EXPECT_EQ(got[i].weight, i < order.size() ? weights[order[i]] : 0) << i;
             if (i < order.size()) {
@@ -279,7 +287,7 @@ TEST(Morph, CrowdsOfTwoClipsShowThem) {
             Character unmorphed = character;
             unmorphed.morphs.clear();
             const Crowd other = create({.groups = {{&plain, 3}, {&unmorphed, 40}}, .path = path});
-            EXPECT_GE(crowd.size_bytes(), other.size_bytes() + 40 * kActiveMorphLimit * sizeof(io::ActiveMorph) +
+            EXPECT_GE(crowd.size_bytes(), other.size_bytes() + 40 * character.morphs.size() * sizeof(io::ActiveMorph) +
                                               character.morph_deltas.size() * sizeof(MorphDelta))
                 << "its memory is counted";
             ASSERT_TRUE(has_output(crowd.outputs()[1], &OutputBlock::morph));
@@ -287,14 +295,14 @@ TEST(Morph, CrowdsOfTwoClipsShowThem) {
             const std::vector<Playback> playbacks = random_playbacks(random, character, 40);
             ASSERT_TRUE(crowd.set_playback(Instances::numbered(3, 40), playbacks));
             ASSERT_TRUE(crowd.update(0.2f));
-            const auto active = output<io::ActiveMorph>(crowd.outputs()[1], &OutputBlock::morph,
-                                                        40 * io::kActiveMorphs);
+            const uint32_t shown = crowd.outputs()[1].morph_count;
+            EXPECT_EQ(shown, character.morphs.size());
+            const auto active = output<io::ActiveMorph>(crowd.outputs()[1], &OutputBlock::morph, 40 * shown);
             for (uint32_t i = 0; i < 40; ++i) {
                 const ReferencePose pose = *reference_pose(character, advanced(playbacks[i], character, 0.2f));
                 ASSERT_EQ(pose.morph_weights.size(), 12u);
-                const auto first = active.begin() + i * io::kActiveMorphs;
-                EXPECT_LE(compare({first, first + io::kActiveMorphs}, pose.morph_weights), kWeightBound)
-                    << "instance " << i;
+                const auto first = active.begin() + i * shown;
+                EXPECT_LE(compare({first, first + shown}, pose.morph_weights), kWeightBound) << "instance " << i;
                 worst = std::max(worst,
                                  position_error(crowd, 3 + i, reference_positions(character, pose), character.size));
                 moved = std::max(moved, position_error(crowd, 3 + i, skin_reference(character, pose.model_from_bind),
@@ -305,6 +313,32 @@ TEST(Morph, CrowdsOfTwoClipsShowThem) {
     EXPECT_LE(worst, kPoseBound);
     EXPECT_GT(moved, 0.01) << "morphs move vertices";
     std::printf("  largest error of a position %.1e of the size; morphs move by %.2f\n", worst, moved);
+}
+
+// A face uses dozens at once; where a crowd has a limit, it shows the largest of them.
+TEST(Morph, CrowdsShowAllOrAsManyAsTheyAreToldTo) {
+    const Character character = compiled(make_asset({.joint_count = 9, .seed = 4, .cubic = true, .morph_count = 25}));
+    ASSERT_EQ(character.morphs.size(), 50u);
+    for (const UpdatePath path : {UpdatePath::kAuto, UpdatePath::kStaged, UpdatePath::kFused})
+        for (const uint32_t limit : {0u, 3u, 49u, 50u, 1000u}) {
+            Crowd crowd = create(
+                {.groups = {{.character = &character, .instance_count = 20, .morph_limit = limit}}, .path = path});
+            EXPECT_EQ(crowd.outputs()[0].morph_count, limit == 0 ? 50 : std::min(limit, 50u));
+            Random random(3);
+            const std::vector<Playback> playbacks = random_playbacks(random, character, 20);
+            ASSERT_TRUE(crowd.set_playback(crowd.instances(), playbacks) && crowd.update(0.2f));
+            double worst = 0, without_limit = 0;
+            for (uint32_t i = 0; i < 20; ++i) {
+                const ReferencePose pose = *reference_pose(character, advanced(playbacks[i], character, 0.2f));
+                const auto shown = active_morphs_reference(pose.morph_weights, limit == 0 ? SIZE_MAX : limit);
+                worst = std::max(worst, position_error(crowd, i, skin_reference(character, pose.model_from_bind, shown),
+                                                       character.size));
+                without_limit = std::max(
+                    without_limit, position_error(crowd, i, reference_positions(character, pose), character.size));
+            }
+            EXPECT_LE(worst, kPoseBound) << "limit " << limit;
+            EXPECT_EQ(without_limit > 1e-3, limit > 0 && limit < 50) << without_limit << ", limit " << limit;
+        }
 }
 
 TEST(Morph, BatchesChangeNothing) {
@@ -351,11 +385,11 @@ TEST(Morph, CrowdsWithAControllerShowThem) {
                 }
             ASSERT_TRUE(crowd.update(0.07f));
             for (ReferenceCharacter& one : wanted) ASSERT_TRUE(one.update(0.07f));
-            const auto active = output<io::ActiveMorph>(crowd.outputs()[0], &OutputBlock::morph,
-                                                        kInstances * io::kActiveMorphs);
+            const uint32_t shown = crowd.outputs()[0].morph_count;
+            const auto active = output<io::ActiveMorph>(crowd.outputs()[0], &OutputBlock::morph, kInstances * shown);
             for (uint32_t i = 0; i < kInstances; ++i) {
-                const auto first = active.begin() + i * io::kActiveMorphs;
-                EXPECT_LE(compare({first, first + io::kActiveMorphs}, wanted[i].pose().morph_weights), kWeightBound)
+                const auto first = active.begin() + i * shown;
+                EXPECT_LE(compare({first, first + shown}, wanted[i].pose().morph_weights), kWeightBound)
                     << "instance " << i << ", update " << update;
             }
         }
@@ -389,7 +423,7 @@ TEST(Morph, AClipOfWeightsAloneIsPlayed) {
     for (int update = 1; update <= 3; ++update) {
         ASSERT_TRUE(crowd.update(0.25f));
         for (const OutputBlock& block : crowd.outputs()) {
-            const auto active = output<io::ActiveMorph>(block, &OutputBlock::morph, io::kActiveMorphs);
+            const auto active = output<io::ActiveMorph>(block, &OutputBlock::morph, block.morph_count);
             EXPECT_EQ(active[0].morph, 0u);
             EXPECT_NEAR(active[0].weight, 0.25 * update, 1e-6);
         }
@@ -397,7 +431,7 @@ TEST(Morph, AClipOfWeightsAloneIsPlayed) {
 }
 
 // A real character, against the file itself: weights, differences and skinning written once more. Its clips keep all
-// weights at 0, so they are given some: eight of nine.
+// weights at 0, so they are given some.
 TEST(Morph, ARealCharacterShowsWhatItsFileSays) {
     const std::filesystem::path file = std::filesystem::path(THRONG_SHARED_DIR) /
                                        "characters/robot_expressive/RobotExpressive.glb";
@@ -411,8 +445,7 @@ TEST(Morph, ARealCharacterShowsWhatItsFileSays) {
     for (AssetClip& clip : asset.clips) {
         EXPECT_EQ(clip.morph_tracks.size(), 3u);
         for (AssetMorphTrack& track : clip.morph_tracks)
-            for (size_t i = 0; i < track.values.size(); ++i)
-                if (&track != &clip.morph_tracks[0] || i % 3 != 0) track.values[i] = static_cast<float>(random.unit());
+            for (float& value : track.values) value = static_cast<float>(random.unit());
     }
     const Character character = compiled(asset);
     Crowd staged = create({.groups = {{&character, 1}}, .path = UpdatePath::kStaged}),

@@ -127,14 +127,14 @@ Skinned run_skin(const Character& character, const SkinCase& of, Random& random)
             if (i == of.instance) of_instance.push_back(to_affine(parts.as<float>().as<double>()));
         }
     // Of morphs of all sections, fewer than all, none.
-    std::vector<io::ActiveMorph> shown(of.instance_count * size_t{io::kActiveMorphs});
+    constexpr uint32_t kShown = 8;
+    std::vector<io::ActiveMorph> shown(of.instance_count * size_t{kShown});
     std::vector<WeightedMorph> of_instance_shown;
     for (uint32_t i = 0; i < of.instance_count; ++i)
-        for (uint32_t k = 0, count = character.morphs.empty() ? 0 : random.below(io::kActiveMorphs + 1); k < count;
-             ++k) {
+        for (uint32_t k = 0, count = character.morphs.empty() ? 0 : random.below(kShown + 1); k < count; ++k) {
             const uint32_t morph = random.below(static_cast<uint32_t>(character.morphs.size()));
             const auto weight = static_cast<float>(random.between(-1, 1));
-            shown[i * io::kActiveMorphs + k] = {morph, weight};
+            shown[i * kShown + k] = {morph, weight};
             if (i == of.instance) of_instance_shown.push_back({morph, double{weight}});
         }
     Buffers tables;
@@ -163,7 +163,9 @@ Skinned run_skin(const Character& character, const SkinCase& of, Random& random)
                                 .palette_count = palette_count,
                                 .first_instance = of.instance,
                                 .influence_offset = 0,
-                                .only_animated = 0},
+                                .only_animated = 0,
+                                .has_skin_pool = 0,
+                                .active_morph_limit = kShown},
                    1);
     Skinned out{skinned.read(), skin_reference(character, of_instance, of_instance_shown, of.blend), {}};
     for (const MeshSection& section : character.sections) {

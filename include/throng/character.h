@@ -110,8 +110,6 @@ struct Morph {
     float default_weight = 0;       // of instances whose clips do not animate it
 };
 
-// An instance shows at most so many morphs at once: those of the largest weights by magnitude.
-inline constexpr uint32_t kActiveMorphLimit = 8;
 inline constexpr float kLeastMorphWeight = 1e-6f;  // what is not larger by magnitude counts as 0
 
 // What one morph adds to one vertex, in the bind space of its mesh, times its weight: exact floats for the position;

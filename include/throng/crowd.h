@@ -75,6 +75,9 @@ struct CrowdGroup {
     // is updated or drawn. Room that is free takes memory, and next to no time. Not together with
     // CrowdSettings::keep_previous_matrices where the group is animated entirely (see record()).
     uint32_t capacity = 0;
+    // Morphs that an instance shows at most: those of the largest weights by magnitude, the earlier one where two are
+    // equal. 0: all that have weight. 8 bytes an instance each
+    uint32_t morph_limit = 0;
     // Ways in which its instances may look, by set_look(), which groups with none do not take. At most 65,536
     std::vector<Outfit> outfits{};
 };

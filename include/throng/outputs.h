@@ -105,8 +105,10 @@ struct OutputBlock {
     // 0). Likewise.
     BufferView destination{};
 
-    // Morphs that each instance shows, {uint32_t morph; float weight;}[instance_count][kActiveMorphLimit], the largest
-    // weight by magnitude first, weight 0 where there are fewer. Before skinning: bind position += weight * MorphDelta.
+    uint32_t morph_count = 0;  // that an instance may show: all of the character, or CrowdGroup::morph_limit
+    // Morphs that each instance shows, ShownMorph[instance_count][morph_count]: those that have weight, then weight 0.
+    // In their order, or, where there is a limit below their number, the largest weight by magnitude first. Before
+    // skinning: bind position += weight * MorphDelta.
     BufferView morph{};
 
     // How instances look, InstanceLook[instance_count], with CrowdGroup::outfits.

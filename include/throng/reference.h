@@ -18,7 +18,7 @@ struct ReferencePose {
     std::vector<AffineT<double>> parent_from_joint{};  // [joint_count]
     std::vector<AffineT<double>> model_from_joint{};   // [joint_count]
     std::vector<AffineT<double>> model_from_bind{};    // [palette_count], the skin matrices
-    // [morph_count], of all morphs; the kActiveMorphLimit largest by magnitude are shown
+    // [morph_count]; as a crowd without CrowdGroup::morph_limit shows them
     std::vector<double> morph_weights{};
 };
 

@@ -101,6 +101,7 @@ Group::Group(Uploads& uploads, NativeRigs& rigs, const CrowdGroup& group, const 
         reduce_joints(uploads, rigs, *group.character, settings);
     if (skips_updates(settings)) make_palette_by_set(uploads, *group.character);
     make_skin_tables(uploads, *group.character);
+    active_morph_limit = group.morph_limit > 0 ? std::min(group.morph_limit, morph_count) : morph_count;
     outfit_count = static_cast<uint32_t>(group.outfits.size());
     if (outfit_count > 0) buffers[io::kSectionLooksBuffer] = make_outfits(uploads, group);
     if (group.skin_pool) skin_pool = make_skin_pool(uploads, rigs, *this, group, settings);

@@ -114,6 +114,7 @@ struct Group {
     std::optional<GroupSkinPool> skin_pool;
     uint32_t influence_count = 0;  // of one set of joints; those of each set lie one after another
     uint32_t morph_count = 0;
+    uint32_t active_morph_limit = 0;  // that an instance shows at most
     uint32_t outfit_count = 0;
 
     const Buffer& operator[](uint32_t number) const { return buffers[number]; }

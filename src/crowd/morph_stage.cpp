@@ -4,7 +4,7 @@ namespace throng {
 
 void MorphStage::plan(BatchPlan& plan) {
     if (plan.group().morph_count > 0)
-        plan.add_storage(io::kActiveMorphsBuffer, io::kActiveMorphs * sizeof(io::ActiveMorph));
+        plan.add_storage(io::kActiveMorphsBuffer, plan.group().active_morph_limit * sizeof(io::ActiveMorph));
 }
 
 MorphStage::MorphStage(const StageContext& context) : Stage(context) {
@@ -24,7 +24,7 @@ void MorphStage::record(const Update& update) {
         const Batch& batch = batches_[member.batch];
         const Group& group = group_of(batch);
         const io::MorphPush push{batch.used_count, group.morph_count, group.joint_count,
-                                 group.controller ? group.controller->active_clip_limit : 0};
+                                 group.controller ? group.controller->active_clip_limit : 0, group.active_morph_limit};
         kernel_of(group).dispatch_invocations(update.commands, member.bindings, push, batch.used_count);
     }
     update.end_stage("blend");

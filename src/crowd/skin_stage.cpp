@@ -14,7 +14,8 @@ io::SkinPush skin_push(const Group& group) {
             .first_instance = 0,
             .influence_offset = 0,
             .only_animated = 0,
-            .has_skin_pool = group.skin_pool.has_value()};
+            .has_skin_pool = group.skin_pool.has_value(),
+            .active_morph_limit = group.active_morph_limit};
 }
 
 namespace {

@@ -49,8 +49,8 @@ ModelVertex model_vertex(uint instance, VertexRows vertex) {
         const uvec4 words = skinned[instance * push.vertex_count + push.first_vertex + gl_VertexIndex];
         return ModelVertex(uintBitsToFloat(words.xyz), unpack_normal(words.w));
     }
-    const MorphSum morphs = sum_of_morphs(vertex.texcoord_color_delta.w, push.first_morph, push.morph_count,
-                                          instance * kActiveMorphs);
+    const MorphSum morphs = sum_of_morphs(vertex.texcoord_color_delta.w, push.first_morph, push.morph_count, instance,
+                                          push.active_morph_limit);
     const uint skin_row = push.has_skin_pool != 0 ? skin_rows[instance] : instance;
     const Affine model_from_bind = blended_skin_matrix(push.first_influences, push.influence_sets, gl_VertexIndex,
                                                        skin_row * push.palette_count);

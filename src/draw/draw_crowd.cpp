@@ -31,7 +31,8 @@ io::DrawPush push_of(const Group& group, const MeshSection& section, const Textu
             .roughness = f.roughness,
             .normal_scale = f.normal_image == kNone ? 0 : f.normal_scale,
             .vertex_count = group.vertex_count,
-            .has_skin_pool = group.skin_pool.has_value()};
+            .has_skin_pool = group.skin_pool.has_value(),
+            .active_morph_limit = group.active_morph_limit};
 }
 
 template <class Push>

@@ -43,6 +43,8 @@ struct DrawPush {
     uint vertex_count;   // of the character
     uint has_skin_pool;  // skin matrices lie where skin_rows says
     uint section, section_count;
+    uint active_morph_limit;  // morph_io.h
+    uint unused0, unused1, unused2;
 };
 
 // A joint, as its line is drawn.

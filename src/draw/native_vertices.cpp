@@ -54,8 +54,9 @@ std::byte* PosedInstance::skin(SkinFormat format) const {
 bool PosedInstance::is_morphed() const {
     const Buffer& active = batch[io::kActiveMorphsBuffer];
     if (group.morph_count == 0 || !active) return false;
-    // Morphs are sorted, the largest weight first
-    return reinterpret_cast<const io::ActiveMorph*>(active.mapped())[size_t{instance} * io::kActiveMorphs].weight != 0;
+    // Those that are shown come first
+    return reinterpret_cast<const io::ActiveMorph*>(active.mapped())[size_t{instance} * group.active_morph_limit]
+               .weight != 0;
 }
 
 void unpack_vertex(const Vertex& vertex, float* bind) {
@@ -93,7 +94,7 @@ void morph_vertices(const PosedInstance& of, const NativeSection& section, float
     const MeshSection& mesh = *section.of;
     for (const auto& [vertex, first_delta, packed_normal] : section.moved) {
         const VertexText::MorphSum morphs = text.sum_of_morphs(first_delta, mesh.first_morph, mesh.morph_count,
-                                                               of.instance * io::kActiveMorphs);
+                                                               of.instance, of.group.active_morph_limit);
         float* const moved = bind + size_t{vertex} * kBindFloats;
         text.set_vertex(text.position_of(moved) + morphs.position,
                         text.morphed_normal(packed_normal, mesh.morph_count, morphs.normal), moved);

@@ -1,21 +1,21 @@
 // Active morphs -> a vertex, before it is skinned. The includer declares `ActiveMorph active_morphs[]`
-// ([instance][kActiveMorphs]) and `uvec4 morph_deltas[]` (throng::MorphDelta).
+// ([instance][active_morph_limit], weight 0 behind the last) and `uvec4 morph_deltas[]` (throng::MorphDelta).
 #include "morph/morph_io.h"
 
 struct MorphSum {
     vec3 position, normal;
 };
 
-// first_delta: of the vertex; first_morph, morph_count: of its section; first_active: the instance's. Without morphs
-// there is nothing to read.
-MorphSum sum_of_morphs(uint first_delta, uint first_morph, uint morph_count, uint first_active) {
+// first_delta: of the vertex; first_morph, morph_count: of its section. Without morphs there is nothing to read.
+MorphSum sum_of_morphs(uint first_delta, uint first_morph, uint morph_count, uint instance, uint active_morph_limit) {
     MorphSum sum = MorphSum(vec3(0), vec3(0));
     // A loop that a software device does not enter, as it would a branch
-    const uint count = first_delta > 0 && morph_count > 0 ? kActiveMorphs : 0;
+    const uint count = first_delta > 0 && morph_count > 0 ? active_morph_limit : 0;
     for (uint i = 0; i < count; ++i) {
-        const ActiveMorph shown = active_morphs[first_active + i];
+        const ActiveMorph shown = active_morphs[instance * active_morph_limit + i];
+        if (shown.weight == 0) break;
         const uint target = shown.morph - first_morph;  // of another section: far above morph_count
-        if (shown.weight != 0 && target < morph_count) {
+        if (target < morph_count) {
             const uvec4 delta = morph_deltas[first_delta - 1 + target];
             sum.position += shown.weight * uintBitsToFloat(delta.xyz);
             const int normal = int(delta.w);

@@ -1,6 +1,6 @@
-// morph: the weights of each instance's morphs, from the clips that it plays, and of them the kActiveMorphs largest by
-// magnitude. One invocation per instance. Cost: for each clip (of layers: and each four morphs) a binary search among
-// the rows of weights, and for each four morphs 4 to 8 words.
+// morph: the weights of each instance's morphs, from the clips that it plays, and those that are not 0; where there is
+// a limit, the largest by magnitude. One invocation per instance. Cost: for each clip (of layers: and each four morphs)
+// a binary search among the rows of weights, and for each four morphs 4 to 8 words.
 #include "gpu/buffers_io.h"
 #include "gpu/table.glsl"
 #include "control/control_io.h"
@@ -14,7 +14,7 @@ TABLE_OF_WORDS(kMorphTimelineBuffer, timelines);
 TABLE_OF_WORDS(kMorphTimesBuffer, times);
 TABLE_OF_ROWS(kMorphTracksBuffer, tracks);
 TABLE_OF_WORDS(kMorphValuesBuffer, values);
-WRITEONLY_BUFFER(kActiveMorphsBuffer, ActiveMorph, active_morphs);
+BUFFER(kActiveMorphsBuffer, ActiveMorph, active_morphs);
 CONSTANT(1, bool, kLayered, false);
 PUSH(MorphPush);
 
@@ -23,7 +23,8 @@ PUSH(MorphPush);
 void main() {
     const uint instance = gl_GlobalInvocationID.x;
     if (instance >= push.instance_count) return;
-    begin_active();
+    const uint first = instance * push.active_morph_limit;
+    uint count = 0;
     RowsOfTwo rows;
     if (!kLayered) rows = rows_of_two(playbacks[instance]);
     for (uint quad = 0; quad < quad_count(); ++quad) {
@@ -32,7 +33,8 @@ void main() {
             weights = weights_of_active_clips(instance, quad);
         else
             weights = weights_of_two(playbacks[instance], rows, quad);
-        for (uint i = 0; i < min(push.morph_count - 4 * quad, 4); ++i) consider(4 * quad + i, weights[i]);
+        for (uint i = 0; i < min(push.morph_count - 4 * quad, 4); ++i)
+            count = with_active(first, count, ActiveMorph(4 * quad + i, weights[i]));
     }
-    for (uint i = 0; i < kActiveMorphs; ++i) active_morphs[instance * kActiveMorphs + i] = active_of_instance[i];
+    for (uint i = count; i < push.active_morph_limit; ++i) active_morphs[first + i] = ActiveMorph(0, 0);
 }

@@ -9,7 +9,6 @@ namespace {
 
 static_assert(io::kMorphNormalStepBits == std::bit_cast<uint32_t>(kMorphNormalStep) &&
               io::kLeastMorphWeightBits == std::bit_cast<uint32_t>(kLeastMorphWeight));
-static_assert(io::kActiveMorphs == kActiveMorphLimit);
 static_assert(io::kMorphAnimatedBit == kTrackAnimated && io::kMorphStepBit == kTrackStep &&
               io::kMorphPositionMask == kTrackPosition);
 static_assert(sizeof(io::ActiveMorph) == 8);

@@ -1,7 +1,8 @@
-// Clips and their times -> weights of morphs -> the largest of them; defined by morph_reference.h. The includer
-// declares the tables `timelines`, `times`, `tracks` (rows: four morphs each, [clip][quad]) and `values` (the default
-// weights first), and for layers `active_clips` and `active_clip_times` ([instance][push.active_clip_limit]). Morphs go
-// by fours, a quad; layers look a clip's rows up once for each.
+// Clips and their times -> weights of morphs -> those that are shown; defined by morph_reference.h. The includer
+// declares `ActiveMorph active_morphs[]` ([instance][push.active_morph_limit]), the tables `timelines`, `times`,
+// `tracks` (rows: four morphs each, [clip][quad]) and `values` (the default weights first), and for layers
+// `active_clips` and `active_clip_times` ([instance][push.active_clip_limit]). Morphs go by fours, a quad; layers look
+// a clip's rows up once for each.
 #include "control/control.glsl"
 #include "control/controller_io.h"
 #include "morph/morph_io.h"
@@ -85,24 +86,21 @@ vec4 weights_of_active_clips(uint instance, uint quad) {
     return result;
 }
 
-// ---- The largest
+// ---- Those that are shown
 
-ActiveMorph active_of_instance[kActiveMorphs];  // by magnitude, then by index
-
-void begin_active() {
-    for (uint i = 0; i < kActiveMorphs; ++i) active_of_instance[i] = ActiveMorph(0, 0);
-}
-
-// Morphs come in the order of their indices.
-void consider(uint morph, float weight) {
-    ActiveMorph candidate = ActiveMorph(morph, abs(weight) > uintBitsToFloat(kLeastMorphWeightBits) ? weight : 0);
-    bool is_in = false;  // those behind its place move on by one
-    for (uint i = 0; i < kActiveMorphs; ++i) {
-        is_in = is_in || abs(candidate.weight) > abs(active_of_instance[i].weight);
-        const ActiveMorph here = active_of_instance[i];
-        if (is_in) {
-            active_of_instance[i] = candidate;
-            candidate = here;
-        }
+// Adds one to an instance's active morphs, of which there are so many so far, and returns how many there are then.
+// Morphs come in the order of their indices. Where not all may be shown they are sorted, the largest first.
+uint with_active(uint first, uint count, ActiveMorph added) {
+    const float size = abs(added.weight);
+    if (!(size > uintBitsToFloat(kLeastMorphWeightBits))) return count;
+    const bool is_full = count == push.active_morph_limit;
+    if (is_full && !(size > abs(active_morphs[first + count - 1].weight))) return count;
+    uint place = is_full ? count - 1 : count;
+    while (push.active_morph_limit < push.morph_count && place > 0 &&
+           size > abs(active_morphs[first + place - 1].weight)) {
+        active_morphs[first + place] = active_morphs[first + place - 1];
+        --place;
     }
+    active_morphs[first + place] = added;
+    return is_full ? count : count + 1;
 }

@@ -5,7 +5,6 @@
 THRONG_IO_BEGIN
 
 THRONG_IO_CONSTANT kMorphWorkgroupSize = 64;
-THRONG_IO_CONSTANT kActiveMorphs = 8;  // of an instance
 
 // As floats, kMorphNormalStep and kLeastMorphWeight of throng/character.h.
 THRONG_IO_CONSTANT kMorphNormalStepBits = 0x3B804020u;
@@ -26,8 +25,9 @@ THRONG_IO_CONSTANT kMorphPositionMask = 0x3FFFFFFFu;
 struct MorphPush {
     uint instance_count;
     uint morph_count;
-    uint joint_count;        // of layers: an active clip's clip is its first track by this
-    uint active_clip_limit;  // of layers: active clips kept for each instance
+    uint joint_count;         // of layers: an active clip's clip is its first track by this
+    uint active_clip_limit;   // of layers: active clips kept for each instance
+    uint active_morph_limit;  // entries of active_morphs for each instance; morph_count: all that have weight
 };
 
 THRONG_IO_END

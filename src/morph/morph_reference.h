@@ -38,9 +38,9 @@ struct WeightedMorph {
     double weight = 0;
 };
 
-// The kActiveMorphLimit largest of all weights, [morph], by magnitude, largest first, equals by index; none that is not
-// above kLeastMorphWeight.
-std::vector<WeightedMorph> active_morphs_reference(std::span<const double> weights);
+// Of all weights, [morph], the `limit` largest by magnitude, largest first, equals by index; none that is not above
+// kLeastMorphWeight.
+std::vector<WeightedMorph> active_morphs_reference(std::span<const double> weights, size_t limit = SIZE_MAX);
 
 // position + sum of weight * difference, in bind space. `morphs`: the active ones.
 Vec3<double> morphed_position_reference(const Character& character, const MeshSection& section, uint32_t vertex,

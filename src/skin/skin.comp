@@ -50,7 +50,7 @@ void main() {
             const uint vertex = listed_vertices[section.first_listed + i];
             const VertexRows rows = vertices[section.first_vertex + vertex];
             const MorphSum morphs = sum_of_morphs(rows.texcoord_color_delta.w, section.first_morph, section.morph_count,
-                                                  instance * kActiveMorphs);
+                                                  instance, push.active_morph_limit);
             const Affine model_from_bind = blended_skin_matrix(section.first_influences + push.influence_offset,
                                                                section.influence_sets, vertex,
                                                                skin_row * push.palette_count);

@@ -35,6 +35,7 @@ struct SkinPush {
     uint influence_offset;             // likewise, of influences from those of the section
     uint only_animated;                // of those listed, only who is animated in this half of the update
     uint has_skin_pool;                // skin matrices lie where skin_rows says
+    uint active_morph_limit;           // morph_io.h
 };
 
 THRONG_IO_END

@@ -127,8 +127,8 @@ bool same(const Rig& a, const Rig& b) {
 
 void expect_same(const Character& a, const Character& b) {
     const auto& [name, rig, clips, times_s, packed, keys, words, root_rows, tracks, skins, palette, vertices,
-                 influences, indices, sections, section_names, lods, lod_ranges, lod_indices, joint_lods, materials, images,
-                 bounds_min, bounds_max, size, morphs, morph_deltas, morph_tracks, morph_times_s, morph_values,
+                 influences, indices, sections, section_names, lods, lod_ranges, lod_indices, joint_lods, materials,
+                 images, bounds_min, bounds_max, size, morphs, morph_deltas, morph_tracks, morph_times_s, morph_values,
                  warnings] = a;
     EXPECT_TRUE(same(name, b.name));
     EXPECT_TRUE(same(rig, b.rig));

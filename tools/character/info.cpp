@@ -15,7 +15,7 @@ namespace {
 // Device memory that one more instance costs: its state, placement, cursors and skin matrices (the arena is shared).
 size_t instance_bytes(const Character& character) {
     return 36 + 36 + sizeof(Affine) + character.palette.size() * sizeof(Affine) +
-           (character.morphs.empty() ? 0 : kActiveMorphLimit * 8);
+           character.morphs.size() * sizeof(ShownMorph);
 }
 
 size_t face_count(const Character& character) { return character.indices.size() / 3; }
