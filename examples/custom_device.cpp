@@ -2,6 +2,7 @@
 // the update into the application's command buffer, and the application's vertex shader reads the matrices where throng
 // left them.
 //   custom_device character.glb picture.png
+#include "open_vulkan.h"
 #include "pipeline.h"
 
 #include <throng/throng.h>
@@ -27,44 +28,6 @@ struct Push {
     uint32_t first_vertex, first_influences, influence_sets, palette_count;
 };
 
-// The application's own instance, device and queue, with what AdoptedDevice asks for.
-AdoptedDevice open_vulkan(Cleanup& cleanup) {
-    AdoptedDevice out;
-    const VkApplicationInfo application{.sType = VK_STRUCTURE_TYPE_APPLICATION_INFO,
-                                        .pApplicationName = "custom_device",
-                                        .apiVersion = VK_API_VERSION_1_3};
-    const VkInstanceCreateInfo instance_info{.sType = VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO,
-                                             .pApplicationInfo = &application};
-    check(vkCreateInstance(&instance_info, nullptr, &out.instance), "vkCreateInstance");
-    cleanup.add([instance = out.instance] { vkDestroyInstance(instance, nullptr); });
-    uint32_t count = 1;
-    if (vkEnumeratePhysicalDevices(out.instance, &count, &out.physical_device) < VK_SUCCESS || count == 0)
-        check(VK_ERROR_INITIALIZATION_FAILED, "finding a device");
-    std::array<VkQueueFamilyProperties, 16> families{};
-    count = families.size();
-    vkGetPhysicalDeviceQueueFamilyProperties(out.physical_device, &count, families.data());
-    constexpr VkQueueFlags kNeeded = VK_QUEUE_GRAPHICS_BIT | VK_QUEUE_COMPUTE_BIT;
-    while (out.queue_family + 1 < count && (families[out.queue_family].queueFlags & kNeeded) != kNeeded)
-        ++out.queue_family;
-    VkPhysicalDeviceVulkan13Features features{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_FEATURES,
-                                              .synchronization2 = VK_TRUE,
-                                              .dynamicRendering = VK_TRUE,
-                                              .maintenance4 = VK_TRUE};
-    const float priority = 1;
-    const VkDeviceQueueCreateInfo queue{.sType = VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO,
-                                        .queueFamilyIndex = out.queue_family,
-                                        .queueCount = 1,
-                                        .pQueuePriorities = &priority};
-    const VkDeviceCreateInfo device_info{.sType = VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO,
-                                         .pNext = &features,
-                                         .queueCreateInfoCount = 1,
-                                         .pQueueCreateInfos = &queue};
-    check(vkCreateDevice(out.physical_device, &device_info, nullptr, &out.device), "vkCreateDevice");
-    cleanup.add([device = out.device] { vkDestroyDevice(device, nullptr); });
-    vkGetDeviceQueue(out.device, out.queue_family, 0, &out.queue);
-    return out;
-}
-
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -73,7 +36,7 @@ int main(int argc, char** argv) {
         return 2;
     }
     Cleanup cleanup;  // first, so that Vulkan outlives all that throng has made with it
-    const AdoptedDevice vulkan = open_vulkan(cleanup);
+    const AdoptedDevice vulkan = open_vulkan(cleanup, "custom_device");
     const Context context{vulkan.physical_device, vulkan.device, cleanup};
     const GraphicsPipeline pipeline = make_pipeline(
         context, {kVertexShader, kFragmentShader, 4, sizeof(Push), kColorFormat, kDepthFormat, kSize});

@@ -153,5 +153,24 @@ TEST_F(FramesInFlight, AreDrawnFromTheirSlots) {
     }
 }
 
+// What a crowd is drawn with is made before its first picture, which then makes and submits nothing.
+TEST_F(FramesInFlight, ARendererIsReadyWhereItHasBeenPrepared) {
+    if (test_gpu()->is_native()) GTEST_SKIP() << "it has no command buffers";
+    Crowd crowd = create(settings(true));
+    set(crowd);
+    Renderer renderer =
+        Renderer::create(test_device(), {.width = 160, .height = 100, .path = DrawPath::kDevice}).value();
+    ASSERT_TRUE(renderer.prepare(crowd));
+    const auto& counts = test_gpu()->counts;
+    const uint64_t submissions = counts.submissions, pipelines = counts.pipelines;
+    Recorder recorder;
+    recorder.submit(recorder.record([&](VkCommandBuffer commands) {
+        EXPECT_TRUE(renderer.record(commands, crowd, 0.05f, {.eye = {6, 4, 14}}));
+    }));
+    EXPECT_EQ(counts.submissions, submissions);
+    EXPECT_EQ(counts.pipelines, pipelines);
+    EXPECT_FALSE(renderer.prepare(Crowd()));
+}
+
 }  // namespace
 }  // namespace throng::test

@@ -1,8 +1,11 @@
-// A game without a picture until its end: waves of attackers walk to the middle of a field with things in their hands,
-// die there, lie for a while and are gone, while others come. What a game does with a crowd in each of its frames, and
-// how long these calls take.
-//   game creature.glb guard.json lantern.glb picture.png
-// (./run throng generate makes such files; examples/controllers has the controller)
+// A game without a picture until its end: waves of attackers in the colours of their teams walk to the middle of a
+// field with things in their hands, die there, lie for a while and are gone, while others come. On the game's own
+// Vulkan device, two frames in flight; every second a frame is dropped; beasts are loaded while the game goes on; and
+// it is saved and restored, after which the same things happen again. Says how long its calls take.
+//   game creature.glb guard.json lantern.glb beast.glb picture.png [2000]
+// (./run throng generate makes such files; examples/controllers has the controller; the number: of attackers at most)
+#include "frames.h"
+
 #include <throng/throng.h>
 
 #include <algorithm>
@@ -10,8 +13,12 @@
 #include <chrono>
 #include <cmath>
 #include <cstdio>
+#include <cstdlib>
 #include <deque>
+#include <functional>
+#include <future>
 #include <map>
+#include <memory>
 #include <numbers>
 #include <random>
 #include <vector>
@@ -21,8 +28,14 @@ using namespace throng;
 namespace {
 
 constexpr float kFrame_s = 1.0f / 60;
-constexpr uint32_t kFrames = 900, kWaveEvery = 60, kWave = 250, kMost = 2000, kMostDying = 600, kMostAtOnce = 32;
+constexpr uint32_t kFrames = 600, kWaveEvery = 60, kMostDying = 600, kMostAtOnce = 32;
+constexpr uint32_t kDropEvery = 60, kLoadAt = 150, kSaveAt = 400, kReplayed = 60, kBeasts = 20;
 constexpr double kFalls_s = 0.6, kLies_s = 1.5;
+
+using Clock = std::chrono::steady_clock;
+double ms_since(Clock::time_point begin) {
+    return std::chrono::duration<double, std::milli>(Clock::now() - begin).count();
+}
 
 Affine scaled(float scale) { return {{{{scale, 0, 0, 0}, {0, scale, 0, 0}, {0, 0, scale, 0}}}}; }
 
@@ -38,29 +51,62 @@ struct Dying {
     double falls_s = 0;              // for so long already
 };
 
+// What a game knows beside its crowd.
+struct World {
+    std::map<uint32_t, Attacker> attackers;  // by the numbers of their bodies
+    std::deque<Dying> dying;
+    std::mt19937 random{1};
+    uint64_t updates = 0;  // recorded, and not dropped
+    uint32_t born = 0, died = 0, refused = 0, steps = 0, steps_of_the_gone = 0;
+};
+
 class Game {
 public:
-    Game(const Device& device, const Character& body, const Controller& mind, const Character& thing)
-        : body_(body),
+    Game(const Device& device, const Character& body, const Controller& mind, const Character& thing, uint32_t most)
+        : most_(most),
+          body_(body),
           size_(length(body.bounds_max - body.bounds_min)),
           joint_from_thing_(scaled(0.2f * size_ / length(thing.bounds_max - thing.bounds_min))),
           crowd_(make_crowd(device, body, mind, thing)) {}
 
-    // Returns how long its calls took, but for the update itself.
-    double frame(uint32_t number) {
-        const auto begin = std::chrono::steady_clock::now();
-        if (number % kWaveEvery == 0) send_wave();
-        hear();
-        fight(number * double{kFrame_s});
+    // Returns how long its calls took.
+    double play(uint32_t frame) {
+        const Clock::time_point begin = Clock::now();
+        if (frame % kWaveEvery == 0) send_wave(frame / kWaveEvery);
+        hear(world.updates + 1 - std::min<uint64_t>(Frames::kInFlight, world.updates + 1));
+        fight(frame * double{kFrame_s});
         fall();
         watch();
-        const std::chrono::duration<double, std::milli> calls = std::chrono::steady_clock::now() - begin;
-        crowd_.update(kFrame_s).expect();
-        return calls.count();
+        return ms_since(begin);
+    }
+    // Of the next update, if it is not dropped.
+    double record(VkCommandBuffer commands) {
+        const Clock::time_point begin = Clock::now();
+        crowd_.record(commands, kFrame_s).expect();
+        ++world.updates;
+        return ms_since(begin);
+    }
+    void drop() {
+        crowd_.discard_last_record().expect();
+        --world.updates;
+    }
+
+    struct Saved {
+        std::vector<std::byte> crowd;
+        World world;
+    };
+    // All frames must have finished.
+    Saved save() {
+        hear(world.updates);
+        return {crowd_.save_state().expect(), world};
+    }
+    void restore(const Saved& saved) {
+        crowd_.restore_state(saved.crowd).expect();
+        world = saved.world;
     }
 
     Crowd& crowd() { return crowd_; }
-    uint32_t born = 0, died = 0, refused = 0, steps = 0, steps_of_the_gone = 0;
+    World world;
 
 private:
     Crowd make_crowd(const Device& device, const Character& body, const Controller& mind,
@@ -72,21 +118,33 @@ private:
                                                      .speed = 1.5f * size_,
                                                      .speed_parameter = mind.find_parameter("speed")},
                                 .pose_capacity = kMostDying,
-                                .capacity = kMost};
-        const CrowdGroup things{.character = &thing, .capacity = kMost};
-        return Crowd::create(
-                   device, {.groups = {bodies, things}, .watch_capacity = kMost, .pose_request_capacity = kMostAtOnce})
+                                .capacity = most_,
+                                .outfits = {{}, {armoured(body)}}};
+        const CrowdGroup things{.character = &thing, .capacity = most_};
+        return Crowd::create(device, {.groups = {bodies, things},
+                                      .frames_in_flight = Frames::kInFlight,
+                                      .watch_capacity = most_,
+                                      .pose_request_capacity = kMostAtOnce})
             .expect();
     }
 
-    // From all sides, as many as there is room for.
-    void send_wave() {
-        const uint32_t room = kMost - crowd_.alive_count(0).expect(), count = std::min(kWave, room);
-        refused += kWave - count;
+    // Steel all over, of which a team's colour shows a little.
+    static Outfit armoured(const Character& body) {
+        Outfit outfit;
+        for (uint32_t section = 0; section < body.sections.size(); ++section)
+            outfit.sections.push_back({.section = section, .color = {0.6f, 0.65f, 0.7f}, .tint = 0.3f});
+        return outfit;
+    }
+
+    // From all sides, as many as there is room for. Each wave has a colour, and one in four of it is armoured.
+    void send_wave(uint32_t wave) {
+        const uint32_t room = most_ - crowd_.alive_count(0).expect(), wave_size = most_ / 5,
+                       count = std::min(wave_size, room);
+        world.refused += wave_size - count;
         std::vector<Affine> places;
         std::uniform_real_distribution<float> side(0, 6.2831853f), depth(20, 30);
         for (uint32_t i = 0; i < count; ++i) {
-            const float angle = side(random_), distance = depth(random_) * size_;
+            const float angle = side(world.random), distance = depth(world.random) * size_;
             const float c = std::cos(angle), s = std::sin(angle);
             places.push_back({{{{-c, 0, -s, distance * s}, {0, 1, 0, 0}, {s, 0, -c, distance * c}}}});
         }
@@ -94,31 +152,39 @@ private:
                                           things = crowd_.spawn(1, places).expect();
         std::uniform_real_distribution<float> aside(-6, 6);
         std::vector<Vec3<float>> goals;
+        std::vector<InstanceLook> looks;
+        constexpr std::array<std::array<float, 3>, 3> kTeams{{{1, 0.4f, 0.3f}, {0.4f, 0.6f, 1}, {0.9f, 0.8f, 0.3f}}};
         for (uint32_t i = 0; i < count; ++i) {
-            goals.push_back({aside(random_) * size_, 0, aside(random_) * size_});
-            attackers_[bodies[i].instance] = {bodies[i], things[i], places[i]};
+            goals.push_back({aside(world.random) * size_, 0, aside(world.random) * size_});
+            looks.push_back({.tint = kTeams[wave % kTeams.size()], .outfit = i % 4 == 0 ? 1u : 0u});
+            world.attackers[bodies[i].instance] = {bodies[i], things[i], places[i]};
         }
         crowd_.set_destination(bodies, goals).expect();
-        born += count;
+        crowd_.set_look(bodies, looks).expect();
+        world.born += count;
     }
 
-    // Where the attackers are, and the sound of their feet; as of some frames ago, since nothing waits for the GPU.
-    void hear() {
+    // Where the attackers are, and the sound of their feet, up to this update: of some frames ago, since nothing waits
+    // for the GPU. What has come back sooner waits, so that a game that is restored hears the same at the same time.
+    void hear(uint64_t update) {
         std::vector<InstanceHandle> things;
         std::vector<Affine> world_from_thing;
-        for (const Feedback& feedback : crowd_.feedback().expect()) {
+        for (Feedback& feedback : crowd_.feedback().expect()) unheard_.push_back(std::move(feedback));
+        for (; !unheard_.empty() && unheard_.front().update <= update; unheard_.pop_front()) {
+            const Feedback& feedback = unheard_.front();
             for (const CharacterEvent& event : feedback.events)
-                ++(crowd_.is_alive(event.instance) ? steps : steps_of_the_gone);
+                ++(crowd_.is_alive(event.instance) ? world.steps : world.steps_of_the_gone);
             for (const WatchedInstance& watched : feedback.watched) {
-                const auto found = attackers_.find(watched.instance.instance);
-                if (found == attackers_.end() || found->second.body != watched.instance) continue;
+                const auto found = world.attackers.find(watched.instance.instance);
+                if (found == world.attackers.end() || found->second.body != watched.instance) continue;
                 found->second.world_from_model = watched.world_from_model;
+                if (!crowd_.is_alive(found->second.thing)) continue;
                 things.push_back(found->second.thing);
                 world_from_thing.push_back(watched.sockets[0] * joint_from_thing_);
             }
             for (const ShownPose& shown : feedback.poses) {
-                const auto found = std::ranges::find(dying_, shown.instance, &Dying::body);
-                if (found != dying_.end())
+                const auto found = std::ranges::find(world.dying, shown.instance, &Dying::body);
+                if (found != world.dying.end())
                     found->pose.assign(shown.parent_from_joint.begin(), shown.parent_from_joint.end());
             }
         }
@@ -130,20 +196,21 @@ private:
     void fight(double now_s) {
         std::uniform_real_distribution<float> chance(0, 1);
         std::vector<InstanceHandle> gone, hit;
-        while (!dying_.empty() && dying_.front().gone_s <= now_s) {
-            gone.push_back(dying_.front().body);
-            dying_.pop_front();
+        while (!world.dying.empty() && world.dying.front().gone_s <= now_s) {
+            gone.push_back(world.dying.front().body);
+            world.dying.pop_front();
         }
-        std::erase_if(attackers_, [&](const auto& entry) {
+        std::erase_if(world.attackers, [&](const auto& entry) {
             const Attacker& attacker = entry.second;
             const auto& row = attacker.world_from_model.row;
             const bool is_near = std::hypot(row[0][3], row[2][3]) < 12 * size_;
-            if (!is_near || chance(random_) > 0.02f || dying_.size() == kMostDying || hit.size() == kMostAtOnce)
+            if (!is_near || chance(world.random) > 0.02f || world.dying.size() == kMostDying ||
+                hit.size() == kMostAtOnce)
                 return false;
             hit.push_back(attacker.body);
-            dying_.push_back({attacker.body, now_s + kLies_s});
+            world.dying.push_back({attacker.body, now_s + kLies_s});
             gone.push_back(attacker.thing);
-            ++died;
+            ++world.died;
             return true;
         });
         crowd_.despawn(gone).expect();
@@ -155,7 +222,7 @@ private:
     void fall() {
         std::vector<InstanceHandle> falling;
         std::vector<Trs<float>> poses;
-        for (Dying& one : dying_) {
+        for (Dying& one : world.dying) {
             if (one.pose.empty() || one.falls_s > kFalls_s) continue;
             const double part = std::min(one.falls_s / kFalls_s, 1.0), angle_rad = part * part * std::numbers::pi / 2;
             const Trs<double> back{.rotation = axis_angle(Vec3<double>{-1, 0, 0}, angle_rad)};
@@ -175,42 +242,137 @@ private:
 
     void watch() {
         std::vector<InstanceHandle> bodies;
-        for (const auto& [instance, attacker] : attackers_) bodies.push_back(attacker.body);
+        for (const auto& [instance, attacker] : world.attackers) bodies.push_back(attacker.body);
         crowd_.watch(bodies).expect();
     }
 
+    uint32_t most_;
     const Character& body_;
     float size_;
     Affine joint_from_thing_;
     Crowd crowd_;
-    std::map<uint32_t, Attacker> attackers_;  // by the numbers of their bodies
-    std::deque<Dying> dying_;
-    std::mt19937 random_{1};
+    std::deque<Feedback> unheard_;
+};
+
+// Beasts that stand around, loaded by another thread while the game goes on. It also records what brings them to the
+// device, and their first update, for which some devices have to compile kernels.
+struct Beasts {
+    Beasts(const Device& device, const AdoptedDevice& vulkan, const char* file)
+        : character(load_character(file).expect()), own_commands(vulkan) {
+        crowd =
+            Crowd::create(device, {.groups = {{&character, kBeasts}}, .frames_in_flight = Frames::kInFlight}).expect();
+        std::vector<Affine> places;
+        for (uint32_t i = 0; i < kBeasts; ++i)
+            places.push_back(to_affine(
+                Trs<float>{.translation = {1.5f * character.size * (static_cast<float>(i) - kBeasts / 2.0f), 0, 0}}));
+        crowd.set_placement(crowd.instances(), places).expect();
+        crowd.set_playback(crowd.instances(), {.first = {.clip = 0}}).expect();
+        crowd.record(own_commands.begin(), 0).expect();
+        commands = own_commands.end();
+    }
+
+    Character character;
+    OwnCommands own_commands;
+    Crowd crowd;
+    VkCommandBuffer commands = VK_NULL_HANDLE;  // to be submitted before it is updated again
+};
+
+struct Times {
+    void add(double ms) { all.push_back(ms); }
+    void print(const char* what) {
+        std::ranges::sort(all);
+        std::printf("%-28s median %.3f ms, worst %.3f ms\n", what, all[all.size() / 2], all.back());
+    }
+    std::vector<double> all;
+};
+
+// A number of frames of the game.
+class Loop {
+public:
+    // `load` makes the beasts, on another thread.
+    Loop(Game& game, Frames& frames, std::function<std::unique_ptr<Beasts>()> load)
+        : game_(game), frames_(frames), load_(std::move(load)) {}
+
+    void run(uint32_t first, uint32_t end) {
+        for (uint32_t frame = first; frame < end; ++frame) {
+            if (frame == kLoadAt && !loading_.valid() && !beasts_) loading_ = std::async(std::launch::async, load_);
+            const VkCommandBuffer commands = frames_.begin();
+            Clock::time_point begin = Clock::now();
+            const bool was_loading = loading_.valid();
+            VkCommandBuffer of_beasts = VK_NULL_HANDLE;
+            if (was_loading && loading_.wait_for(std::chrono::seconds(0)) == std::future_status::ready) {
+                beasts_ = loading_.get();
+                of_beasts = beasts_->commands;
+            } else if (beasts_) {
+                beasts_->crowd.record(commands, kFrame_s).expect();
+            }
+            calls.add(game_.play(frame));
+            records.add(game_.record(commands));
+            if (!of_beasts && frame % kDropEvery == kDropEvery / 2) {
+                game_.drop();
+                if (beasts_) beasts_->crowd.discard_last_record().expect();
+                frames_.drop();
+                continue;
+            }
+            frames_.submit(of_beasts);
+            (was_loading ? while_loading : otherwise).add(ms_since(begin));
+        }
+        frames_.finish();
+    }
+
+    bool has_beasts() const { return beasts_ != nullptr; }
+    Times calls, records, while_loading, otherwise;
+
+private:
+    Game& game_;
+    Frames& frames_;
+    std::function<std::unique_ptr<Beasts>()> load_;
+    std::future<std::unique_ptr<Beasts>> loading_;
+    std::unique_ptr<Beasts> beasts_;
 };
 
 }  // namespace
 
 int main(int argc, char** argv) {
-    if (argc != 5) {
-        std::fprintf(stderr, "usage: game creature.glb controller.json thing.glb picture.png\n");
+    const int most = argc == 7 ? std::atoi(argv[6]) : 2000;
+    if (argc < 6 || argc > 7 || most < 5 || most > 100'000) {
+        std::fprintf(stderr, "usage: game creature.glb controller.json thing.glb beast.glb picture.png [ATTACKERS]\n");
         return 2;
     }
+    Cleanup cleanup;  // first, so that Vulkan outlives all that throng has made with it
+    const AdoptedDevice vulkan = open_vulkan(cleanup, "game");
+    Frames frames(vulkan, cleanup);
+    const Device device = Device::adopt(vulkan).expect();
     const Character body = load_character(argv[1]).expect(), thing = load_character(argv[3]).expect();
     const Controller mind = load_controller(argv[2]).expect();
-    const Device device = Device::create().expect();
-    Game game(device, body, mind, thing);
-    std::vector<double> calls_ms;
-    for (uint32_t frame = 0; frame < kFrames; ++frame) calls_ms.push_back(game.frame(frame));
-    std::ranges::sort(calls_ms);
-    std::printf("%u attackers came, %u died, %u are there; %u found no room\n", game.born, game.died,
-                game.crowd().alive_count(0).expect(), game.refused);
-    std::printf("%u steps, and %u of attackers that had gone when they were heard\n", game.steps,
-                game.steps_of_the_gone);
-    std::printf("calls of a frame: median %.3f ms, worst %.3f ms\n", calls_ms[calls_ms.size() / 2], calls_ms.back());
+    Game game(device, body, mind, thing, static_cast<uint32_t>(most));
+    game.record(frames.begin());  // the first update brings everything to the device: not while somebody plays
+    frames.submit();
+    Loop loop(game, frames, [&] { return std::make_unique<Beasts>(device, vulkan, argv[4]); });
+    loop.run(0, kSaveAt);
+    const Game::Saved saved = game.save();
+    loop.run(kSaveAt, kSaveAt + kReplayed);
+    const Game::Saved later = game.save();
+    game.restore(saved);
+    loop.run(kSaveAt, kSaveAt + kReplayed);
+    const bool is_same = game.save().crowd == later.crowd && game.world.died == later.world.died;
+    loop.run(kSaveAt + kReplayed, kFrames);
+
+    const World& world = game.world;
+    std::printf("%u attackers came, %u died, %u are there; %u found no room\n", world.born, world.died,
+                game.crowd().alive_count(0).expect(), world.refused);
+    std::printf("%u steps, and %u of attackers that had gone when they were heard\n", world.steps,
+                world.steps_of_the_gone);
+    std::printf("saved in %zu bytes; restored, the same %u frames %s\n", saved.crowd.size(), kReplayed,
+                is_same ? "gave the same bytes" : "gave OTHER bytes");
+    loop.records.print("record() of a frame:");
+    loop.calls.print("other calls of a frame:");
+    loop.otherwise.print("a frame, all of it:");
+    loop.while_loading.print("a frame while beasts load:");
 
     Renderer renderer = Renderer::create(device, {.width = 1280, .height = 720}).expect();
     const RenderResult result =
         renderer.render(game.crowd(), fit_camera(world_bounds(game.crowd()), 16.0f / 9)).expect();
-    write_png(argv[4], result.picture).expect();
-    return game.died > 0 && game.steps > 0 ? 0 : 1;
+    write_png(argv[5], result.picture).expect();
+    return is_same && loop.has_beasts() && world.died > 0 && world.steps > 0 ? 0 : 1;
 }

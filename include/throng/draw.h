@@ -94,6 +94,10 @@ public:
     Renderer& operator=(Renderer&&) noexcept;
     ~Renderer();
 
+    // Makes what drawing this crowd needs, its pipelines and textures, so that its first picture is no slower than
+    // those after it. Submits and waits.
+    Result<void> prepare(const Crowd& crowd);
+
     // Draws the crowd as its last update left it, of one that culls what that has listed; submits and waits. The
     // crowd's device is the renderer's. Alpha-blended materials are drawn as masks with a cutoff of 0.5, since a crowd
     // is not sorted.
@@ -107,8 +111,8 @@ public:
     // family). The picture is then in picture(), in VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL and visible to transfer reads,
     // until the next frame. The recorded commands are submitted once, in the order of the calls, to the device's queue,
     // and have finished before the renderer or the crowd is destroyed, or the renderer resized. Frames may be recorded
-    // before the last has finished. Of a crowd that it has not drawn before it uploads textures, and waits. Drawn by
-    // the device whatever the path, since it is updated there. Errors: kUnsupported (a native device).
+    // before the last has finished. Of a crowd that it has neither drawn nor prepared it uploads textures, and waits.
+    // Drawn by the device whatever the path, since it is updated there. Errors: kUnsupported (a native device).
     Result<void> record(VkCommandBuffer commands, Crowd& crowd, float time_step_s, const Camera& camera);
     // The two halves of that, for crowds that are updated natively on a software device (UpdatePath::kNative), which a
     // recorded update is not: Crowd::update() for what the camera sees, without occlusion, at once; and the drawing

@@ -72,14 +72,15 @@ void FeedbackRing::restart(uint64_t update_count) {
 void FeedbackRing::end(VkCommandBuffer commands, std::span<const Watched> watched, std::vector<RequestedPose> poses) {
     Slot& slot = last_slot();
     memory_barrier(*gpu_, commands, kShaderWrite | kTransferWrite, kTransferRead | kTransferWrite);
-    record_copy(*gpu_, commands, events_, BufferRange(slot.copy, 0, events_.size_bytes()));
+    std::vector<CopyFrom> copies{{events_, 0}};
     VkDeviceSize at = events_.size_bytes();
     const auto copy = [&](const BufferRange& range) {
-        if (range.size_bytes > 0) record_copy(*gpu_, commands, range, BufferRange(slot.copy, at, range.size_bytes));
+        if (range.size_bytes > 0) copies.push_back({range, at});
         at += range.size_bytes;
     };
     for (const Watched& one : watched) std::ranges::for_each(one.parts(), copy);
     for (const RequestedPose& pose : poses) copy(pose.skin);
+    record_copies(*gpu_, commands, copies, slot.copy);
     slot.update.watched.assign(watched.begin(), watched.end());
     slot.update.poses = std::move(poses);
     slot.done.record_set(commands);

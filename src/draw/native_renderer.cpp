@@ -53,6 +53,11 @@ const NativeCrowd& NativeRenderer::kept_of(const Crowd& crowd) {
     return crowds_.of(state, [&] { return std::make_unique<const NativeCrowd>(state); });
 }
 
+void NativeRenderer::prepare(const Crowd& crowd) {
+    check_drawn(crowd);
+    kept_of(crowd);
+}
+
 RenderResult NativeRenderer::render(const Crowd& crowd, const Camera& camera) {
     check_drawn(crowd);
     const NativeCrowd& kept = kept_of(crowd);

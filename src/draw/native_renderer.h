@@ -21,6 +21,7 @@ public:
     RenderResult render_frame(Crowd& crowd, float time_step_s, const Camera& camera) override;
     void record(VkCommandBuffer commands, Crowd& crowd, float time_step_s, const Camera& camera) override;
     void record_drawing(VkCommandBuffer commands, const Crowd& crowd, const Camera& camera) override;
+    void prepare(const Crowd& crowd) override;
     void resize(VkExtent2D extent) override;
     VkExtent2D extent() const override { return frame_->extent(); }
     VkImage picture() const override { return staged_ ? staged_->image() : VK_NULL_HANDLE; }

@@ -17,6 +17,7 @@ struct RendererState {
     virtual void record(VkCommandBuffer commands, Crowd& crowd, float time_step_s, const Camera& camera) = 0;
     virtual void record_drawing(VkCommandBuffer commands, const Crowd& crowd, const Camera& camera) = 0;
     void update(Crowd& crowd, float time_step_s, const Camera& camera) const;
+    virtual void prepare(const Crowd& crowd) = 0;
     virtual void resize(VkExtent2D extent) = 0;
     virtual VkExtent2D extent() const = 0;
     virtual VkImage picture() const = 0;

@@ -51,7 +51,7 @@ void VulkanRenderer::resize(VkExtent2D extent) {
 }
 
 RenderResult VulkanRenderer::render(const Crowd& crowd, const Camera& camera) {
-    Frame frame = prepare(crowd, camera);
+    Frame frame = frame_of(crowd, camera);
     gpu->submit_and_wait([&](VkCommandBuffer commands) {
         crowd.state().record_uploads(commands);
         record_frame(commands, frame);
@@ -61,7 +61,7 @@ RenderResult VulkanRenderer::render(const Crowd& crowd, const Camera& camera) {
 }
 
 RenderResult VulkanRenderer::render_frame(Crowd& crowd, float time_step_s, const Camera& camera) {
-    Frame frame = prepare(crowd, camera);
+    Frame frame = frame_of(crowd, camera);
     const bool is_native = crowd.state().is_native(options.occlusion);
     if (is_native) update(crowd, time_step_s, camera);
     gpu->submit_and_wait([&](VkCommandBuffer commands) {
@@ -73,15 +73,16 @@ RenderResult VulkanRenderer::render_frame(Crowd& crowd, float time_step_s, const
 }
 
 void VulkanRenderer::record(VkCommandBuffer commands, Crowd& crowd, float time_step_s, const Camera& camera) {
-    Frame frame = prepare(crowd, camera);
+    Frame frame = frame_of(crowd, camera);
     record_update(commands, crowd, time_step_s, camera, frame);
     record_frame(commands, frame);
 }
 
-VulkanRenderer::Frame VulkanRenderer::prepare(const Crowd& crowd, const Camera& camera) {
+void VulkanRenderer::prepare(const Crowd& crowd) { drawing_of(crowd); }
+
+CrowdDrawing VulkanRenderer::drawing_of(const Crowd& crowd) {
     check_drawn(crowd);
     const CrowdState& state = crowd.state();
-    const io::DrawScene scene = make_scene(state, camera, targets_.extent(), shadow_map_.extent().width, options);
     VertexKind kind{state.skin_format, state.skin_blend, state.cull != nullptr, state.skins_once};
     const auto pipelines_of = [&](bool has_looks) {
         kind.has_looks = has_looks;
@@ -94,11 +95,16 @@ VulkanRenderer::Frame VulkanRenderer::prepare(const Crowd& crowd, const Camera& 
         lines = &lines_.try_emplace(kind.listed, pipelines_, kind.listed).first->second;
     const CrowdBindings& bindings = crowds_.of(
         state, [&] { return std::make_unique<const CrowdBindings>(layout_, sampling_, state); });
-    return {{state, bindings, layout_, characters, with_looks, lines}, scene};
+    return {state, bindings, layout_, characters, with_looks, lines};
+}
+
+VulkanRenderer::Frame VulkanRenderer::frame_of(const Crowd& crowd, const Camera& camera) {
+    const CrowdDrawing drawing = drawing_of(crowd);
+    return {drawing, make_scene(crowd.state(), camera, targets_.extent(), shadow_map_.extent().width, options)};
 }
 
 void VulkanRenderer::record_drawing(VkCommandBuffer commands, const Crowd& crowd, const Camera& camera) {
-    Frame frame = prepare(crowd, camera);
+    Frame frame = frame_of(crowd, camera);
     crowd.state().record_uploads(commands);
     record_frame(commands, frame);
 }

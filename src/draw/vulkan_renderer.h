@@ -21,6 +21,7 @@ public:
     RenderResult render_frame(Crowd& crowd, float time_step_s, const Camera& camera) override;
     void record(VkCommandBuffer commands, Crowd& crowd, float time_step_s, const Camera& camera) override;
     void record_drawing(VkCommandBuffer commands, const Crowd& crowd, const Camera& camera) override;
+    void prepare(const Crowd& crowd) override;
     void resize(VkExtent2D extent) override;
     VkExtent2D extent() const override { return targets_.extent(); }
     VkImage picture() const override { return targets_.picture(); }
@@ -34,7 +35,8 @@ private:
         io::DrawScene scene;
         bool has_begun = false;  // its time is being taken
     };
-    Frame prepare(const Crowd& crowd, const Camera& camera);
+    CrowdDrawing drawing_of(const Crowd& crowd);
+    Frame frame_of(const Crowd& crowd, const Camera& camera);
     void record_update(VkCommandBuffer commands, Crowd& crowd, float time_step_s, const Camera& camera, Frame& frame);
     void begin_draw(VkCommandBuffer commands, Frame& frame);
     void record_frame(VkCommandBuffer commands, Frame& frame);

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <map>
 
 namespace throng {
 
@@ -109,6 +110,17 @@ void record_copy(const Gpu& gpu, VkCommandBuffer commands, const BufferRange& fr
     }
     const VkBufferCopy copy{from.offset_bytes, to.offset_bytes, from.size_bytes};
     gpu.vk.vkCmdCopyBuffer(commands, from.buffer, to.buffer, 1, &copy);
+}
+
+void record_copies(const Gpu& gpu, VkCommandBuffer commands, std::span<const CopyFrom> copies, const Buffer& target) {
+    std::map<VkBuffer, std::vector<VkBufferCopy>> of_buffers;
+    for (const auto& [from, to_bytes] : copies)
+        if (commands)
+            of_buffers[from.buffer].push_back({from.offset_bytes, to_bytes, from.size_bytes});
+        else
+            std::memcpy(target.mapped() + to_bytes, from.bytes(), from.size_bytes);
+    for (const auto& [from, regions] : of_buffers)
+        gpu.vk.vkCmdCopyBuffer(commands, from, target.handle(), static_cast<uint32_t>(regions.size()), regions.data());
 }
 
 void record_repeated(const Gpu& gpu, VkCommandBuffer commands, const BufferRange& from, const BufferRange& to) {

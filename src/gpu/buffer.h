@@ -129,6 +129,12 @@ void record_update(const Gpu& gpu, VkCommandBuffer commands, const BufferRange& 
 
 // Both of the same size.
 void record_copy(const Gpu& gpu, VkCommandBuffer commands, const BufferRange& from, const BufferRange& to);
+// Many copies into one buffer, by a command for each buffer that they are from.
+struct CopyFrom {
+    BufferRange from;
+    VkDeviceSize to_bytes = 0;  // where it goes in the target
+};
+void record_copies(const Gpu& gpu, VkCommandBuffer commands, std::span<const CopyFrom> copies, const Buffer& target);
 // Copies `from` again and again until `to` is full, the last time as much of it as there is room for.
 void record_repeated(const Gpu& gpu, VkCommandBuffer commands, const BufferRange& from, const BufferRange& to);
 // Each word of the range becomes `word`.

@@ -94,7 +94,7 @@ TEST_F(CliCompile, WrongInputIsRefusedAndNothingIsLeftBehind) {
     std::string bytes = read_file("sound.throng");
     bytes[bytes.size() / 2] = static_cast<char>(bytes[bytes.size() / 2] ^ 1);
     write("damaged.throng", bytes);
-    bytes[8] = 3;
+    bytes[8] = 4;
     write("newer.throng", bytes);
     write("cut.throng", bytes.substr(0, 5) + '\0');
     write("text.glb", "This is not glTF.\n");
@@ -113,7 +113,7 @@ TEST_F(CliCompile, WrongInputIsRefusedAndNothingIsLeftBehind) {
          {"compile creature.glb -o creature.glb", "would be written over creature.glb"},
          {"compile sound.throng -o out.throng", "compiled already"},
          {"compile damaged.throng -o out.throng", "damaged.throng: is damaged"},
-         {"compile newer.throng -o out.throng", "newer.throng: version 3, this throng reads version 2"},
+         {"compile newer.throng -o out.throng", "newer.throng: version 4, this throng reads version 3"},
          {"compile creature.glb -o text.glb", "text.glb is there, and not a compiled character"},
          {"compile creature.glb -o out.throng --error 0", "--error"},
          {"compile creature.glb -o out.throng --error -1", "-1"},
@@ -133,7 +133,7 @@ TEST_F(CliCompile, WrongInputIsRefusedAndNothingIsLeftBehind) {
          {"compile sound.throng -o out.throng --error 1", "sound.throng is compiled already"},
          {"compile creature.glb -o out.throng --root-motion nobody", "there is no joint 'nobody'"},
          {"info sound.throng --root-motion spine", "sound.throng is compiled already, with its own root motion"},
-         {"info newer.throng", "newer.throng: version 3, this throng reads version 2"},
+         {"info newer.throng", "newer.throng: version 4, this throng reads version 3"},
          {"info cut.throng", "cut.throng"}});
     EXPECT_EQ(read_file("creature.glb"), source_before);
     EXPECT_EQ(read_file("sound.throng"), compiled_before);
