@@ -78,7 +78,7 @@ struct CrowdGroup {
     // Morphs that an instance shows at most: those of the largest weights by magnitude, the earlier one where two are
     // equal. 0: all that have weight. 8 bytes an instance each
     uint32_t morph_limit = 0;
-    // Ways in which its instances may look, by set_look(), which groups with none do not take. At most 65,536
+    // Ways in which its instances may look, by set_look(), which groups with none do not take
     std::vector<Outfit> outfits{};
 };
 
