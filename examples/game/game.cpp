@@ -79,7 +79,7 @@ public:
         watch();
         return ms_since(begin);
     }
-    // Of the next update, if it is not dropped.
+    // Records the next update, which may still be dropped. Returns how long that took.
     double record(VkCommandBuffer commands) {
         const Clock::time_point begin = Clock::now();
         crowd_.record(commands, kFrame_s).expect();

@@ -12,7 +12,7 @@ namespace throng {
 class Progress {
 public:
     Progress() = default;  // nobody asks
-    // Of a call on this thread, on which alone the hooks are called; keeps a reference to them.
+    // The whole of a call that begins on this thread, the only one on which the hooks are called. Keeps a reference.
     explicit Progress(const LoadHooks& hooks);
 
     // What lies between two parts of this range, each 0..1, as a range of its own.

@@ -50,7 +50,7 @@ void measure(Character& character) {
         throw Failure(ErrorCode::kInvalidFile, character.name, "the rest pose is not finite");
 }
 
-// What is done of the work after each part of it, about: of an asset, and of load_character().
+// How much of the work is done, about, after each part of compiling an asset, and of load_character().
 constexpr double kMeshCompiled = 0.05, kClipsRead = 0.1, kRootMotionExtracted = 0.15, kClipsPacked = 0.7,
                  kLodsMade = 0.95;
 constexpr double kLoaded = 0.1;

@@ -80,7 +80,7 @@ void add_group(Checksum& made_of, const Group& group) {
 
 }  // namespace
 
-// Of what another crowd must have to go on from this one's state.
+// A checksum of the groups and settings: a crowd takes a state only from one where it is the same.
 uint64_t CrowdState::fingerprint() const {
     Checksum made_of;
     made_of.add(uint32_t{gpu->is_native()});

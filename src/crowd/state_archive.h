@@ -32,7 +32,6 @@ public:
     // As many as there are.
     template <class T>
     void values(std::span<T> all) {
-        // Bytes between members would be left as they happen to be.
         static_assert(std::is_trivially_copyable_v<T> && !std::is_same_v<T, bool>);
         const size_t size_bytes = all.size_bytes();
         if (reads_) {
@@ -65,7 +64,7 @@ public:
         }
         values(std::span(all));
     }
-    // Of things that are numbered up to `end`.
+    // What has changed, of `end` things.
     void changes(DirtyRanges& changed, uint32_t end) {
         std::vector<DirtyRanges::Range> ranges = changed.pending();
         list(ranges, end);

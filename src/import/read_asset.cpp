@@ -9,7 +9,7 @@
 namespace throng::gltf {
 namespace {
 
-// What is done of the work after each part of it, about: of a file, and of its content.
+// How much of the work is done, about, once a file is read, and, of its content, once each part is.
 constexpr double kFileRead = 0.3, kParsed = 0.2, kClipsRead = 0.5, kMaterialsRead = 0.6;
 
 // "2.0": two numbers of up to five digits.
