@@ -162,7 +162,7 @@ inline void begin_drawing(VkCommandBuffer commands, const Target& target) {
     VkRenderingAttachmentInfo depth = color;
     depth.imageView = target.depth.view;
     color.clearValue.color = {{0.02f, 0.03f, 0.05f, 1}};
-    depth.clearValue.depthStencil.depth = 1;
+    depth.clearValue.depthStencil.depth = 0;  // infinitely far
     const VkRenderingInfo info{.sType = VK_STRUCTURE_TYPE_RENDERING_INFO,
                                .renderArea = {{}, target.size},
                                .layerCount = 1,

@@ -1,10 +1,9 @@
-// A graphics pipeline that reads storage buffers and a push constant, the command buffer that it is used in, and a
-// camera's matrix.
+// A graphics pipeline that reads storage buffers and a push constant, and the command buffer that it is used in.
 #pragma once
 
 #include "offscreen.h"
 
-#include <throng/draw.h>
+#include <throng/outputs.h>
 
 #include <array>
 #include <span>
@@ -75,7 +74,7 @@ inline GraphicsPipeline make_pipeline(const Context& context, const PipelineSett
         .sType = VK_STRUCTURE_TYPE_PIPELINE_DEPTH_STENCIL_STATE_CREATE_INFO,
         .depthTestEnable = VK_TRUE,
         .depthWriteEnable = VK_TRUE,
-        .depthCompareOp = VK_COMPARE_OP_LESS};
+        .depthCompareOp = VK_COMPARE_OP_GREATER};  // reversed depth, as throng::view_of() has it
     const VkPipelineColorBlendAttachmentState opaque{.colorWriteMask = 0xF};
     const VkPipelineColorBlendStateCreateInfo blend{.sType = VK_STRUCTURE_TYPE_PIPELINE_COLOR_BLEND_STATE_CREATE_INFO,
                                                     .attachmentCount = 1,
@@ -104,7 +103,7 @@ inline GraphicsPipeline make_pipeline(const Context& context, const PipelineSett
 
 // Binds these buffers by a descriptor set of their own.
 inline void bind_storage_buffers(const Context& context, VkCommandBuffer commands, const GraphicsPipeline& pipeline,
-                                 const std::vector<VkBuffer>& buffers) {
+                                 const std::vector<throng::BufferView>& buffers) {
     const auto count = static_cast<uint32_t>(buffers.size());
     const VkDescriptorPoolSize size{VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, count};
     const VkDescriptorSetAllocateInfo allocation{
@@ -119,7 +118,7 @@ inline void bind_storage_buffers(const Context& context, VkCommandBuffer command
     VkDescriptorSet set = VK_NULL_HANDLE;
     check(vkAllocateDescriptorSets(context.device, &allocation, &set), "vkAllocateDescriptorSets");
     std::vector<VkDescriptorBufferInfo> ranges;
-    for (const VkBuffer buffer : buffers) ranges.push_back({buffer, 0, VK_WHOLE_SIZE});
+    for (const throng::BufferView& view : buffers) ranges.push_back({view.buffer, view.offset_bytes, view.size_bytes});
     const VkWriteDescriptorSet write{.sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET,
                                      .dstSet = set,
                                      .descriptorCount = count,
@@ -149,30 +148,4 @@ inline void submit_and_wait(VkQueue queue, VkCommandBuffer commands) {
         .sType = VK_STRUCTURE_TYPE_SUBMIT_INFO, .commandBufferCount = 1, .pCommandBuffers = &commands};
     check(vkQueueSubmit(queue, 1, &submit, VK_NULL_HANDLE), "vkQueueSubmit");
     check(vkQueueWaitIdle(queue), "vkQueueWaitIdle");
-}
-
-// Column-major; depth 0 near the eye and 1 far away, y downward as Vulkan has it.
-inline std::array<float, 16> clip_from_world(const throng::Camera& camera, float aspect_ratio) {
-    using namespace throng;
-    const Vec3<float> forward = normalized(camera.target - camera.eye),
-                      right = normalized(cross(forward, Vec3<float>{0, 1, 0}));
-    const float y = 1 / std::tan(camera.vertical_field_of_view_rad / 2),
-                near = length(camera.target - camera.eye) / 100;
-    const Vec3<float> across = right * (y / aspect_ratio), down = cross(forward, right) * y;
-    return {across.x,
-            down.x,
-            forward.x,
-            forward.x,
-            across.y,
-            down.y,
-            forward.y,
-            forward.y,
-            across.z,
-            down.z,
-            forward.z,
-            forward.z,
-            -dot(across, camera.eye),
-            -dot(down, camera.eye),
-            -dot(forward, camera.eye) - near,
-            -dot(forward, camera.eye)};
 }

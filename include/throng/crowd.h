@@ -5,6 +5,7 @@
 #include <throng/controller.h>
 #include <throng/device.h>
 #include <throng/feedback.h>
+#include <throng/group_mesh.h>
 #include <throng/look.h>
 #include <throng/outputs.h>
 #include <throng/playback.h>
@@ -323,6 +324,8 @@ public:
     std::span<const OutputBlock> outputs(uint32_t frame_slot) const;
     uint32_t frame_slot_count() const;
     uint32_t frame_slot() const;
+    // What a group is drawn from beside its outputs. Errors: kInvalidArgument (no such group).
+    Result<GroupMesh> mesh(uint32_t group) const;
     // Times of the newest of the last four updates that has finished. Errors: kInvalidArgument where timestamps are off
     // or nothing has run yet.
     Result<StageTimes> stage_times() const;

@@ -57,8 +57,9 @@ struct DrawOptions {
 };
 
 // What the camera sees of a picture of this size, shadows of the crowd included, for an update of it that is drawn by
-// the same camera and options; without occlusion, of which the second half is the caller's. Errors: kInvalidArgument
-// (camera, options).
+// the same camera and options, or by CrowdView::clip_from_world itself; without occlusion, of which the second half is
+// the caller's. Its depth is reversed and without end: 1 at the near plane, 0 infinitely far away; y of the clip space
+// points down, as Vulkan has it. Errors: kInvalidArgument (camera, options).
 Result<CrowdView> view_of(const Camera& camera, uint32_t width, uint32_t height, const Bounds& bounds,
                           const DrawOptions& options = {});
 

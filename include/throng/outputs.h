@@ -30,12 +30,13 @@ struct ShownMorph {
     float weight = 0;
 };
 
-// A part of a buffer: entries of consecutive instances, one after another. None where `buffer` is VK_NULL_HANDLE.
+// A part of a buffer, entries one after another: in an OutputBlock, those of consecutive instances. None where `buffer`
+// is VK_NULL_HANDLE.
 struct BufferView {
     VkBuffer buffer = VK_NULL_HANDLE;
     VkDeviceSize offset_bytes = 0;
     VkDeviceSize size_bytes = 0;
-    VkDeviceSize stride_bytes = 0;  // from one instance's entry to the next
+    VkDeviceSize stride_bytes = 0;  // from one entry to the next
 
     explicit operator bool() const { return buffer != VK_NULL_HANDLE; }
 };
@@ -118,9 +119,15 @@ struct OutputBlock {
     // each of four levels of detail begin behind the fifth word, then their numbers in the block, level by level,
     // ascending.
     BufferView list{};
-    // Draw calls, VkDrawIndexedIndirectCommand[section_count][4 levels of detail], with CrowdSettings::culling; the
-    // n-th instance of a call is the n-th of its level in the list. The stride is that of a command.
+    // Draw calls for Crowd::mesh(), VkDrawIndexedIndirectCommand[section_count][4 levels of detail], with
+    // CrowdSettings::culling; the n-th instance of a call is the n-th of its level in the list. The stride is that of a
+    // command.
     BufferView draw{};
+    // Where the call of a section in a level of detail begins in draw.buffer.
+    VkDeviceSize draw_offset_bytes(uint32_t section, uint32_t lod) const {
+        constexpr uint32_t kLods = 4;
+        return draw.offset_bytes + (VkDeviceSize{section} * kLods + lod) * draw.stride_bytes;
+    }
 
     uint32_t vertex_count = 0;
     // Morphed and skinned vertices, SkinnedVertex[instance_count][vertex_count], model space, in the order of

@@ -231,6 +231,10 @@ uint32_t Crowd::frame_slot_count() const { return state_ ? static_cast<uint32_t>
 
 uint32_t Crowd::frame_slot() const { return state_ ? state_->slot : 0; }
 
+Result<GroupMesh> Crowd::mesh(uint32_t group) const {
+    return as_result([&] { return state().group_at(group).mesh(); });
+}
+
 Result<StageTimes> Crowd::stage_times() const {
     return as_result([&] {
         if (!state().timer)

@@ -71,13 +71,12 @@ void CullStage::plan(BatchPlan& plan) {
     });
     std::vector<io::DrawCommand> draws;
     for (size_t section = 0; section < group.sections.size(); ++section)
-        for (size_t lod = 0; lod < io::kLodCount; ++lod) {
-            const IndexRange range = lod <= group.lods.size() ? group.lod_ranges[lod * group.sections.size() + section]
-                                                              : IndexRange();
-            draws.push_back({.index_count = range.index_count,
+        for (uint32_t lod = 0; lod < io::kLodCount; ++lod) {
+            const SectionLod of = lod <= group.lods.size() ? group.section_lod(section, lod) : SectionLod();
+            draws.push_back({.index_count = of.index_count,
                              .instance_count = 0,
-                             .first_index = range.first_index,
-                             .vertex_offset = 0,
+                             .first_index = of.first_index,
+                             .vertex_offset = group.sections[section].first_vertex,
                              .first_instance = 0});
         }
     constexpr VkBufferUsageFlags kUsage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT;

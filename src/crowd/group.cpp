@@ -21,6 +21,7 @@ static_assert(io::kPackedBitsMask == kPackedBitsMask && io::kPackedLeftOutShift 
               io::kPackedFullBits == kPackedFullBits);
 static_assert(sizeof(io::VertexRows) == sizeof(Vertex));
 
+constexpr VkBufferUsageFlags kVertexUsage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_VERTEX_BUFFER_BIT;
 constexpr size_t kSocketLimit = 64;  // as include/throng/crowd.h says
 
 // One axis per clip, and the rest pose's: a single row at time 0. As words.
@@ -147,8 +148,8 @@ Group::Group(Uploads& uploads, const Character& character, const PathChoice& cho
     buffers[io::kWordsBuffer] = upload_table(uploads, name + ": key words", character.words);
     buffers[io::kPaletteJointsBuffer] = upload_table(uploads, name + ": palette joints", joints);
     buffers[io::kJointFromBindBuffer] = upload_table(uploads, name + ": inverse binds", binds);
-    buffers[io::kVerticesBuffer] = upload(uploads, name + ": vertices", character.vertices);
-    buffers[io::kInfluencesBuffer] = upload(uploads, name + ": influences", character.influences);
+    buffers[io::kVerticesBuffer] = upload(uploads, name + ": vertices", character.vertices, kVertexUsage);
+    buffers[io::kInfluencesBuffer] = upload(uploads, name + ": influences", character.influences, kVertexUsage);
     influence_count = static_cast<uint32_t>(character.influences.size());
     morph_count = static_cast<uint32_t>(character.morphs.size());
     if (morph_count > 0) upload_morph_tables(uploads, character, buffers);
@@ -228,7 +229,7 @@ void Group::reduce_joints(Uploads& uploads, NativeRigs& rigs, const Character& c
         const std::vector<Influences> of_lod = influences_of_lod(character, lod);
         all.insert(all.end(), of_lod.begin(), of_lod.end());
     }
-    buffers[io::kInfluencesBuffer] = upload(uploads, name + ": influences", all);
+    buffers[io::kInfluencesBuffer] = upload(uploads, name + ": influences", all, kVertexUsage);
 }
 
 void Group::make_palette_by_set(Uploads& uploads, const Character& character) {
@@ -298,6 +299,22 @@ void Group::make_sockets(Uploads& uploads, const std::vector<uint32_t>& joints) 
     sockets.emplace(GroupSockets{joints});
     buffers[io::kSocketJointsBuffer] = upload_table(uploads, place, joints);
     buffers[io::kSocketSlotsBuffer] = upload_table(uploads, place + " by joint", slots);
+}
+
+GroupMesh Group::mesh() const {
+    const auto view = [](const Buffer& buffer, uint64_t stride_bytes) {
+        const uint64_t size_bytes = buffer.size_bytes() / stride_bytes * stride_bytes;
+        return buffer.handle() && size_bytes > 0 ? BufferView{buffer.handle(), 0, size_bytes, stride_bytes}
+                                                 : BufferView();
+    };
+    GroupMesh made{.vertex = view(buffers[io::kVerticesBuffer], sizeof(Vertex)),
+                   .influences = view(buffers[io::kInfluencesBuffer], sizeof(Influences)),
+                   .index = view(indices, sizeof(uint32_t)),
+                   .morph_delta = view(buffers[io::kMorphDeltasBuffer], sizeof(MorphDelta)),
+                   .lod_count = static_cast<uint32_t>(1 + lods.size())};
+    for (size_t section = 0; section < sections.size(); ++section)
+        for (uint32_t lod = 0; lod < made.lod_count; ++lod) made.section_lods.push_back(section_lod(section, lod));
+    return made;
 }
 
 uint64_t Group::size_bytes() const {

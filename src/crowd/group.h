@@ -134,6 +134,13 @@ struct Group {
     uint32_t influence_set_of(uint32_t lod) const {
         return fused.size() > 1 ? std::min(lod, static_cast<uint32_t>(fused.size()) - 1) : 0;
     }
+    // Where a level of detail of a section lies in `indices` and in the influences of all sets of joints.
+    SectionLod section_lod(size_t section, uint32_t lod) const {
+        const IndexRange& range = lod_ranges[lod * sections.size() + section];
+        return {range.first_index, range.index_count,
+                sections[section].first_influences + influence_set_of(lod) * influence_count};
+    }
+    GroupMesh mesh() const;
     bool has_root_motion() const { return controller && buffers[io::kRootRowsBuffer].size_bytes() > sizeof(io::vec4); }
     // Updates themselves change placements.
     bool moves_placements() const {

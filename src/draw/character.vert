@@ -1,4 +1,4 @@
-// character: morphs, skins and places one vertex of one instance. gl_VertexIndex counts within the section,
+// character: morphs, skins and places one vertex of one instance. gl_VertexIndex counts within the character,
 // gl_InstanceIndex within the batch, or within the listed instances of a level of detail.
 #include "cull/cull_io.h"
 #include "draw/scene.glsl"
@@ -46,13 +46,14 @@ struct ModelVertex {
 
 ModelVertex model_vertex(uint instance, VertexRows vertex) {
     if (kSkinned) {
-        const uvec4 words = skinned[instance * push.vertex_count + push.first_vertex + gl_VertexIndex];
+        const uvec4 words = skinned[instance * push.vertex_count + gl_VertexIndex];
         return ModelVertex(uintBitsToFloat(words.xyz), unpack_normal(words.w));
     }
     const MorphSum morphs = sum_of_morphs(vertex.texcoord_color_delta.w, push.first_morph, push.morph_count, instance,
                                           push.active_morph_limit);
     const uint skin_row = push.has_skin_pool != 0 ? skin_rows[instance] : instance;
-    const Affine model_from_bind = blended_skin_matrix(push.first_influences, push.influence_sets, gl_VertexIndex,
+    const uint of_section = gl_VertexIndex - push.first_vertex;
+    const Affine model_from_bind = blended_skin_matrix(push.first_influences, push.influence_sets, of_section,
                                                        skin_row * push.palette_count);
     const vec3 bind_normal = morphed_normal(floatBitsToUint(vertex.position_normal.w), push.morph_count, morphs.normal);
     return ModelVertex(affine_point(model_from_bind, vertex.position_normal.xyz + morphs.position),
@@ -71,7 +72,7 @@ void main() {
         }
         color = look_color(instance, look);
     }
-    const VertexRows vertex = vertices[push.first_vertex + gl_VertexIndex];
+    const VertexRows vertex = vertices[gl_VertexIndex];
     const ModelVertex model = model_vertex(instance, vertex);
     const Affine placement = world_from_model[instance];
     const vec4 world = vec4(affine_point(placement, model.position), 1);

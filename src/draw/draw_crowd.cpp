@@ -82,11 +82,12 @@ void CrowdDrawing::draw_section(VkCommandBuffer commands, const Batch& batch, si
     const VkBuffer draws = batch.shown_in(batch.slot, io::kDrawsBuffer).handle();
     if (!draws) {
         set_push(commands, crowd, layout, push);
-        vk.vkCmdDrawIndexed(commands, section.index_count, batch.instance_count, section.first_index, 0, 0);
+        vk.vkCmdDrawIndexed(commands, section.index_count, batch.instance_count, section.first_index,
+                            static_cast<int32_t>(section.first_vertex), 0);
         return;
     }
     for (push.lod = 0; push.lod <= group.lods.size(); ++push.lod) {
-        push.first_influences = section.first_influences + group.influence_set_of(push.lod) * group.influence_count;
+        push.first_influences = group.section_lod(section_index, push.lod).first_influences;
         set_push(commands, crowd, layout, push);
         vk.vkCmdDrawIndexedIndirect(commands, draws,
                                     (section_index * io::kLodCount + push.lod) * sizeof(io::DrawCommand), 1,

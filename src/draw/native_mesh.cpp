@@ -49,12 +49,12 @@ void NativeMesh::gather_entries(const Group& group, uint32_t lod) {
 
 std::unique_ptr<NativeSection> NativeMesh::make_section(const Group& group, uint32_t lod, size_t index,
                                                         const raster::Material* material) {
-    const IndexRange range = group.lod_ranges[lod * group.sections.size() + index];
+    const SectionLod range = group.section_lod(index, lod);
     const uint32_t triangle_count = range.index_count / 3;
     if (triangle_count == 0) return nullptr;
     auto made = std::make_unique<NativeSection>();
     made->of = &group.sections[index];
-    made->first_influences = made->of->first_influences + group.influence_set_of(lod) * group.influence_count;
+    made->first_influences = range.first_influences;
 
     // Vertices in the order in which triangles ask for them
     const uint32_t* const indices = content<uint32_t>(group.indices) + range.first_index;
