@@ -60,7 +60,7 @@ int main(int argc, char** argv) {
 
     // From the middle, so that most are behind the camera or beside it.
     const Target target = make_target(context, kSize, kColorFormat, kDepthFormat);
-    const Bounds bounds = world_bounds(crowd);
+    const Bounds bounds = main_bounds(crowd);
     const Vec3<float> middle = (bounds.min + bounds.max) * 0.5f;
     const Camera camera{.eye = {middle.x, bounds.max.y * 1.5f, middle.z}, .target = {middle.x, middle.y, bounds.min.z}};
     const CrowdView view = view_of(camera, kSize.width, kSize.height, bounds).expect();

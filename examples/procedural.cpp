@@ -79,7 +79,7 @@ int main(int argc, char** argv) {
                 kCount * creature.rig.joint_count(), times.of("procedural"), times.total());
 
     Renderer renderer = Renderer::create(device, {.width = 1280, .height = 720}).expect();
-    const RenderResult result = renderer.render(crowd, fit_camera(world_bounds(crowd), 1280.0f / 720)).expect();
+    const RenderResult result = renderer.render(crowd, fit_camera(main_bounds(crowd), 1280.0f / 720)).expect();
     write_png(argv[2], result.picture).expect();
     return 0;
 }

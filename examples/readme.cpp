@@ -14,5 +14,5 @@ int main(int, char** argv) {
     }
     for (int frame = 0; frame < 60; ++frame) crowd.update(1.0f / 60).expect();
     Renderer renderer = Renderer::create(device).expect();
-    write_png(argv[2], renderer.render(crowd, fit_camera(world_bounds(crowd), 16.0f / 9)).expect().picture).expect();
+    write_png(argv[2], renderer.render(crowd, fit_camera(main_bounds(crowd), 16.0f / 9)).expect().picture).expect();
 }

@@ -88,7 +88,7 @@ int main(int argc, char** argv) {
     std::printf("%u steps and %u strikes of %u guards in %u updates\n", steps, strikes, kCount, kFrames);
 
     Renderer renderer = Renderer::create(device, {.width = 1280, .height = 720}).expect();
-    const RenderResult result = renderer.render(crowd, fit_camera(world_bounds(crowd), 1280.0f / 720)).expect();
+    const RenderResult result = renderer.render(crowd, fit_camera(main_bounds(crowd), 1280.0f / 720)).expect();
     write_png(argv[3], result.picture).expect();
     return steps > 0 && strikes > 0 ? 0 : 1;
 }

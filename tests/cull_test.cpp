@@ -364,5 +364,33 @@ TEST(Cull, PositionsAreThoseOfTheLevel) {
     EXPECT_LE(worst, 1.01 * double{character.lods[lod - 1].error} + 1e-5 * double{character.size});
 }
 
+// A ragdoll that falls far from where its instance stands.
+TEST(Cull, PosesFromOutsideMayGoFarIfTheGroupSaysSo) {
+    const Character character = creature_with_lods();
+    const float away = 20 * character.size;
+    std::vector<Trs<float>> pose = character.rig.rest;
+    for (uint32_t joint = 0; joint < character.rig.joint_count(); ++joint)
+        if (character.rig.parents[joint] == kNone) pose[joint].translation.x += away;
+    const CrowdView view = *view_of({.eye = {away, 0, 5 * character.size}, .target = {away, 0, 0}}, kWidth, kHeight,
+                                    {});
+    const auto is_drawn = [&](std::optional<float> pose_margin) {
+        Crowd crowd = create(
+            {.groups = {{.character = &character, .instance_count = 1, .pose_capacity = 1, .pose_margin = pose_margin}},
+             .culling = Culling{}});
+        EXPECT_TRUE(crowd.set_pose(InstanceHandle{0}, pose));
+        EXPECT_TRUE(crowd.update(0, &view));
+        return drawn_of(crowd).size() == 1;
+    };
+    EXPECT_FALSE(is_drawn(std::nullopt));
+    EXPECT_FALSE(is_drawn(0.0f));
+    EXPECT_TRUE(is_drawn(20.0f));
+    for (const float wrong : {-1.0f, 1001.0f, std::nanf("")}) {
+        const auto refused = Crowd::create(
+            test_device(), {.groups = {{.character = &character, .instance_count = 1, .pose_margin = wrong}}});
+        ASSERT_FALSE(refused);
+        EXPECT_NE(refused.error().text().find("pose margin: "), std::string::npos) << refused.error().text();
+    }
+}
+
 }  // namespace
 }  // namespace throng::test

@@ -1,6 +1,7 @@
 // The native renderer beside the device's: the same pictures of crowds of all kinds, and the same bytes for any number
 // of threads.
 #include "bench/psnr.h"
+#include "draw/crowd_bounds.h"
 #include "draw/camera.h"
 #include "draw/native_renderer.h"
 #include "tests/ball.h"
@@ -166,7 +167,8 @@ TEST_F(NativeDraw, Files) {
         const std::string name = entry.path().stem().string();
         Crowd one = crowd_of(*character, 1), many = crowd_of(*character, 100, {.culling = Culling{}});
         // Some clips walk far away from where the rest pose stands
-        expect_alike(name, one, fit_camera(posed_bounds(one.state()), static_cast<float>(kWidth) / kHeight));
+        expect_alike(name, one,
+                     fit_camera(bounds_of(one.state(), Whom::kAll).posed, static_cast<float>(kWidth) / kHeight));
         expect_alike(name + " 100", many);
     }
 }

@@ -372,7 +372,7 @@ int main(int argc, char** argv) {
 
     Renderer renderer = Renderer::create(device, {.width = 1280, .height = 720}).expect();
     const RenderResult result =
-        renderer.render(game.crowd(), fit_camera(world_bounds(game.crowd()), 16.0f / 9)).expect();
+        renderer.render(game.crowd(), fit_camera(main_bounds(game.crowd()), 16.0f / 9)).expect();
     write_png(argv[5], result.picture).expect();
     return is_same && loop.has_beasts() && world.died > 0 && world.steps > 0 ? 0 : 1;
 }

@@ -61,11 +61,14 @@ struct CrowdGroup {
     // Makes its instances agents. Root motion carries them, where it moves placements; else they are moved as fast as
     // they want
     std::optional<Steering> steering{};
-    // Its instances stand on CrowdSettings::terrain, which they need: the update sets y of their placements. The CPU
-    // does not see it: world_bounds() and Renderer's ground go by what set_placement() said
+    // Its instances stand on CrowdSettings::terrain, which they need: the update sets y of their placements
     bool on_terrain = false;
     // Instances that may have a pose of set_pose() at the same time; 48 bytes a joint each, 0: no cost at all
     uint32_t pose_capacity = 0;
+    // By how much its poses may go beyond the boxes of all clips, as a part of the character's size, at most 1000: what
+    // a view sees goes by that. Unset: a tenth, since blends go a little beyond, or half, where a controller, rules or
+    // pose_capacity do. A ragdoll that falls off a roof, where its placement stays, needs more.
+    std::optional<float> pose_margin{};
     // With CrowdSettings::culling, of groups that are updated in one pass and have a mesh, where there is a native
     // engine (docs/native.md), which makes the shared poses. Not together with sockets, inertial transitions,
     // pose_capacity, nor the crowd's keep_model_matrices, keep_previous_matrices, Culling::skips_updates and
@@ -278,10 +281,10 @@ public:
     //
     // With a view, where CrowdSettings::culling: all instances go on in time, and of groups that are fused, without
     // sockets or inertial transitions, only those that it sees are animated (others' groups entirely). Without one, all
-    // are, and all are listed. A box around all clips' poses decides, a tenth of the character's size wider than these,
-    // or half of it where a controller, rules or poses from outside go beyond them. Errors: kInvalidArgument (the time
-    // step or the view is not finite; a view and no culling), kUnsupported (CrowdView::occlusion on a native device; on
-    // a software device CrowdGroup::sockets_only, and, with inertial transitions, after a native update()).
+    // are, and all are listed. A box around all clips' poses decides, wider by CrowdGroup::pose_margin. Errors:
+    // kInvalidArgument (the time step or the view is not finite; a view and no culling), kUnsupported
+    // (CrowdView::occlusion on a native device; on a software device CrowdGroup::sockets_only, and, with inertial
+    // transitions, after a native update()).
     Result<void> record(VkCommandBuffer commands, float time_step_s, const CrowdView* view = nullptr);
     // The second half of an update for a view with CrowdView::occlusion, recorded after its record() and what draws the
     // depths: tests the boxes of everything in view against these, and animates those that are visible and were not in

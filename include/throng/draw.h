@@ -30,8 +30,12 @@ struct Bounds {
     Vec3<float> min{}, max{};
 };
 
-// World bounds of the instances' rest poses, by their placements.
+// World bounds of the instances' rest poses, by their placements: as the application has set them, or, of groups whose
+// updates move them, in crowds that a Renderer has prepared or drawn, as they were after a recent update.
 Bounds world_bounds(const Crowd& crowd);
+// The same without strays: those few, a hundredth at most (one of fewer than a hundred), that stand so far away that a
+// camera would show nobody else.
+Bounds main_bounds(const Crowd& crowd);
 // A camera that looks down on the bounds from the front right and holds them in view; a crowd of many thousands runs
 // out of the picture at its corners, so that the nearest can be made out.
 Camera fit_camera(const Bounds& bounds, float aspect_ratio);
@@ -96,12 +100,13 @@ public:
     ~Renderer();
 
     // Makes what drawing this crowd needs, its pipelines and textures, so that its first picture is no slower than
-    // those after it. Submits and waits.
+    // those after it. Submits and waits. From then on updates copy the placements that they move, 48 bytes each, for
+    // what is fitted to them.
     Result<void> prepare(const Crowd& crowd);
 
-    // Draws the crowd as its last update left it, of one that culls what that has listed; submits and waits. The
-    // crowd's device is the renderer's. Alpha-blended materials are drawn as masks with a cutoff of 0.5, since a crowd
-    // is not sorted.
+    // Draws the crowd as its last update left it, of one that culls what that has listed; submits and waits. Ground,
+    // fog and shadows are fitted to main_bounds(). The crowd's device is the renderer's. Alpha-blended materials are
+    // drawn as masks with a cutoff of 0.5, since a crowd is not sorted.
     Result<RenderResult> render(const Crowd& crowd, const Camera& camera);
 
     // As render(), but advances the crowd by `time_step_s` first, as Crowd::update() does: update, for what the camera

@@ -12,6 +12,7 @@ namespace throng {
 namespace {
 
 constexpr uint64_t kMatrix_bytes = sizeof(Affine);
+constexpr float kMostPoseMargin = 1000;
 
 }  // namespace
 
@@ -29,6 +30,9 @@ void CrowdState::check_groups(const CrowdSettings& settings) const {
         if (!group.character) throw Failure(ErrorCode::kInvalidArgument, "crowd", "a group has no character");
         check_has_joints(*group.character);
         check_steering(group);
+        if (const float margin = group.pose_margin.value_or(0); !(margin >= 0 && margin <= kMostPoseMargin))
+            throw Failure(ErrorCode::kInvalidArgument, group.character->name + ": pose margin", margin, "; 0 to ",
+                          kMostPoseMargin);
         total += group.instance_count;
     }
     if (total == 0) throw Failure(ErrorCode::kInvalidArgument, "crowd", "it has no instances");

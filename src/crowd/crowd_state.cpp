@@ -160,6 +160,7 @@ void CrowdState::record(VkCommandBuffer commands, float time_step_s, const Crowd
     for (const auto& stage : stages) stage->record(update);
     if (timer) timer->publish(commands);
     if (feedback) feedback->end(commands, watched_, take_pose_requests());
+    placements->end(commands);
     if (!has_updated_) copy_to_previous(commands);
     had_updated_ = std::exchange(has_updated_, true);
     copy_shown(commands);

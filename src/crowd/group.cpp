@@ -91,7 +91,7 @@ Group::Group(Uploads& uploads, NativeRigs& rigs, const CrowdGroup& group, const 
     uniform_scale = group.character->rig.uniform_scale;
     pose_capacity = std::min(group.pose_capacity, group.instance_count);
     if (pose_capacity > 0 && settings.pose_request_capacity > 0) pose_of_skin.emplace(*group.character);
-    bound_poses(*group.character, settings.skin_blend);
+    bound_poses(*group.character, group.pose_margin.value_or(usual_pose_margin(settings.skin_blend)));
     try {
         make_native(rigs, *group.character, settings, 0);
     } catch (const Failure& failure) {
@@ -252,9 +252,13 @@ void Group::make_skin_tables(Uploads& uploads, const Character& character) {
     upload_skin_tables(uploads, character, influence_offsets, buffers);
 }
 
-// What blends of clips, and what is put on top of them, may add to the boxes of clips.
-void Group::bound_poses(const Character& character, SkinBlend blend) {
-    constexpr float kBlends = 0.1f, kAnything = 0.5f;  // of the character's size
+// The boxes of clips are of linear blends, which dual quaternions leave.
+float Group::usual_pose_margin(SkinBlend blend) const {
+    constexpr float kBlends = 0.1f, kAnything = 0.5f;
+    return controller || procedural || pose_capacity > 0 || blend != SkinBlend::kLinear ? kAnything : kBlends;
+}
+
+void Group::bound_poses(const Character& character, float margin) {
     posed_min = bounds_min;
     posed_max = bounds_max;
     for (const Clip& clip : character.clips) {
@@ -263,12 +267,9 @@ void Group::bound_poses(const Character& character, SkinBlend blend) {
         posed_max = {std::max(posed_max.x, clip.bounds_max.x), std::max(posed_max.y, clip.bounds_max.y),
                      std::max(posed_max.z, clip.bounds_max.z)};
     }
-    // Those boxes are of linear blends, which dual quaternions leave.
-    const float margin = character.size * (controller || procedural || pose_capacity > 0 || blend != SkinBlend::kLinear
-                                               ? kAnything
-                                               : kBlends);
-    posed_min = posed_min - Vec3<float>{margin, margin, margin};
-    posed_max = posed_max + Vec3<float>{margin, margin, margin};
+    const float wider = margin * character.size;
+    posed_min = posed_min - Vec3<float>{wider, wider, wider};
+    posed_max = posed_max + Vec3<float>{wider, wider, wider};
 }
 
 void Group::make_procedural(Uploads& uploads, const ProceduralRules& rules, const Character& character) {

@@ -159,7 +159,8 @@ private:
     void reduce_joints(Uploads& uploads, NativeRigs& rigs, const Character& character, const CrowdSettings& settings);
     void make_palette_by_set(Uploads& uploads, const Character& character);
     void make_skin_tables(Uploads& uploads, const Character& character);
-    void bound_poses(const Character& character, SkinBlend blend);
+    float usual_pose_margin(SkinBlend blend) const;
+    void bound_poses(const Character& character, float margin);
     void make_sockets(Uploads& uploads, const std::vector<uint32_t>& joints);
     Group(Uploads& uploads, const Character& character, const PathChoice& choice);
 };

@@ -20,15 +20,46 @@ io::RootState standing_at(const Affine& world_from_model) {
     return root;
 }
 
-PlacementStage::PlacementStage(const StageContext& context) : Stage(context), placements_(context.instance_count) {
+PlacementStage::PlacementStage(const StageContext& context)
+    : Stage(context), placements_(context.instance_count), set_for_(context.instance_count) {
     dirty_.add(0, context.instance_count);
 }
 
 void PlacementStage::set(const Instances& instances, const Each<Affine>& world_from_model) {
     for (uint32_t i = 0; i < instances.size(); ++i) {
         placements_[instances.number(i)] = world_from_model[i];
+        set_for_[instances.number(i)] = update_count_ + 1;
         dirty_.add(instances.number(i), 1);
     }
+}
+
+void PlacementStage::follow() {
+    if (followed_) return;
+    std::vector<const Batch*> moving;
+    for (const Batch& batch : batches_)
+        if (group_of(batch).moves_placements()) moving.push_back(&batch);
+    if (moving.empty()) return;
+    followed_.emplace(gpu_, moving);
+    if (update_count_ == 0) return;
+    for (const Batch* batch : moving)
+        take_over(*batch,
+                  download<Affine>(
+                      gpu_, BufferRange((*batch)[io::kPlacementsBuffer], 0, batch->instance_count * sizeof(Affine))),
+                  update_count_);
+}
+
+const std::vector<Affine>& PlacementStage::known() {
+    if (followed_)
+        if (const uint64_t update = followed_->take_newest())
+            followed_->for_each(
+                [&](const Batch& batch, std::span<const Affine> moved) { take_over(batch, moved, update); });
+    return placements_;
+}
+
+void PlacementStage::take_over(const Batch& batch, std::span<const Affine> moved, uint64_t update) {
+    for (uint32_t i = 0; i < moved.size(); ++i)
+        if (const uint32_t instance = batch.first_instance + i; set_for_[instance] <= update)
+            placements_[instance] = moved[i];
 }
 
 void PlacementStage::begin(const Update& update) {
@@ -48,6 +79,18 @@ void PlacementStage::begin(const Update& update) {
         batches_[i].is_moved = moved[i];
         if (moved[i]) ++batches_[i].move_count;
     }
+    ++update_count_;
+    if (followed_) followed_->begin(update_count_);
+}
+
+void PlacementStage::end(VkCommandBuffer commands) {
+    if (followed_) followed_->end(commands);
+}
+
+void PlacementStage::discard() {
+    dirty_.put_back();
+    --update_count_;
+    if (followed_) followed_->discard();
 }
 
 void PlacementStage::exchange(StateArchive& archive) {
@@ -56,6 +99,7 @@ void PlacementStage::exchange(StateArchive& archive) {
     if (!archive.reads()) return;
     StateArchive::require(std::ranges::all_of(placements_, is_finite), "a placement is not finite");
     for (Batch& batch : batches_) ++batch.move_count;
+    std::ranges::fill(set_for_, update_count_ + 1);
 }
 
 }  // namespace throng

@@ -1,9 +1,10 @@
-// Where instances stand, as the application says.
+// Where instances stand: as the application says and, where it is asked for, as updates have moved them since.
 #pragma once
 
 #include "crowd/batch_plan.h"
 #include "crowd/dirty_ranges.h"
 #include "crowd/each.h"
+#include "crowd/followed_placements.h"
 #include "crowd/stage.h"
 
 namespace throng {
@@ -19,16 +20,27 @@ public:
     explicit PlacementStage(const StageContext& context);
 
     void set(const Instances& instances, const Each<Affine>& world_from_model);
-    const std::vector<Affine>& all() const { return placements_; }
+    // From now on known() has what updates do; waits once for those that have been submitted.
+    void follow();
+    // [instance_count], as the CPU knows them: as last set or, where they are followed, as an update has left them of
+    // which it has heard since.
+    const std::vector<Affine>& known();
 
     void begin(const Update& update) override;
-    void discard() override { dirty_.put_back(); }
+    void end(VkCommandBuffer commands);  // behind the last kernel of an update
+    void discard() override;
     void exchange(StateArchive& archive) override;
     uint32_t end_count() const override { return 0; }
+    uint64_t size_bytes() const override { return followed_ ? followed_->size_bytes() : 0; }
 
 private:
-    std::vector<Affine> placements_;  // [instance_count], as last set
+    void take_over(const Batch& batch, std::span<const Affine> moved, uint64_t update);
+
+    std::vector<Affine> placements_;
+    std::vector<uint32_t> set_for_;  // [instance_count], the update that has taken it up or will
     DirtyRanges dirty_;
+    uint32_t update_count_ = 0;
+    std::optional<FollowedPlacements> followed_;
 };
 
 }  // namespace throng

@@ -1,7 +1,6 @@
 #include "draw/camera.h"
 
 #include "base/failure.h"
-#include "crowd/crowd_state.h"
 
 #include <algorithm>
 #include <limits>
@@ -19,33 +18,6 @@ Axes look_along(const Vec3<float>& direction) {
     const bool vertical = std::abs(forward.y) > 0.9999f;
     const Vec3<float> right = normalized(cross(forward, vertical ? Vec3<float>{0, 0, -1} : Vec3<float>{0, 1, 0}));
     return {right, cross(right, forward), forward};
-}
-
-// World bounds of the boxes that groups have in model space.
-Bounds bounds_of(const CrowdState& state, Vec3<float> Group::*box_min, Vec3<float> Group::*box_max) {
-    constexpr float kInfinity = std::numeric_limits<float>::infinity();
-    Bounds bounds{{kInfinity, kInfinity, kInfinity}, {-kInfinity, -kInfinity, -kInfinity}};
-    for (const Batch& batch : state.batches) {
-        const Group& group = state.groups[batch.group];
-        const Vec3<float> centre = (group.*box_min + group.*box_max) * 0.5f,
-                          half = (group.*box_max - group.*box_min) * 0.5f;
-        for (uint32_t i = 0; i < batch.instance_count; ++i) {
-            if (!state.is_there(batch.first_instance + i)) continue;
-            const Affine& placement = state.placements->all()[batch.first_instance + i];
-            // The box around the placed box, without its eight corners.
-            const auto reach_along = [&](int r) {
-                const auto& row = placement.row[static_cast<size_t>(r)];
-                return std::abs(row[0]) * half.x + std::abs(row[1]) * half.y + std::abs(row[2]) * half.z;
-            };
-            const Vec3<float> middle = transform_point(placement, centre),
-                              reach{reach_along(0), reach_along(1), reach_along(2)};
-            const Vec3<float> low = middle - reach, high = middle + reach;
-            bounds.min = {std::min(bounds.min.x, low.x), std::min(bounds.min.y, low.y), std::min(bounds.min.z, low.z)};
-            bounds.max = {std::max(bounds.max.x, high.x), std::max(bounds.max.y, high.y),
-                          std::max(bounds.max.z, high.z)};
-        }
-    }
-    return bounds.min.x <= bounds.max.x ? bounds : Bounds();  // none where nobody is there
 }
 
 }  // namespace
@@ -72,8 +44,6 @@ View make_view(const Camera& camera, float aspect_ratio) {
     return view;
 }
 
-Bounds rest_bounds(const CrowdState& crowd) { return bounds_of(crowd, &Group::bounds_min, &Group::bounds_max); }
-Bounds posed_bounds(const CrowdState& crowd) { return bounds_of(crowd, &Group::posed_min, &Group::posed_max); }
 const DrawOptions& checked(const DrawOptions& options) {
     if (!(options.exposure > 0 && std::isfinite(options.exposure)))
         throw Failure(ErrorCode::kInvalidArgument, "draw options", "exposure must be finite and above 0");
@@ -91,8 +61,6 @@ const DrawOptions& checked(const DrawOptions& options) {
             "the sun must stand above the horizon: to_sun is finite, and its y at least a twentieth of its length");
     return options;
 }
-
-Bounds world_bounds(const Crowd& crowd) { return crowd.instance_count() > 0 ? rest_bounds(crowd.state()) : Bounds(); }
 
 CrowdView crowd_view_of(const Camera& camera, uint32_t width, uint32_t height, const Bounds& bounds,
                         const DrawOptions& options) {

@@ -18,10 +18,6 @@ struct View {
 // Throws kInvalidArgument where the camera is not one.
 View make_view(const Camera& camera, float aspect_ratio);
 
-// World bounds of the instances' rest poses, and of all their poses as far as culling knows them, by their placements.
-Bounds rest_bounds(const CrowdState& crowd);
-Bounds posed_bounds(const CrowdState& crowd);
-
 // As view_of() of throng/draw.h. Throws kInvalidArgument where the camera is not one.
 CrowdView crowd_view_of(const Camera& camera, uint32_t width, uint32_t height, const Bounds& bounds,
                         const DrawOptions& options);

@@ -9,7 +9,7 @@ namespace throng {
 namespace {
 
 bool has_mirrored_instances(const CrowdState& crowd, const Batch& batch) {
-    const auto first = crowd.placements->all().begin() + batch.first_instance;
+    const auto first = crowd.placements->known().begin() + batch.first_instance;
     return std::any_of(first, first + batch.instance_count,
                        [](const Affine& placement) { return determinant(placement) < 0; });
 }

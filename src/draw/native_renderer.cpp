@@ -54,12 +54,12 @@ const NativeCrowd& NativeRenderer::kept_of(const Crowd& crowd) {
 }
 
 void NativeRenderer::prepare(const Crowd& crowd) {
-    check_drawn(crowd);
+    accept(crowd);
     kept_of(crowd);
 }
 
 RenderResult NativeRenderer::render(const Crowd& crowd, const Camera& camera) {
-    check_drawn(crowd);
+    accept(crowd);
     const NativeCrowd& kept = kept_of(crowd);
     if (!gpu->is_native()) gpu->wait_idle();  // what was submitted may write what is read now
     const auto [width, height] = extent();
@@ -73,7 +73,7 @@ RenderResult NativeRenderer::render(const Crowd& crowd, const Camera& camera) {
 }
 
 RenderResult NativeRenderer::render_frame(Crowd& crowd, float time_step_s, const Camera& camera) {
-    check_drawn(crowd);
+    accept(crowd);
     make_view(camera, 1);  // what is refused is refused before time goes on
     kept_of(crowd);
     update(crowd, time_step_s, camera);
@@ -88,7 +88,7 @@ void NativeRenderer::record(VkCommandBuffer commands, Crowd& crowd, float time_s
 }
 
 void NativeRenderer::record_drawing(VkCommandBuffer commands, const Crowd& crowd, const Camera& camera) {
-    check_drawn(crowd);
+    accept(crowd);
     if (crowd.state().awaits_commands()) {
         RendererState& device = device_renderer();
         device.record_drawing(commands, crowd, camera);

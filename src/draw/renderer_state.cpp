@@ -15,8 +15,8 @@ void RendererState::update(Crowd& crowd, float time_step_s, const Camera& camera
     state.update(time_step_s, &view);
 }
 
-void RendererState::check_drawn(const Crowd& crowd) const {
-    const CrowdState& state = crowd.state();
+void RendererState::accept(const Crowd& crowd) const {
+    CrowdState& state = crowd.state();
     if (state.gpu != gpu) throw Failure(ErrorCode::kInvalidArgument, "render", "the crowd lives on another device");
     for (const Group& group : state.groups)
         if (group.sockets_only)
@@ -24,10 +24,11 @@ void RendererState::check_drawn(const Crowd& crowd) const {
     if (options.skeletons && !state.batches.front()[io::kModelBuffer])
         throw Failure(ErrorCode::kInvalidArgument, "skeletons",
                       "the crowd keeps no model matrices; set CrowdSettings::keep_model_matrices");
+    state.placements->follow();
 }
 
 CrowdView RendererState::view_of(const Crowd& crowd, const Camera& camera) const {
-    return crowd_view_of(camera, extent().width, extent().height, world_bounds(crowd), options);
+    return crowd_view_of(camera, extent().width, extent().height, main_bounds(crowd), options);
 }
 
 }  // namespace throng

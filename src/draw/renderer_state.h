@@ -28,8 +28,9 @@ struct RendererState {
     DrawOptions options;
 
 protected:
-    // Throws kInvalidArgument where this crowd cannot be drawn with these options.
-    void check_drawn(const Crowd& crowd) const;
+    // A crowd that is to be drawn: what is fitted to it follows where its updates move instances. Throws
+    // kInvalidArgument where it cannot be drawn with these options.
+    void accept(const Crowd& crowd) const;
     CrowdView view_of(const Crowd& crowd, const Camera& camera) const;  // without occlusion
 };
 

@@ -1,5 +1,6 @@
 #include "draw/scene.h"
 
+#include "draw/crowd_bounds.h"
 #include "draw/pipeline.h"
 #include "draw/shadow_map.h"
 
@@ -13,38 +14,13 @@ constexpr Access kSceneRead{VK_PIPELINE_STAGE_2_VERTEX_SHADER_BIT | VK_PIPELINE_
 
 io::vec4 to_vec4(const Vec3<float>& v, float w = 0) { return {v.x, v.y, v.z, w}; }
 
-// Where characters stand: at the lowest point of their rest poses, or at the origin of their model space where that is
-// a little lower, since a rest pose may float above the floor that the clips walk on.
-float ground_height(const CrowdState& state, const Bounds& bounds) {
-    float height = bounds.min.y;
-    for (const Batch& batch : state.batches) {
-        const Group& group = state.groups[batch.group];
-        const float floating = group.bounds_min.y;
-        if (floating <= 0 || floating > 0.25f * (group.bounds_max.y - group.bounds_min.y)) continue;
-        for (uint32_t i = batch.first_instance; i < batch.first_instance + batch.instance_count; ++i)
-            if (state.is_there(i)) height = std::min(height, state.placements->all()[i].row[1][3]);
-    }
-    return height;
-}
-
-// The size of the largest character.
-float character_size(const CrowdState& state) {
-    float size = 0;
-    for (const Batch& batch : state.batches) {
-        const Group& group = state.groups[batch.group];
-        const float scale = std::cbrt(std::abs(determinant(state.placements->all()[batch.first_instance])));
-        size = std::max(size, length(group.bounds_max - group.bounds_min) * scale);
-    }
-    return std::max(size, 1e-6f);
-}
-
 }  // namespace
 
 io::DrawScene make_scene(const CrowdState& state, const Camera& camera, const VkExtent2D& picture, uint32_t map_size,
                          const DrawOptions& options) {
     const auto width = static_cast<float>(picture.width), height = static_cast<float>(picture.height);
     const View view = make_view(camera, width / height);
-    const Bounds bounds = rest_bounds(state), posed = posed_bounds(state);
+    const auto [bounds, posed, ground] = bounds_of(state, Whom::kAllButStrays);
     const Vec3<float> centre = (bounds.min + bounds.max) * 0.5f, to_sun = direction_to_sun(options);
     const float farthest = std::max(length(camera.eye - centre) + length(bounds.max - bounds.min) / 2, 1e-6f);
     const ShadowFit shadow = fit_shadow(camera, view, posed, to_sun, map_size);
@@ -60,7 +36,7 @@ io::DrawScene make_scene(const CrowdState& state, const Camera& camera, const Vk
     scene.right = to_vec4(view.right * view.half_width);
     scene.down = to_vec4(view.up * -view.half_height);
     scene.to_sun = to_vec4(to_sun);
-    scene.ground = {centre.x, ground_height(state, bounds), centre.z, character_size(state)};
+    scene.ground = {centre.x, ground, centre.z, character_size(state)};
     constexpr float kFog = 0.1f;  // what it takes of the farthest character
     scene.fog = {options.fog ? std::sqrt(-std::log(1 - kFog)) / farthest : 0, 0, 0, 0};
     scene.picture = {width, height, 0, 0};

@@ -81,7 +81,7 @@ void VulkanRenderer::record(VkCommandBuffer commands, Crowd& crowd, float time_s
 void VulkanRenderer::prepare(const Crowd& crowd) { drawing_of(crowd); }
 
 CrowdDrawing VulkanRenderer::drawing_of(const Crowd& crowd) {
-    check_drawn(crowd);
+    accept(crowd);
     const CrowdState& state = crowd.state();
     VertexKind kind{state.skin_format, state.skin_blend, state.cull != nullptr, state.skins_once};
     const auto pipelines_of = [&](bool has_looks) {

@@ -103,7 +103,7 @@ void measure(const DrawBenchOptions& options, const Shown& shown, Measured& meas
     const RendererSettings picture = parse_size(shown.size);
     const auto camera_of = [&](const Crowd& crowd) {
         const CameraSubject subject{
-            .bounds = world_bounds(crowd),
+            .bounds = main_bounds(crowd),
             .aspect_ratio = static_cast<float>(picture.width) / static_cast<float>(picture.height),
             .world_from_model = field.placement.front(),
             .model_bounds = {shown.characters.front().bounds_min, shown.characters.front().bounds_max}};
@@ -118,7 +118,7 @@ void measure(const DrawBenchOptions& options, const Shown& shown, Measured& meas
                  unwrap(crowd.set_placement(crowd.instances(), field.placement));
                  unwrap(crowd.set_playback(crowd.instances(), field.playback));
                  const CrowdView view = unwrap(
-                     view_of(camera_of(crowd), picture.width, picture.height, world_bounds(crowd)));
+                     view_of(camera_of(crowd), picture.width, picture.height, main_bounds(crowd)));
                  unwrap(crowd.update(0, &view));
                  return crowd;
              },

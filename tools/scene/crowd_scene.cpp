@@ -186,7 +186,7 @@ CrowdScene::CrowdScene(const Device& device, const SceneOptions& options, CrowdS
     unwrap(crowd_->set_placement(crowd_->instances(), field.placement));
     if (options.steer) destinations_ = each_others_places(field.groups, field.placement, options.seed);
     placement_ = std::move(field.placement);
-    bounds_ = world_bounds(*crowd_);
+    bounds_ = main_bounds(*crowd_);
     follow(0);
 }
 

@@ -113,7 +113,7 @@ void Scene::make_crowd() {
                 set_parameter(group, p, parameters(group)[p]);
     }
     tools::unwrap(crowd_->set_placement(crowd_->instances(), field_.placement));
-    bounds_ = world_bounds(*crowd_);
+    bounds_ = main_bounds(*crowd_);
 }
 
 void Scene::advance(float time_step_s) {

@@ -1,0 +1,66 @@
+#include "crowd/followed_placements.h"
+
+#include "gpu/barrier.h"
+
+#include <algorithm>
+
+namespace throng {
+
+FollowedPlacements::FollowedPlacements(std::shared_ptr<Gpu> gpu, std::vector<const Batch*> batches)
+    : gpu_(std::move(gpu)), batches_(std::move(batches)) {
+    VkDeviceSize size_bytes = 0;
+    for (const Batch* batch : batches_) size_bytes += size_bytes_of(*batch);
+    for (Slot& slot : slots_) {
+        slot.copy = Buffer(gpu_, "placements that are followed", size_bytes, VK_BUFFER_USAGE_TRANSFER_DST_BIT,
+                           MemoryKind::kReadback);
+        slot.done = DeviceEvent(gpu_);
+    }
+}
+
+// An update that was never submitted, and nobody said so, is known by a later one that has run.
+void FollowedPlacements::begin(uint64_t number) {
+    Slot& slot = slots_[number % slots_.size()];
+    const bool is_free = slot.number == 0 || slot.done.is_set() || std::ranges::any_of(slots_, [&](const Slot& other) {
+                             return other.number > slot.number && other.done.is_set();
+                         });
+    next_ = is_free ? &slot : nullptr;
+    if (!next_) return;
+    if (newest_ == next_) newest_ = nullptr;
+    next_->done.reset();
+    next_->number = number;
+}
+
+void FollowedPlacements::end(VkCommandBuffer commands) {
+    if (!next_) return;
+    memory_barrier(*gpu_, commands, kShaderWrite | kTransferWrite, kTransferRead | kTransferWrite);
+    VkDeviceSize at = 0;
+    for (const Batch* batch : batches_) {
+        const VkDeviceSize size_bytes = size_bytes_of(*batch);
+        record_copy(*gpu_, commands, BufferRange((*batch)[io::kPlacementsBuffer], 0, size_bytes),
+                    BufferRange(next_->copy, at, size_bytes));
+        at += size_bytes;
+    }
+    next_->done.record_set(commands);
+}
+
+void FollowedPlacements::discard() {
+    if (next_) next_->number = 0;
+    next_ = nullptr;
+}
+
+uint64_t FollowedPlacements::take_newest() {
+    const Slot* newest = nullptr;
+    for (const Slot& slot : slots_)
+        if (is_there(slot) && slot.number > taken_ && (!newest || slot.number > newest->number)) newest = &slot;
+    if (!newest) return 0;
+    newest_ = newest;
+    return taken_ = newest->number;
+}
+
+uint64_t FollowedPlacements::size_bytes() const {
+    uint64_t sum = 0;
+    for (const Slot& slot : slots_) sum += slot.copy.size_bytes();
+    return sum;
+}
+
+}  // namespace throng

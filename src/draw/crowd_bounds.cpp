@@ -1,0 +1,133 @@
+#include "draw/crowd_bounds.h"
+
+#include "crowd/crowd_state.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace throng {
+namespace {
+
+constexpr float kInfinity = std::numeric_limits<float>::infinity();
+constexpr Bounds kNothing{{kInfinity, kInfinity, kInfinity}, {-kInfinity, -kInfinity, -kInfinity}},
+    kEverywhere{kNothing.max, kNothing.min};
+
+Vec3<float> least(const Vec3<float>& a, const Vec3<float>& b) {
+    return {std::min(a.x, b.x), std::min(a.y, b.y), std::min(a.z, b.z)};
+}
+Vec3<float> most(const Vec3<float>& a, const Vec3<float>& b) {
+    return {std::max(a.x, b.x), std::max(a.y, b.y), std::max(a.z, b.z)};
+}
+
+Vec3<float> place_of(const Affine& placement) {
+    return {placement.row[0][3], placement.row[1][3], placement.row[2][3]};
+}
+
+bool holds(const Bounds& bounds, const Vec3<float>& p) {
+    return p.x >= bounds.min.x && p.x <= bounds.max.x && p.y >= bounds.min.y && p.y <= bounds.max.y &&
+           p.z >= bounds.min.z && p.z <= bounds.max.z;
+}
+
+// The middle half of so many values: from where to where.
+std::pair<float, float> middle_half(std::vector<float>& values) {
+    const auto quarter = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 4),
+               rest = values.end() - 1 - static_cast<std::ptrdiff_t>(values.size() / 4);
+    std::nth_element(values.begin(), quarter, values.end());
+    const float low = *quarter;
+    std::nth_element(values.begin(), rest, values.end());
+    return {low, *rest};
+}
+
+// Where all but strays stand: around the middle half, four times as far as that is wide, along the axis where it is
+// widest. (J. W. Tukey's fences, Exploratory Data Analysis, 1977, and a wider margin.)
+Bounds fence_of(const CrowdState& state, const std::vector<Affine>& placements) {
+    constexpr uint32_t kSample = 1024, kFewest = 5;
+    constexpr float kWidths = 4;
+    const uint32_t step = std::max(state.instance_count / kSample, 1u);
+    std::array<std::vector<float>, 3> along;
+    for (uint32_t i = 0; i < state.instance_count; i += step) {
+        if (!state.is_there(i)) continue;
+        for (size_t axis = 0; axis < 3; ++axis) along[axis].push_back(placements[i].row[axis][3]);
+    }
+    if (along[0].size() < kFewest) return kEverywhere;
+    std::array<std::pair<float, float>, 3> middle;
+    float width = character_size(state);
+    for (size_t axis = 0; axis < 3; ++axis) {
+        middle[axis] = middle_half(along[axis]);
+        width = std::max(width, middle[axis].second - middle[axis].first);
+    }
+    const float margin = kWidths * width;
+    const auto [x, y, z] = middle;
+    return {{x.first - margin, y.first - margin, z.first - margin},
+            {x.second + margin, y.second + margin, z.second + margin}};
+}
+
+// Grows by one instance after another.
+struct Growing {
+    uint32_t count = 0;
+    Bounds rest = kNothing, posed = kNothing;
+    float ground = kInfinity;
+
+    void add(const Group& group, const Affine& placement) {
+        ++count;
+        const Bounds at_rest = placed(placement, group.bounds_min, group.bounds_max),
+                     in_poses = placed(placement, group.posed_min, group.posed_max);
+        rest = {least(rest.min, at_rest.min), most(rest.max, at_rest.max)};
+        posed = {least(posed.min, in_poses.min), most(posed.max, in_poses.max)};
+        const float floating = group.bounds_min.y, height = group.bounds_max.y - group.bounds_min.y;
+        ground = std::min(ground, at_rest.min.y);
+        if (floating > 0 && floating <= 0.25f * height) ground = std::min(ground, placement.row[1][3]);
+    }
+    void add(const Growing& other) {
+        count += other.count;
+        rest = {least(rest.min, other.rest.min), most(rest.max, other.rest.max)};
+        posed = {least(posed.min, other.posed.min), most(posed.max, other.posed.max)};
+        ground = std::min(ground, other.ground);
+    }
+
+private:
+    // The box around a placed box, without its eight corners.
+    static Bounds placed(const Affine& placement, const Vec3<float>& min, const Vec3<float>& max) {
+        const Vec3<float> half = (max - min) * 0.5f, middle = transform_point(placement, (min + max) * 0.5f);
+        const auto reach_along = [&](size_t r) {
+            const auto& row = placement.row[r];
+            return std::abs(row[0]) * half.x + std::abs(row[1]) * half.y + std::abs(row[2]) * half.z;
+        };
+        const Vec3<float> reach{reach_along(0), reach_along(1), reach_along(2)};
+        return {middle - reach, middle + reach};
+    }
+};
+
+}  // namespace
+
+float character_size(const CrowdState& crowd) {
+    float size = 0;
+    for (const Batch& batch : crowd.batches) {
+        const Group& group = crowd.groups[batch.group];
+        const float scale = std::cbrt(std::abs(determinant(crowd.placements->known()[batch.first_instance])));
+        size = std::max(size, length(group.bounds_max - group.bounds_min) * scale);
+    }
+    return std::max(size, 1e-6f);
+}
+
+CrowdBounds bounds_of(const CrowdState& crowd, Whom whom) {
+    const std::vector<Affine>& placements = crowd.placements->known();
+    const Bounds fence = whom == Whom::kAll ? kEverywhere : fence_of(crowd, placements);
+    Growing within, beyond;
+    for (const Batch& batch : crowd.batches)
+        for (uint32_t i = batch.first_instance; i < batch.first_instance + batch.instance_count; ++i)
+            if (crowd.is_there(i))
+                (holds(fence, place_of(placements[i])) ? within : beyond).add(crowd.groups[batch.group], placements[i]);
+    if (beyond.count > std::max((within.count + beyond.count) / 100, 1u)) within.add(beyond);
+    return within.count > 0 ? CrowdBounds{within.rest, within.posed, within.ground} : CrowdBounds();
+}
+
+Bounds world_bounds(const Crowd& crowd) {
+    return crowd.instance_count() > 0 ? bounds_of(crowd.state(), Whom::kAll).rest : Bounds();
+}
+Bounds main_bounds(const Crowd& crowd) {
+    return crowd.instance_count() > 0 ? bounds_of(crowd.state(), Whom::kAllButStrays).rest : Bounds();
+}
+
+}  // namespace throng

@@ -1,0 +1,152 @@
+// Where a crowd is, as pictures are fitted to it: where updates have moved it, and whatever a few strays do.
+#include "draw/crowd_bounds.h"
+#include "tests/crowd_cases.h"
+#include "tests/kernel_runner.h"
+#include "tests/recorder.h"
+#include "tests/subset.h"
+
+#include <gtest/gtest.h>
+
+namespace throng::test {
+namespace {
+
+const InSubset kNatively({Subset::kNative}, {"CrowdBoundsTest.*"});
+
+constexpr uint32_t kCount = 12;
+
+Affine at(float x, float y = 0, float z = 0) { return to_affine(Trs<float>{.translation = {x, y, z}}); }
+
+// Side by side in units of 1, each of size 1.
+std::vector<Affine> in_a_row(uint32_t count) {
+    std::vector<Affine> places;
+    for (uint32_t i = 0; i < count; ++i) places.push_back(at(static_cast<float>(i)));
+    return places;
+}
+
+// Agents without root motion, which walk as fast as they want.
+Crowd crowd_of_agents(const Character& character) {
+    Crowd crowd = create({.groups = {{.character = &character,
+                                      .instance_count = kCount,
+                                      .steering = Steering{.radius = 0.1f, .speed = 5},
+                                      .capacity = kCount + 4}},
+                          .culling = Culling{}});
+    EXPECT_TRUE(crowd.set_placement(Instances::numbered(0, kCount), in_a_row(kCount)));
+    for (uint32_t i = 0; i < kCount; ++i)
+        EXPECT_TRUE(crowd.set_destination(InstanceHandle{i}, Vec3<float>{static_cast<float>(i), 0, 100}));
+    return crowd;
+}
+
+// By what the update has left on the device.
+float farthest_z(const Crowd& crowd) {
+    float z = -1e30f;
+    for (const Affine& place : output<Affine>(crowd.outputs()[0], &OutputBlock::placement, kCount))
+        z = std::max(z, place.row[2][3]);
+    return z;
+}
+
+// Rest poses do not turn with the agents far enough to matter.
+float middle_z(const Bounds& bounds) { return (bounds.min.z + bounds.max.z) / 2; }
+
+bool same(const Bounds& a, const Bounds& b) { return length(a.min - b.min) == 0 && length(a.max - b.max) == 0; }
+
+class CrowdBoundsTest : public testing::Test {
+protected:
+    const Character character_ = creature(20, 6);
+    Renderer renderer_ = Renderer::create(test_device(), {.width = 64, .height = 48}).value();
+};
+
+TEST_F(CrowdBoundsTest, FollowWhereUpdatesMoveInstances) {
+    const float reach = 2 * character_.size;
+    for (const bool prepared_before : {true, false}) {
+        SCOPED_TRACE(prepared_before);
+        Crowd crowd = crowd_of_agents(character_);
+        ASSERT_TRUE(!prepared_before || renderer_.prepare(crowd));
+        for (int update = 0; update < 120; ++update) ASSERT_TRUE(crowd.update(0.1f));
+        const float z = farthest_z(crowd);
+        ASSERT_GT(z, 5);
+        if (!prepared_before) {
+            EXPECT_LT(world_bounds(crowd).max.z, reach) << "nobody has asked for it";
+            ASSERT_TRUE(renderer_.prepare(crowd));
+        }
+        EXPECT_NEAR(middle_z(world_bounds(crowd)), z, reach);
+
+        // What is set is known at once, whatever comes back of the update before; the rest stays where it is.
+        ASSERT_TRUE(crowd.update(0.1f));
+        ASSERT_TRUE(crowd.set_placement(InstanceHandle{3}, at(3, 0, -50)));
+        EXPECT_LT(world_bounds(crowd).min.z, -49);
+        EXPECT_NEAR(world_bounds(crowd).max.z, z, reach);
+        ASSERT_TRUE(crowd.update(0.1f));
+        EXPECT_LT(world_bounds(crowd).min.z, -40);
+        EXPECT_GT(world_bounds(crowd).max.z, z);
+
+        // Somebody new, where nobody has been.
+        ASSERT_TRUE(crowd.despawn(std::vector{InstanceHandle{3}}));
+        const auto born = crowd.spawn(0, std::vector{at(80, 0, z)}).value();
+        EXPECT_NEAR(world_bounds(crowd).max.x, 80, reach);
+        EXPECT_GT(world_bounds(crowd).min.z, z - reach);
+    }
+}
+
+TEST_F(CrowdBoundsTest, FollowRecordedUpdatesAndNotDiscardedOnes) {
+    if (test_gpu()->is_native()) GTEST_SKIP() << "it has no command buffers";
+    Crowd crowd = crowd_of_agents(character_);
+    ASSERT_TRUE(renderer_.prepare(crowd));
+    Recorder recorder;
+    const auto update = [&](bool runs) {
+        const VkCommandBuffer commands = recorder.record(
+            [&](VkCommandBuffer into) { ASSERT_TRUE(crowd.record(into, 0.1f)); });
+        if (runs) {
+            recorder.submit(commands);
+            test_gpu()->wait_idle();
+        } else {
+            EXPECT_TRUE(crowd.discard_last_record());
+        }
+    };
+    for (int i = 0; i < 120; ++i) update(i % 3 < 2);
+    const float z = farthest_z(crowd), ahead = z - middle_z(world_bounds(crowd));
+    ASSERT_GT(z, 5);
+    EXPECT_LT(std::abs(ahead), 2 * character_.size);
+
+    // Updates that never run, and nobody tells of.
+    for (int i = 0; i < 3; ++i) recorder.record([&](VkCommandBuffer into) { ASSERT_TRUE(crowd.record(into, 0.1f)); });
+    for (int i = 0; i < 30; ++i) update(true);
+    EXPECT_GT(farthest_z(crowd), z + 1);
+    constexpr float kStep = 0.1f;  // of an update
+    EXPECT_NEAR(middle_z(world_bounds(crowd)) + ahead, farthest_z(crowd), kStep / 4) << "the last one";
+}
+
+TEST_F(CrowdBoundsTest, LeaveOutStraysButNotAParty) {
+    constexpr uint32_t kMany = 300;
+    Crowd crowd = create({.groups = {{.character = &character_, .instance_count = kMany}}});
+    std::vector<Affine> places = in_a_row(kMany);
+    ASSERT_TRUE(crowd.set_placement(crowd.instances(), places));
+    const Bounds all = world_bounds(crowd);
+    EXPECT_TRUE(same(main_bounds(crowd), all));
+    // One that falls through the ground, one that flies, one far away.
+    places[7] = at(7, -1e6f);
+    places[8] = at(8, 1e5f);
+    places[9] = at(9, 0, 1e7f);
+    ASSERT_TRUE(crowd.set_placement(crowd.instances(), places));
+    EXPECT_TRUE(same(main_bounds(crowd), all));
+    EXPECT_LT(world_bounds(crowd).min.y, -9e5f);
+    EXPECT_NEAR(bounds_of(crowd.state(), Whom::kAllButStrays).ground, all.min.y, character_.size);
+    places[10] = at(10, 0, 1e7f);  // more than one in a hundred
+    ASSERT_TRUE(crowd.set_placement(crowd.instances(), places));
+    EXPECT_TRUE(same(main_bounds(crowd), world_bounds(crowd)));
+}
+
+// The others look as they would without the stray, which nobody sees.
+TEST_F(CrowdBoundsTest, AStrayDoesNotSpoilThePicture) {
+    const auto picture_of = [&](const Affine& last) {
+        Crowd crowd = create({.groups = {{.character = &character_, .instance_count = kCount}}, .culling = Culling{}});
+        std::vector<Affine> places = in_a_row(kCount);
+        places.back() = last;
+        EXPECT_TRUE(crowd.set_placement(crowd.instances(), places));
+        const Camera camera = fit_camera(main_bounds(crowd), 64.0f / 48);
+        return renderer_.render_frame(crowd, 0, camera).value().picture.rgba;
+    };
+    EXPECT_EQ(picture_of(at(1e6f)), picture_of(at(0, -1e7f)));
+}
+
+}  // namespace
+}  // namespace throng::test
