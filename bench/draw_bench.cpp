@@ -33,7 +33,7 @@ struct Entrant {
 
     Picture draw(const Camera& camera, double& ms) {
         RenderResult result = vulkan ? value_of(vulkan->render(*stage->crowd, camera))
-                                     : native->render(*stage->crowd, camera);
+                                     : native->render(std::array{&stage->crowd->state()}, camera);
         if (native) last = static_cast<NativeRenderer&>(*native).times();
         ms = result.draw_ms;
         return std::move(result.picture);

@@ -285,7 +285,11 @@ TEST(Morph, CrowdsOfTwoClipsShowThem) {
             Crowd crowd = create({.groups = {{&plain, 3}, {&character, 40}}, .path = path});
             EXPECT_FALSE(has_output(crowd.outputs()[0], &OutputBlock::morph));
             Character unmorphed = character;
-            unmorphed.morphs.clear();
+            unmorphed.morphs.clear(), unmorphed.morph_tracks.clear(), unmorphed.morph_deltas.clear();
+            unmorphed.morph_times_s.clear(), unmorphed.morph_values.clear();
+            for (MeshSection& section : unmorphed.sections) section.first_morph = section.morph_count = 0;
+            for (Vertex& vertex : unmorphed.vertices) vertex.first_delta = 0;
+            for (Clip& clip : unmorphed.clips) clip.first_morph_time = clip.morph_row_count = clip.morph_row_stride = 0;
             const Crowd other = create({.groups = {{&plain, 3}, {&unmorphed, 40}}, .path = path});
             EXPECT_GE(crowd.size_bytes(), other.size_bytes() + 40 * character.morphs.size() * sizeof(io::ActiveMorph) +
                                               character.morph_deltas.size() * sizeof(MorphDelta))

@@ -1,4 +1,4 @@
-// Drawing a crowd to a picture: skinned, instanced, lit by one directional light, on a ground.
+// Drawing crowds to a picture: skinned, instanced, lit by one directional light, on a ground.
 #pragma once
 
 #include <throng/crowd.h>
@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -36,6 +37,7 @@ Bounds world_bounds(const Crowd& crowd);
 // The same without strays: those few, a hundredth at most (one of fewer than a hundred), that stand so far away that a
 // camera would show nobody else.
 Bounds main_bounds(const Crowd& crowd);
+Bounds main_bounds(std::span<const Crowd* const> crowds);  // of all of them
 // A camera that looks down on the bounds from the front right and holds them in view; a crowd of many thousands runs
 // out of the picture at its corners, so that the nearest can be made out.
 Camera fit_camera(const Bounds& bounds, float aspect_ratio);
@@ -104,14 +106,19 @@ public:
     // what is fitted to them.
     Result<void> prepare(const Crowd& crowd);
 
-    // Draws the crowd as its last update left it, of one that culls what that has listed; submits and waits. Ground,
-    // fog and shadows are fitted to main_bounds(). The crowd's device is the renderer's. Alpha-blended materials are
+    // What follows takes one crowd, or several, each once, that are drawn in one picture, under one sun, with one
+    // ground; more than one shows the same as one crowd with the groups of all would.
+
+    // Draws crowds as their last update left them, of those that cull what that has listed; submits and waits. Ground,
+    // fog and shadows are fitted to main_bounds(). The crowds' device is the renderer's. Alpha-blended materials are
     // drawn as masks with a cutoff of 0.5, since a crowd is not sorted.
     Result<RenderResult> render(const Crowd& crowd, const Camera& camera);
+    Result<RenderResult> render(std::span<const Crowd* const> crowds, const Camera& camera);
 
-    // As render(), but advances the crowd by `time_step_s` first, as Crowd::update() does: update, for what the camera
+    // As render(), but advances crowds by `time_step_s` first, as Crowd::update() does: update, for what the camera
     // sees where the crowd culls, and picture, in one submission (what is native, beside it).
     Result<RenderResult> render_frame(Crowd& crowd, float time_step_s, const Camera& camera);
+    Result<RenderResult> render_frame(std::span<Crowd* const> crowds, float time_step_s, const Camera& camera);
 
     // Records the same into the caller's command buffer (recording, outside a render pass, of the device's queue
     // family). The picture is then in picture(), in VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL and visible to transfer reads,
@@ -120,12 +127,16 @@ public:
     // before the last has finished. Of a crowd that it has neither drawn nor prepared it uploads textures, and waits.
     // Drawn by the device whatever the path, since it is updated there. Errors: kUnsupported (a native device).
     Result<void> record(VkCommandBuffer commands, Crowd& crowd, float time_step_s, const Camera& camera);
+    Result<void> record(VkCommandBuffer commands, std::span<Crowd* const> crowds, float time_step_s,
+                        const Camera& camera);
     // The two halves of that, for crowds that are updated natively on a software device (UpdatePath::kNative), which a
     // recorded update is not: Crowd::update() for what the camera sees, without occlusion, at once; and the drawing
     // alone, of the crowd as its last update left it when the commands run. Natively it is drawn at once, and the
     // commands copy the picture; but where that last update is recorded and may not have run, the device draws.
     Result<void> update(Crowd& crowd, float time_step_s, const Camera& camera);
+    Result<void> update(std::span<Crowd* const> crowds, float time_step_s, const Camera& camera);
     Result<void> record_drawing(VkCommandBuffer commands, const Crowd& crowd, const Camera& camera);
+    Result<void> record_drawing(VkCommandBuffer commands, std::span<const Crowd* const> crowds, const Camera& camera);
     // VK_FORMAT_R8G8B8A8_SRGB (RendererSettings::blue_first: VK_FORMAT_B8G8R8A8_SRGB), of the renderer's size; another
     // after resize(). Null on a native device.
     VkImage picture() const;

@@ -1,8 +1,7 @@
 #include "draw/crowd_bounds.h"
 
-#include "crowd/crowd_state.h"
-
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -41,18 +40,22 @@ std::pair<float, float> middle_half(std::vector<float>& values) {
 
 // Where all but strays stand: around the middle half, four times as far as that is wide, along the axis where it is
 // widest. (J. W. Tukey's fences, Exploratory Data Analysis, 1977, and a wider margin.)
-Bounds fence_of(const CrowdState& state, const std::vector<Affine>& placements) {
+Bounds fence_of(Crowds crowds) {
     constexpr uint32_t kSample = 1024, kFewest = 5;
     constexpr float kWidths = 4;
-    const uint32_t step = std::max(state.instance_count / kSample, 1u);
+    uint32_t count = 0;
+    for (const CrowdState* crowd : crowds) count += crowd->instance_count;
+    const uint32_t step = std::max(count / kSample, 1u);
     std::array<std::vector<float>, 3> along;
-    for (uint32_t i = 0; i < state.instance_count; i += step) {
-        if (!state.is_there(i)) continue;
-        for (size_t axis = 0; axis < 3; ++axis) along[axis].push_back(placements[i].row[axis][3]);
+    for (const CrowdState* crowd : crowds) {
+        const std::vector<Affine>& placements = crowd->placements->known();
+        for (uint32_t i = 0; i < crowd->instance_count; i += step)
+            for (size_t axis = 0; axis < 3 && crowd->is_there(i); ++axis)
+                along[axis].push_back(placements[i].row[axis][3]);
     }
     if (along[0].size() < kFewest) return kEverywhere;
     std::array<std::pair<float, float>, 3> middle;
-    float width = character_size(state);
+    float width = character_size(crowds);
     for (size_t axis = 0; axis < 3; ++axis) {
         middle[axis] = middle_half(along[axis]);
         width = std::max(width, middle[axis].second - middle[axis].first);
@@ -101,33 +104,45 @@ private:
 
 }  // namespace
 
-float character_size(const CrowdState& crowd) {
+float character_size(Crowds crowds) {
     float size = 0;
-    for (const Batch& batch : crowd.batches) {
-        const Group& group = crowd.groups[batch.group];
-        const float scale = std::cbrt(std::abs(determinant(crowd.placements->known()[batch.first_instance])));
-        size = std::max(size, length(group.bounds_max - group.bounds_min) * scale);
-    }
+    for (const CrowdState* crowd : crowds)
+        for (const Batch& batch : crowd->batches) {
+            const Group& group = crowd->groups[batch.group];
+            const float scale = std::cbrt(std::abs(determinant(crowd->placements->known()[batch.first_instance])));
+            size = std::max(size, length(group.bounds_max - group.bounds_min) * scale);
+        }
     return std::max(size, 1e-6f);
 }
 
-CrowdBounds bounds_of(const CrowdState& crowd, Whom whom) {
-    const std::vector<Affine>& placements = crowd.placements->known();
-    const Bounds fence = whom == Whom::kAll ? kEverywhere : fence_of(crowd, placements);
+CrowdBounds bounds_of(Crowds crowds, Whom whom) {
+    const Bounds fence = whom == Whom::kAll ? kEverywhere : fence_of(crowds);
     Growing within, beyond;
-    for (const Batch& batch : crowd.batches)
-        for (uint32_t i = batch.first_instance; i < batch.first_instance + batch.instance_count; ++i)
-            if (crowd.is_there(i))
-                (holds(fence, place_of(placements[i])) ? within : beyond).add(crowd.groups[batch.group], placements[i]);
+    for (const CrowdState* crowd : crowds) {
+        const std::vector<Affine>& placements = crowd->placements->known();
+        for (const Batch& batch : crowd->batches)
+            for (uint32_t i = batch.first_instance; i < batch.first_instance + batch.instance_count; ++i)
+                if (crowd->is_there(i))
+                    (holds(fence, place_of(placements[i])) ? within : beyond)
+                        .add(crowd->groups[batch.group], placements[i]);
+    }
     if (beyond.count > std::max((within.count + beyond.count) / 100, 1u)) within.add(beyond);
     return within.count > 0 ? CrowdBounds{within.rest, within.posed, within.ground} : CrowdBounds();
 }
 
-Bounds world_bounds(const Crowd& crowd) {
-    return crowd.instance_count() > 0 ? bounds_of(crowd.state(), Whom::kAll).rest : Bounds();
+namespace {
+
+Bounds bounds_at_rest(std::span<const Crowd* const> crowds, Whom whom) {
+    std::vector<CrowdState*> states;
+    for (const Crowd* crowd : crowds)
+        if (crowd->instance_count() > 0) states.push_back(&crowd->state());
+    return bounds_of(states, whom).rest;
 }
-Bounds main_bounds(const Crowd& crowd) {
-    return crowd.instance_count() > 0 ? bounds_of(crowd.state(), Whom::kAllButStrays).rest : Bounds();
-}
+
+}  // namespace
+
+Bounds world_bounds(const Crowd& crowd) { return bounds_at_rest(std::array{&crowd}, Whom::kAll); }
+Bounds main_bounds(const Crowd& crowd) { return main_bounds(std::array{&crowd}); }
+Bounds main_bounds(std::span<const Crowd* const> crowds) { return bounds_at_rest(crowds, Whom::kAllButStrays); }
 
 }  // namespace throng

@@ -2,7 +2,6 @@
 
 #include "base/failure.h"
 #include "draw/native_lines.h"
-#include "draw/native_vertices.h"
 #include "draw/scene.h"
 #include "draw/shadow_map.h"
 #include "raster/casters.h"
@@ -89,17 +88,18 @@ NativeFrame::NativeFrame(std::shared_ptr<Gpu> gpu, VkExtent2D extent, uint32_t s
     frame_.srgb = srgb_.data();
 }
 
-void NativeFrame::draw(const CrowdState& crowd, const NativeCrowd& native, const Camera& camera,
+void NativeFrame::draw(Crowds crowds, std::span<const NativeCrowd* const> native, const Camera& camera,
                        const DrawOptions& options, const NativePixels& pixels) {
     Clock clock;
     times_ = {};
-    scene_ = make_scene(crowd, camera, extent_, frame_.map_size, options);
+    scene_ = make_scene(crowds, camera, extent_, frame_.map_size, options);
     std::memcpy(&frame_.scene, &scene_, sizeof scene_);
     frame_.pixels = pixels.bytes;
     frame_.blue_first = pixels.blue_first;
-    list(crowd, native, options);
+    set_drawn(crowds, native);
+    list(options);
     times_.list_ms = clock.lap_ms();
-    skin(crowd, native);
+    skin();
     sort_by_distance();
     times_.skin_ms = clock.lap_ms();
     if (options.shadows) {
@@ -114,23 +114,36 @@ void NativeFrame::draw(const CrowdState& crowd, const NativeCrowd& native, const
     times_.resolve_ms = clock.lap_ms();
 }
 
-void NativeFrame::list(const CrowdState& crowd, const NativeCrowd& native, const DrawOptions& options) {
+// What lists hold of memory is kept from picture to picture.
+void NativeFrame::set_drawn(Crowds crowds, std::span<const NativeCrowd* const> native) {
+    size_t count = 0;
+    for (const CrowdState* crowd : crowds) count += crowd->batches.size();
+    drawn_.resize(count);
+    size_t b = 0;
+    for (size_t i = 0; i < crowds.size(); ++i)
+        for (const Batch& batch : crowds[i]->batches) {
+            Drawn& drawn = drawn_[b++];
+            drawn.crowd = crowds[i];
+            drawn.native = &native[i]->groups[batch.group];
+            drawn.batch = &batch;
+        }
+}
+
+void NativeFrame::list(const DrawOptions& options) {
     NativeView view(scene_, options.shadows);
-    drawn_.resize(crowd.batches.size());
     draws_.clear();
     posed_.clear();
     frame_.has_colors = false;
     uint64_t next_id = 0;
-    for (uint32_t b = 0; b < crowd.batches.size(); ++b) {
-        const Batch& batch = crowd.batches[b];
-        list_instances(batch, drawn_[b].list);
-        view.keep_seen(crowd.groups[batch.group], batch, *gpu_->native, drawn_[b].list);
-        add_draws(crowd, native, b, next_id);
+    for (uint32_t b = 0; b < drawn_.size(); ++b) {
+        list_instances(*drawn_[b].batch, drawn_[b].list);
+        view.keep_seen(drawn_[b].group(), *drawn_[b].batch, *gpu_->native, drawn_[b].list);
+        add_draws(b, next_id);
     }
-    add_lines(crowd, native, options);
+    add_lines(options);
     give_ids(next_id);
     give_memory();
-    divide(crowd, native);
+    divide();
 }
 
 // What is not shown is drawn as a section without triangles.
@@ -149,13 +162,12 @@ void NativeFrame::set_look(const NativeLooks& looks, uint32_t instance, uint32_t
 }
 
 // Section by section, level by level, instance by instance, as the device draws them.
-void NativeFrame::add_draws(const CrowdState& crowd, const NativeCrowd& native, uint32_t b, uint64_t& next_id) {
-    const Batch& batch = crowd.batches[b];
-    const NativeMesh& mesh = native.groups[batch.group].mesh();
-    const auto* const placements = reinterpret_cast<const Affine*>(batch[io::kPlacementsBuffer].mapped());
-    const NativeLooks looks(crowd.groups[batch.group], batch);
-    frame_.has_colors = frame_.has_colors || looks;
+void NativeFrame::add_draws(uint32_t b, uint64_t& next_id) {
     Drawn& drawn = drawn_[b];
+    const NativeMesh& mesh = drawn.mesh();
+    const auto* const placements = reinterpret_cast<const Affine*>((*drawn.batch)[io::kPlacementsBuffer].mapped());
+    const NativeLooks looks(drawn.group(), *drawn.batch);
+    frame_.has_colors = frame_.has_colors || looks;
     const NativeList& list = drawn.list;
     drawn.first_draws.assign(mesh.lod_count() * mesh.section_count(), kNone);
     for (size_t s = 0; s < mesh.section_count(); ++s)
@@ -178,30 +190,29 @@ void NativeFrame::add_draws(const CrowdState& crowd, const NativeCrowd& native, 
             posed_.push_back({.batch = b, .lod = lod, .place = place});
 }
 
-void NativeFrame::add_lines(const CrowdState& crowd, const NativeCrowd& native, const DrawOptions& options) {
+void NativeFrame::add_lines(const DrawOptions& options) {
     lines_.clear();
     const auto add = [&](const auto& add_of_instance) {
         NativeList list;
-        for (const Batch& batch : crowd.batches) {
-            list_instances(batch, list);
+        for (const Drawn& drawn : drawn_) {
+            list_instances(*drawn.batch, list);
             const auto count = static_cast<uint32_t>(list.instances.size());
             std::vector<std::vector<raster::Line>> parts((count + kLinedOfJob - 1) / kLinedOfJob);
             for_each_job(gpu_->native->jobs(), static_cast<uint32_t>(parts.size()), [&](uint32_t part) {
                 for (uint32_t i = part * kLinedOfJob; i < std::min((part + 1) * kLinedOfJob, count); ++i)
-                    add_of_instance(PosedInstance{crowd.groups[batch.group], batch, list.instances[i]}, parts[part]);
+                    add_of_instance(drawn, drawn.posed(list.instances[i]), parts[part]);
             });
             for (const auto& part : parts) lines_.insert(lines_.end(), part.begin(), part.end());
         }
     };
     if (options.bounds)
-        add([&](const PosedInstance& of, std::vector<raster::Line>& lines) {
+        add([&](const Drawn&, const PosedInstance& of, std::vector<raster::Line>& lines) {
             add_box_lines(scene_, of.placement(), {of.group.posed_min, of.group.posed_max}, lines);
         });
     frame_.depth_tested_count = static_cast<uint32_t>(lines_.size());
     if (options.skeletons)
-        add([&](const PosedInstance& of, std::vector<raster::Line>& lines) {
-            add_skeleton_lines(scene_, of.placement(), native.groups[of.batch.group].joint_levels(),
-                               of.group.level_count,
+        add([&](const Drawn& drawn, const PosedInstance& of, std::vector<raster::Line>& lines) {
+            add_skeleton_lines(scene_, of.placement(), drawn.native->joint_levels(), of.group.level_count,
                                reinterpret_cast<const Affine*>(of.batch[io::kModelBuffer].mapped()) +
                                    size_t{of.instance} * of.group.joint_count,
                                lines);
@@ -253,12 +264,12 @@ void NativeFrame::give_memory() {
 }
 
 // Into jobs of about equal work.
-void NativeFrame::divide(const CrowdState& crowd, const NativeCrowd& native) {
+void NativeFrame::divide() {
     jobs_.clear();
     uint32_t first = 0;
     uint64_t vertex_count = 0;
     for (uint32_t i = 0; i < posed_.size(); ++i) {
-        vertex_count += native.groups[crowd.batches[posed_[i].batch].group].mesh().vertex_count(posed_[i].lod);
+        vertex_count += drawn_[posed_[i].batch].mesh().vertex_count(posed_[i].lod);
         if (vertex_count < kVerticesOfJob && i + 1 < posed_.size()) continue;
         jobs_.push_back({first, i + 1});
         first = i + 1;
@@ -267,22 +278,20 @@ void NativeFrame::divide(const CrowdState& crowd, const NativeCrowd& native) {
     times_.instances = posed_.size();
 }
 
-void NativeFrame::skin(const CrowdState& crowd, const NativeCrowd& native) {
+void NativeFrame::skin() {
     for_each_job(gpu_->native->jobs(), static_cast<uint32_t>(jobs_.size()), [&](uint32_t job) {
         scratch_.with([&](NativeScratch& scratch) {
-            for (uint32_t i = jobs_[job].first; i < jobs_[job].end; ++i)
-                skin_instance(crowd, native, posed_[i], scratch);
+            for (uint32_t i = jobs_[job].first; i < jobs_[job].end; ++i) skin_instance(posed_[i], scratch);
         });
     });
 }
 
-void NativeFrame::skin_instance(const CrowdState& crowd, const NativeCrowd& native, const Posed& posed,
-                                NativeScratch& scratch) {
-    const Batch& batch = crowd.batches[posed.batch];
-    const Group& group = crowd.groups[batch.group];
-    const NativeMesh& mesh = native.groups[batch.group].mesh();
+void NativeFrame::skin_instance(const Posed& posed, NativeScratch& scratch) {
     const Drawn& drawn = drawn_[posed.batch];
-    const PosedInstance of{group, batch, drawn.list.instances[posed.place]};
+    const CrowdState& crowd = *drawn.crowd;
+    const Group& group = drawn.group();
+    const NativeMesh& mesh = drawn.mesh();
+    const PosedInstance of = drawn.posed(drawn.list.instances[posed.place]);
     const bool is_linear = crowd.skin_blend == SkinBlend::kLinear, is_morphed = !crowd.skins_once && of.is_morphed();
     const std::span<const uint32_t> entries = mesh.entries(posed.lod);
     if (entries.empty()) return;  // nothing to draw

@@ -1,10 +1,12 @@
-// A picture of a crowd by this machine's processor (src/raster).
+// A picture of crowds by this machine's processor (src/raster).
 #pragma once
 
+#include "draw/crowd_bounds.h"
 #include "draw/native_crowd.h"
 #include "draw/native_list.h"
 #include "draw/native_looks.h"
 #include "draw/native_scratch.h"
+#include "draw/native_vertices.h"
 #include "native/native.h"
 
 #include <throng/draw.h>
@@ -32,19 +34,26 @@ public:
 
     const VkExtent2D& extent() const { return extent_; }
     uint32_t samples() const { return frame_.sample_count; }
-    // Nothing of the queue that writes the crowd's buffers may be under way.
-    void draw(const CrowdState& crowd, const NativeCrowd& native, const Camera& camera, const DrawOptions& options,
-              const NativePixels& pixels);
+    // `native`: of each crowd. Nothing of the queue that writes the crowds' buffers may be under way.
+    void draw(Crowds crowds, std::span<const NativeCrowd* const> native, const Camera& camera,
+              const DrawOptions& options, const NativePixels& pixels);
     const NativeTimes& times() const { return times_; }
 
 private:
     // An instance that is drawn.
     struct Posed {
-        uint32_t batch = 0;
+        uint32_t batch = 0;  // of drawn_
         uint32_t lod = 0;
         uint32_t place = 0;  // in the batch's list, and so among the draws of each section
     };
-    struct Drawn {  // of a batch
+    struct Drawn {  // a batch of a crowd
+        const CrowdState* crowd = nullptr;
+        const NativeGroup* native = nullptr;
+        const Batch* batch = nullptr;
+        const Group& group() const { return crowd->groups[batch->group]; }
+        const NativeMesh& mesh() const { return native->mesh(); }
+        PosedInstance posed(uint32_t instance) const { return {group(), *batch, instance}; }
+
         NativeList list;
         std::vector<uint32_t> first_draws;  // [lod][section], of the list's first instance
     };
@@ -52,15 +61,16 @@ private:
         uint32_t first = 0, end = 0;  // of posed_
     };
 
-    void list(const CrowdState& crowd, const NativeCrowd& native, const DrawOptions& options);
-    void add_draws(const CrowdState& crowd, const NativeCrowd& native, uint32_t batch, uint64_t& next_id);
+    void set_drawn(Crowds crowds, std::span<const NativeCrowd* const> native);
+    void list(const DrawOptions& options);
+    void add_draws(uint32_t batch, uint64_t& next_id);
     void give_ids(uint64_t id_count);
     void give_memory();
-    void divide(const CrowdState& crowd, const NativeCrowd& native);
-    void add_lines(const CrowdState& crowd, const NativeCrowd& native, const DrawOptions& options);
+    void divide();
+    void add_lines(const DrawOptions& options);
     static void set_look(const NativeLooks& looks, uint32_t instance, uint32_t section, raster::Draw& draw);
-    void skin(const CrowdState& crowd, const NativeCrowd& native);
-    void skin_instance(const CrowdState& crowd, const NativeCrowd& native, const Posed& posed, NativeScratch& scratch);
+    void skin();
+    void skin_instance(const Posed& posed, NativeScratch& scratch);
     void sort_by_distance();
     // `are_clear`: [tile], what is known of them from the last picture; at first they are.
     template <class Draw>
@@ -78,7 +88,7 @@ private:
 
     io::DrawScene scene_{};
     raster::Frame frame_;
-    std::vector<Drawn> drawn_;  // [batch]
+    std::vector<Drawn> drawn_;  // all batches of all crowds
     std::vector<Posed> posed_;
     std::vector<Job> jobs_;
     std::vector<raster::Draw> draws_;

@@ -4,6 +4,8 @@
 #include "draw/camera.h"
 #include "draw/vulkan_renderer.h"
 
+#include <algorithm>
+
 namespace throng {
 namespace {
 
@@ -47,56 +49,61 @@ void NativeRenderer::resize(VkExtent2D extent) {
     settings_ = resized;
 }
 
-const NativeCrowd& NativeRenderer::kept_of(const Crowd& crowd) {
-    CrowdState& state = crowd.state();
-    state.finish_uploads();
-    return crowds_.of(state, [&] { return std::make_unique<const NativeCrowd>(state); });
+std::vector<const NativeCrowd*> NativeRenderer::kept_of(Crowds crowds) {
+    std::vector<const NativeCrowd*> all;
+    for (CrowdState* crowd : crowds) {
+        crowd->finish_uploads();
+        all.push_back(&crowds_.of(*crowd, [&] { return std::make_unique<const NativeCrowd>(*crowd); }));
+    }
+    return all;
 }
 
-void NativeRenderer::prepare(const Crowd& crowd) {
-    accept(crowd);
-    kept_of(crowd);
+void NativeRenderer::prepare(CrowdState& crowd) {
+    CrowdState* const one = &crowd;
+    accept({&one, 1});
+    kept_of({&one, 1});
 }
 
-RenderResult NativeRenderer::render(const Crowd& crowd, const Camera& camera) {
-    accept(crowd);
-    const NativeCrowd& kept = kept_of(crowd);
+RenderResult NativeRenderer::render(Crowds crowds, const Camera& camera) {
+    accept(crowds);
+    const std::vector<const NativeCrowd*> kept = kept_of(crowds);
     if (!gpu->is_native()) gpu->wait_idle();  // what was submitted may write what is read now
     const auto [width, height] = extent();
-    RenderResult result{.picture = {width, height, std::vector<uint8_t>(size_t{4} * width * height)},
-                        .draw_ms = 0,
-                        .warnings = kept.warnings};
-    frame_->draw(crowd.state(), kept, camera, options, {result.picture.rgba.data()});
+    RenderResult result{
+        .picture = {width, height, std::vector<uint8_t>(size_t{4} * width * height)}, .draw_ms = 0, .warnings = {}};
+    for (const NativeCrowd* crowd : kept)
+        result.warnings.insert(result.warnings.end(), crowd->warnings.begin(), crowd->warnings.end());
+    frame_->draw(crowds, kept, camera, options, {result.picture.rgba.data()});
     device_drew_ = false;
     result.draw_ms = draw_ms();
     return result;
 }
 
-RenderResult NativeRenderer::render_frame(Crowd& crowd, float time_step_s, const Camera& camera) {
-    accept(crowd);
+RenderResult NativeRenderer::render_frame(Crowds crowds, float time_step_s, const Camera& camera) {
+    accept(crowds);
     make_view(camera, 1);  // what is refused is refused before time goes on
-    kept_of(crowd);
-    update(crowd, time_step_s, camera);
-    return render(crowd, camera);
+    kept_of(crowds);
+    update(crowds, time_step_s, camera);
+    return render(crowds, camera);
 }
 
-void NativeRenderer::record(VkCommandBuffer commands, Crowd& crowd, float time_step_s, const Camera& camera) {
+void NativeRenderer::record(VkCommandBuffer commands, Crowds crowds, float time_step_s, const Camera& camera) {
     RendererState& device = device_renderer();
-    device.record(commands, crowd, time_step_s, camera);
+    device.record(commands, crowds, time_step_s, camera);
     staged_->record_copy(commands, device.picture());
     device_drew_ = true;
 }
 
-void NativeRenderer::record_drawing(VkCommandBuffer commands, const Crowd& crowd, const Camera& camera) {
-    accept(crowd);
-    if (crowd.state().awaits_commands()) {
+void NativeRenderer::record_drawing(VkCommandBuffer commands, Crowds crowds, const Camera& camera) {
+    accept(crowds);
+    if (std::ranges::any_of(crowds, [](const CrowdState* crowd) { return crowd->awaits_commands(); })) {
         RendererState& device = device_renderer();
-        device.record_drawing(commands, crowd, camera);
+        device.record_drawing(commands, crowds, camera);
         staged_->record_copy(commands, device.picture());
         device_drew_ = true;
         return;
     }
-    frame_->draw(crowd.state(), kept_of(crowd), camera, options, {staged_->next(), settings_.blue_first});
+    frame_->draw(crowds, kept_of(crowds), camera, options, {staged_->next(), settings_.blue_first});
     staged_->record(commands);
     device_drew_ = false;
 }

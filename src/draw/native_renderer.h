@@ -17,11 +17,11 @@ public:
     // `isa`: one of native_isas().
     NativeRenderer(std::shared_ptr<Gpu> gpu, const RendererSettings& settings, NativeIsa isa = native_isas().back());
 
-    RenderResult render(const Crowd& crowd, const Camera& camera) override;
-    RenderResult render_frame(Crowd& crowd, float time_step_s, const Camera& camera) override;
-    void record(VkCommandBuffer commands, Crowd& crowd, float time_step_s, const Camera& camera) override;
-    void record_drawing(VkCommandBuffer commands, const Crowd& crowd, const Camera& camera) override;
-    void prepare(const Crowd& crowd) override;
+    RenderResult render(Crowds crowds, const Camera& camera) override;
+    RenderResult render_frame(Crowds crowds, float time_step_s, const Camera& camera) override;
+    void record(VkCommandBuffer commands, Crowds crowds, float time_step_s, const Camera& camera) override;
+    void record_drawing(VkCommandBuffer commands, Crowds crowds, const Camera& camera) override;
+    void prepare(CrowdState& crowd) override;
     void resize(VkExtent2D extent) override;
     VkExtent2D extent() const override { return frame_->extent(); }
     VkImage picture() const override { return staged_ ? staged_->image() : VK_NULL_HANDLE; }
@@ -30,7 +30,7 @@ public:
     const NativeTimes& times() const { return frame_->times(); }
 
 private:
-    const NativeCrowd& kept_of(const Crowd& crowd);
+    std::vector<const NativeCrowd*> kept_of(Crowds crowds);
     RendererState& device_renderer();
 
     RendererSettings settings_;  // with the size of now

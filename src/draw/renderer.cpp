@@ -5,6 +5,9 @@
 #include "draw/native_renderer.h"
 #include "draw/vulkan_renderer.h"
 
+#include <algorithm>
+#include <array>
+
 namespace throng {
 namespace {
 
@@ -13,6 +16,19 @@ void check_commands(const RendererState& state, VkCommandBuffer commands) {
         throw Failure(ErrorCode::kUnsupported, "command buffer",
                       "a native device has none: render() and render_frame() draw there");
     if (!commands) throw Failure(ErrorCode::kInvalidArgument, "command buffer", "there is none");
+}
+
+std::vector<CrowdState*> checked(std::span<const Crowd* const> crowds) {
+    std::vector<CrowdState*> states;
+    for (const Crowd* crowd : crowds) {
+        if (!crowd) throw Failure(ErrorCode::kInvalidArgument, "render", "a crowd is null");
+        CrowdState* const state = &crowd->state();
+        if (std::ranges::count(states, state) > 0)
+            throw Failure(ErrorCode::kInvalidArgument, "render", "a crowd is there twice");
+        states.push_back(state);
+    }
+    if (states.empty()) throw Failure(ErrorCode::kInvalidArgument, "render", "there is no crowd");
+    return states;
 }
 
 std::unique_ptr<RendererState> make_state(const std::shared_ptr<Gpu>& gpu, const RendererSettings& settings) {
@@ -49,40 +65,58 @@ RendererState& Renderer::state() const {
     return *state_;
 }
 
+Result<RenderResult> Renderer::render(std::span<const Crowd* const> crowds, const Camera& camera) {
+    return as_result([&] { return state().render(checked(crowds), camera); }, "render");
+}
+
+Result<RenderResult> Renderer::render_frame(std::span<Crowd* const> crowds, float time_step_s, const Camera& camera) {
+    return as_result([&] { return state().render_frame(checked(crowds), time_step_s, camera); }, "render");
+}
+
+Result<void> Renderer::record(VkCommandBuffer commands, std::span<Crowd* const> crowds, float time_step_s,
+                              const Camera& camera) {
+    return as_result(
+        [&] {
+            check_commands(state(), commands);
+            state().record(commands, checked(crowds), time_step_s, camera);
+        },
+        "render");
+}
+
+Result<void> Renderer::update(std::span<Crowd* const> crowds, float time_step_s, const Camera& camera) {
+    return as_result([&] { state().update(checked(crowds), time_step_s, camera); }, "render");
+}
+
+Result<void> Renderer::record_drawing(VkCommandBuffer commands, std::span<const Crowd* const> crowds,
+                                      const Camera& camera) {
+    return as_result(
+        [&] {
+            check_commands(state(), commands);
+            state().record_drawing(commands, checked(crowds), camera);
+        },
+        "render");
+}
+
 Result<RenderResult> Renderer::render(const Crowd& crowd, const Camera& camera) {
-    return as_result([&] { return state().render(crowd, camera); }, "render");
+    return render(std::array{&crowd}, camera);
 }
-
 Result<RenderResult> Renderer::render_frame(Crowd& crowd, float time_step_s, const Camera& camera) {
-    return as_result([&] { return state().render_frame(crowd, time_step_s, camera); }, "render");
+    return render_frame(std::array{&crowd}, time_step_s, camera);
 }
-
 Result<void> Renderer::record(VkCommandBuffer commands, Crowd& crowd, float time_step_s, const Camera& camera) {
-    return as_result(
-        [&] {
-            check_commands(state(), commands);
-            state().record(commands, crowd, time_step_s, camera);
-        },
-        "render");
+    return record(commands, std::array{&crowd}, time_step_s, camera);
 }
-
 Result<void> Renderer::update(Crowd& crowd, float time_step_s, const Camera& camera) {
-    return as_result([&] { state().update(crowd, time_step_s, camera); }, "render");
+    return update(std::array{&crowd}, time_step_s, camera);
 }
-
 Result<void> Renderer::record_drawing(VkCommandBuffer commands, const Crowd& crowd, const Camera& camera) {
-    return as_result(
-        [&] {
-            check_commands(state(), commands);
-            state().record_drawing(commands, crowd, camera);
-        },
-        "render");
+    return record_drawing(commands, std::array{&crowd}, camera);
 }
 
 VkImage Renderer::picture() const { return state_ ? state_->picture() : VK_NULL_HANDLE; }
 
 Result<void> Renderer::prepare(const Crowd& crowd) {
-    return as_result([&] { state().prepare(crowd); }, "render");
+    return as_result([&] { state().prepare(crowd.state()); }, "render");
 }
 
 Result<void> Renderer::resize(uint32_t width, uint32_t height) {

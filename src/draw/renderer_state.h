@@ -1,7 +1,7 @@
 // What stands behind a Renderer: the device's shaders, or this machine's processor.
 #pragma once
 
-#include "crowd/crowd_state.h"
+#include "draw/crowd_bounds.h"
 
 #include <throng/draw.h>
 
@@ -12,12 +12,12 @@ struct RendererState {
     virtual ~RendererState() = default;
 
     // As Renderer has them.
-    virtual RenderResult render(const Crowd& crowd, const Camera& camera) = 0;
-    virtual RenderResult render_frame(Crowd& crowd, float time_step_s, const Camera& camera) = 0;
-    virtual void record(VkCommandBuffer commands, Crowd& crowd, float time_step_s, const Camera& camera) = 0;
-    virtual void record_drawing(VkCommandBuffer commands, const Crowd& crowd, const Camera& camera) = 0;
-    void update(Crowd& crowd, float time_step_s, const Camera& camera) const;
-    virtual void prepare(const Crowd& crowd) = 0;
+    virtual RenderResult render(Crowds crowds, const Camera& camera) = 0;
+    virtual RenderResult render_frame(Crowds crowds, float time_step_s, const Camera& camera) = 0;
+    virtual void record(VkCommandBuffer commands, Crowds crowds, float time_step_s, const Camera& camera) = 0;
+    virtual void record_drawing(VkCommandBuffer commands, Crowds crowds, const Camera& camera) = 0;
+    void update(Crowds crowds, float time_step_s, const Camera& camera) const;
+    virtual void prepare(CrowdState& crowd) = 0;
     virtual void resize(VkExtent2D extent) = 0;
     virtual VkExtent2D extent() const = 0;
     virtual VkImage picture() const = 0;
@@ -28,10 +28,10 @@ struct RendererState {
     DrawOptions options;
 
 protected:
-    // A crowd that is to be drawn: what is fitted to it follows where its updates move instances. Throws
-    // kInvalidArgument where it cannot be drawn with these options.
-    void accept(const Crowd& crowd) const;
-    CrowdView view_of(const Crowd& crowd, const Camera& camera) const;  // without occlusion
+    // Crowds that are to be drawn: what is fitted to them follows where their updates move instances. Throws
+    // kInvalidArgument where they cannot be drawn with these options.
+    void accept(Crowds crowds) const;
+    CrowdView view_of(Crowds crowds, const Camera& camera) const;  // without occlusion
 };
 
 }  // namespace throng

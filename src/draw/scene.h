@@ -1,7 +1,7 @@
 // What the shaders know of the whole picture: camera, sun, sky, ground.
 #pragma once
 
-#include "crowd/crowd_state.h"
+#include "draw/crowd_bounds.h"
 #include "draw/draw_io.h"
 #include "draw/depth_pass.h"
 
@@ -9,9 +9,9 @@
 
 namespace throng {
 
-// Everything is measured in the crowd's own size: a file's unit may be a metre or a centimetre. Throws kInvalidArgument
+// Everything is measured in the crowds' own size: a file's unit may be a metre or a centimetre. Throws kInvalidArgument
 // where the camera is not one.
-io::DrawScene make_scene(const CrowdState& crowd, const Camera& camera, const VkExtent2D& picture, uint32_t map_size,
+io::DrawScene make_scene(Crowds crowds, const Camera& camera, const VkExtent2D& picture, uint32_t map_size,
                          const DrawOptions& options);
 
 // The scene and the shadow map in a descriptor set.

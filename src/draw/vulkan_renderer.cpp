@@ -3,6 +3,8 @@
 #include "base/failure.h"
 #include "draw/shadow_map.h"
 
+#include <algorithm>
+
 namespace throng {
 namespace {
 
@@ -50,83 +52,95 @@ void VulkanRenderer::resize(VkExtent2D extent) {
     shadow_map_ = std::move(map);
 }
 
-RenderResult VulkanRenderer::render(const Crowd& crowd, const Camera& camera) {
-    Frame frame = frame_of(crowd, camera);
+RenderResult VulkanRenderer::render(Crowds crowds, const Camera& camera) {
+    Frame frame = frame_of(crowds, camera);
     gpu->submit_and_wait([&](VkCommandBuffer commands) {
-        crowd.state().record_uploads(commands);
+        for (CrowdState* crowd : crowds) crowd->record_uploads(commands);
         record_frame(commands, frame);
         targets_.record_read_back(commands);
     });
     return result_of(frame);
 }
 
-RenderResult VulkanRenderer::render_frame(Crowd& crowd, float time_step_s, const Camera& camera) {
-    Frame frame = frame_of(crowd, camera);
-    const bool is_native = crowd.state().is_native(options.occlusion);
-    if (is_native) update(crowd, time_step_s, camera);
+RenderResult VulkanRenderer::render_frame(Crowds crowds, float time_step_s, const Camera& camera) {
+    Frame frame = frame_of(crowds, camera);
+    std::vector<CrowdState*> native, others;
+    for (CrowdState* crowd : crowds) (crowd->is_native(options.occlusion) ? native : others).push_back(crowd);
+    const CrowdView view = view_of(crowds, camera);
+    for (CrowdState* crowd : native) crowd->update(time_step_s, crowd->cull ? &view : nullptr);
     gpu->submit_and_wait([&](VkCommandBuffer commands) {
-        if (!is_native) record_update(commands, crowd, time_step_s, camera, frame);
+        record_update(commands, others, time_step_s, view, frame);
         record_frame(commands, frame);
         targets_.record_read_back(commands);
     });
     return result_of(frame);
 }
 
-void VulkanRenderer::record(VkCommandBuffer commands, Crowd& crowd, float time_step_s, const Camera& camera) {
-    Frame frame = frame_of(crowd, camera);
-    record_update(commands, crowd, time_step_s, camera, frame);
+void VulkanRenderer::record(VkCommandBuffer commands, Crowds crowds, float time_step_s, const Camera& camera) {
+    Frame frame = frame_of(crowds, camera);
+    record_update(commands, crowds, time_step_s, view_of(crowds, camera), frame);
     record_frame(commands, frame);
 }
 
-void VulkanRenderer::prepare(const Crowd& crowd) { drawing_of(crowd); }
+void VulkanRenderer::prepare(CrowdState& crowd) {
+    CrowdState* const one = &crowd;
+    accept({&one, 1});
+    drawing_of(crowd);
+}
 
-CrowdDrawing VulkanRenderer::drawing_of(const Crowd& crowd) {
-    accept(crowd);
-    const CrowdState& state = crowd.state();
-    VertexKind kind{state.skin_format, state.skin_blend, state.cull != nullptr, state.skins_once};
+CrowdDrawing VulkanRenderer::drawing_of(const CrowdState& crowd) {
+    VertexKind kind{crowd.skin_format, crowd.skin_blend, crowd.cull != nullptr, crowd.skins_once};
     const auto pipelines_of = [&](bool has_looks) {
         kind.has_looks = has_looks;
         return &characters_.try_emplace(kind, pipelines_, kind).first->second;
     };
     const CharacterPipelines& characters = *pipelines_of(false);
-    const CharacterPipelines* const with_looks = state.looks ? pipelines_of(true) : nullptr;
+    const CharacterPipelines* const with_looks = crowd.looks ? pipelines_of(true) : nullptr;
     const LinePipelines* lines = nullptr;
     if (options.skeletons || options.bounds)
         lines = &lines_.try_emplace(kind.listed, pipelines_, kind.listed).first->second;
     const CrowdBindings& bindings = crowds_.of(
-        state, [&] { return std::make_unique<const CrowdBindings>(layout_, sampling_, state); });
-    return {state, bindings, layout_, characters, with_looks, lines};
+        crowd, [&] { return std::make_unique<const CrowdBindings>(layout_, sampling_, crowd); });
+    return {crowd, bindings, layout_, characters, with_looks, lines};
 }
 
-VulkanRenderer::Frame VulkanRenderer::frame_of(const Crowd& crowd, const Camera& camera) {
-    const CrowdDrawing drawing = drawing_of(crowd);
-    return {drawing, make_scene(crowd.state(), camera, targets_.extent(), shadow_map_.extent().width, options)};
+VulkanRenderer::Frame VulkanRenderer::frame_of(Crowds crowds, const Camera& camera) {
+    accept(crowds);
+    Frame frame;
+    for (const CrowdState* crowd : crowds) frame.drawings.push_back(drawing_of(*crowd));
+    frame.scene = make_scene(crowds, camera, targets_.extent(), shadow_map_.extent().width, options);
+    return frame;
 }
 
-void VulkanRenderer::record_drawing(VkCommandBuffer commands, const Crowd& crowd, const Camera& camera) {
-    Frame frame = frame_of(crowd, camera);
-    crowd.state().record_uploads(commands);
+void VulkanRenderer::record_drawing(VkCommandBuffer commands, Crowds crowds, const Camera& camera) {
+    Frame frame = frame_of(crowds, camera);
+    for (CrowdState* crowd : crowds) crowd->record_uploads(commands);
     record_frame(commands, frame);
 }
 
-void VulkanRenderer::record_update(VkCommandBuffer commands, Crowd& crowd, float time_step_s, const Camera& camera,
+void VulkanRenderer::record_update(VkCommandBuffer commands, Crowds crowds, float time_step_s, CrowdView view,
                                    Frame& frame) {
-    CrowdState& state = crowd.state();
-    if (!state.cull) return state.record(commands, time_step_s, nullptr);
-    CrowdView view = view_of(crowd, camera);
-    view.occlusion = options.occlusion && (gpu->properties.limits.sampledImageDepthSampleCounts & samples_);
-    state.record(commands, time_step_s, &view);
+    const auto culls = [](const CrowdState* crowd) { return crowd->cull != nullptr; };
+    view.occlusion = options.occlusion && std::ranges::any_of(crowds, culls) &&
+                     (gpu->properties.limits.sampledImageDepthSampleCounts & samples_);
+    for (size_t i = 0; i < crowds.size(); ++i) try {
+            crowds[i]->record(commands, time_step_s, culls(crowds[i]) ? &view : nullptr);
+        } catch (...) {  // then time goes on for none
+            while (i > 0) crowds[--i]->discard_last_record();
+            throw;
+        }
     if (!view.occlusion) return;
     if (!occluders_) occluders_.emplace(gpu, targets_.extent(), samples_);
     begin_draw(commands, frame);
     occluders_->begin(commands);
-    frame.drawing.draw(commands, DrawPass::kOccluders);
+    for (const CrowdDrawing& drawing : frame.drawings) drawing.draw(commands, DrawPass::kOccluders);
     occluders_->end(commands);
     stamps_.write(commands);
-    state.record_disoccluded(commands, occluders_->depths());
+    for (CrowdState* crowd : crowds)
+        if (culls(crowd)) crowd->record_disoccluded(commands, occluders_->depths());
 }
 
-// Binds the scene; what the crowd's update has written becomes visible to draws. Their time begins.
+// Binds the scene; what the crowds' updates have written becomes visible to draws. Their time begins.
 void VulkanRenderer::begin_draw(VkCommandBuffer commands, Frame& frame) {
     memory_barrier(*gpu, commands, kShaderWrite | kTransferWrite, kDrawRead);
     scene_.record(commands, frame.scene);
@@ -141,9 +155,10 @@ void VulkanRenderer::record_frame(VkCommandBuffer commands, Frame& frame) {
     begin_draw(commands, frame);
     // Without shadows the map is empty: the scene says not to look at it.
     shadow_map_.begin(commands);
-    if (options.shadows) frame.drawing.draw(commands, DrawPass::kShadow);
+    if (options.shadows)
+        for (const CrowdDrawing& drawing : frame.drawings) drawing.draw(commands, DrawPass::kShadow);
     shadow_map_.end(commands);
-    draw_picture(commands, frame.drawing);
+    draw_picture(commands, frame.drawings);
     stamps_.write(commands);
     stamps_.publish(commands);
 }
@@ -157,20 +172,26 @@ double VulkanRenderer::draw_ms() const {
 }
 
 // Ground, characters over it, lines over both.
-void VulkanRenderer::draw_picture(VkCommandBuffer commands, const CrowdDrawing& drawing) const {
+void VulkanRenderer::draw_picture(VkCommandBuffer commands, const std::vector<CrowdDrawing>& drawings) const {
     targets_.begin(commands);
     gpu->vk.vkCmdSetCullMode(commands, VK_CULL_MODE_NONE);
     gpu->vk.vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, ground_.get());
     gpu->vk.vkCmdDraw(commands, 3, 1, 0, 0);
-    drawing.draw(commands, DrawPass::kPicture);
+    for (const CrowdDrawing& drawing : drawings) drawing.draw(commands, DrawPass::kPicture);
     gpu->vk.vkCmdSetCullMode(commands, VK_CULL_MODE_NONE);
-    if (options.bounds) drawing.draw_bounds(commands);
-    if (options.skeletons) drawing.draw_skeletons(commands);
+    for (const CrowdDrawing& drawing : drawings)
+        if (options.bounds) drawing.draw_bounds(commands);
+    for (const CrowdDrawing& drawing : drawings)
+        if (options.skeletons) drawing.draw_skeletons(commands);
     targets_.end(commands);
 }
 
 RenderResult VulkanRenderer::result_of(const Frame& frame) const {
-    return {.picture = targets_.read_back(), .draw_ms = draw_ms(), .warnings = frame.drawing.bindings.warnings};
+    RenderResult result{.picture = targets_.read_back(), .draw_ms = draw_ms(), .warnings = {}};
+    for (const CrowdDrawing& drawing : frame.drawings)
+        result.warnings.insert(result.warnings.end(), drawing.bindings.warnings.begin(),
+                               drawing.bindings.warnings.end());
+    return result;
 }
 
 }  // namespace throng

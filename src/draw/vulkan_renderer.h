@@ -17,11 +17,11 @@ class VulkanRenderer : public RendererState {
 public:
     VulkanRenderer(std::shared_ptr<Gpu> gpu, const RendererSettings& settings);
 
-    RenderResult render(const Crowd& crowd, const Camera& camera) override;
-    RenderResult render_frame(Crowd& crowd, float time_step_s, const Camera& camera) override;
-    void record(VkCommandBuffer commands, Crowd& crowd, float time_step_s, const Camera& camera) override;
-    void record_drawing(VkCommandBuffer commands, const Crowd& crowd, const Camera& camera) override;
-    void prepare(const Crowd& crowd) override;
+    RenderResult render(Crowds crowds, const Camera& camera) override;
+    RenderResult render_frame(Crowds crowds, float time_step_s, const Camera& camera) override;
+    void record(VkCommandBuffer commands, Crowds crowds, float time_step_s, const Camera& camera) override;
+    void record_drawing(VkCommandBuffer commands, Crowds crowds, const Camera& camera) override;
+    void prepare(CrowdState& crowd) override;
     void resize(VkExtent2D extent) override;
     VkExtent2D extent() const override { return targets_.extent(); }
     VkImage picture() const override { return targets_.picture(); }
@@ -31,16 +31,17 @@ public:
 private:
     // What a frame needs; making it may fail, or submit, so it comes before anything is recorded.
     struct Frame {
-        CrowdDrawing drawing;
+        std::vector<CrowdDrawing> drawings;  // of each crowd
         io::DrawScene scene;
         bool has_begun = false;  // its time is being taken
     };
-    CrowdDrawing drawing_of(const Crowd& crowd);
-    Frame frame_of(const Crowd& crowd, const Camera& camera);
-    void record_update(VkCommandBuffer commands, Crowd& crowd, float time_step_s, const Camera& camera, Frame& frame);
+    CrowdDrawing drawing_of(const CrowdState& crowd);
+    Frame frame_of(Crowds crowds, const Camera& camera);
+    // Of these crowds, which may be fewer than the frame shows.
+    void record_update(VkCommandBuffer commands, Crowds crowds, float time_step_s, CrowdView view, Frame& frame);
     void begin_draw(VkCommandBuffer commands, Frame& frame);
     void record_frame(VkCommandBuffer commands, Frame& frame);
-    void draw_picture(VkCommandBuffer commands, const CrowdDrawing& drawing) const;
+    void draw_picture(VkCommandBuffer commands, const std::vector<CrowdDrawing>& drawings) const;
     RenderResult result_of(const Frame& frame) const;
 
     VkSampleCountFlagBits samples_;
