@@ -167,5 +167,29 @@ TEST_F(CrowdCalls, ValuesThatAreTooFewOrWrongSetNothing) {
     EXPECT_TRUE(crowd.set_playback(std::vector<InstanceHandle>(), good)) << "of nobody";
 }
 
+// What an application has changed in a Character leads no kernel out of its buffers.
+TEST(EditedCharacter, IsCheckedAndNamed) {
+    const Character character = creature(20, 6);
+    const std::pair<const char*, std::function<void(Character&)>> edits[]{
+        {"parents[5]", [](Character& c) { c.rig.parents[5] = 19; }},
+        {"rig", [](Character& c) { c.rig.rest.pop_back(); }},
+        {"times[", [](Character& c) { c.clips[0].row_count += 100; }},
+        {"palette[3]", [](Character& c) { c.palette[3].joint = 20; }},
+        {"indices", [](Character& c) { c.indices[7] = 1u << 30; }},
+        {"influences", [](Character& c) { c.influences.resize(2); }},
+        {"sections[0]", [](Character& c) { c.sections[0].material = 99; }},
+        {"vertices", [](Character& c) { c.vertices[0].position.x = std::nanf(""); }},
+        {"lod", [](Character& c) { c.lod_ranges.clear(); }},
+        {"joint lods", [](Character& c) { c.joint_lods.resize(3); }}};
+    for (const auto& [place, edit] : edits) {
+        Character edited = character;
+        edit(edited);
+        const auto refused = Crowd::create(test_device(), {.groups = {{&edited, 2}}});
+        ASSERT_FALSE(refused) << place;
+        EXPECT_EQ(refused.error().code, ErrorCode::kInvalidArgument);
+        EXPECT_NE(refused.error().text().find(place), std::string::npos) << refused.error().text();
+    }
+}
+
 }  // namespace
 }  // namespace throng::test

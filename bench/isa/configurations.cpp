@@ -72,6 +72,7 @@ void visit_stages(const Character& character, const Visits& visits) {
     visits("agents on terrain", {.steering = Steering{}, .on_terrain = true},
            {.terrain = Terrain{.columns = 2, .rows = 2, .heights = {0, 0, 0, 0}}});
     visits("looks", {.outfits = {{}}});
+    visits("carried", {.is_carried = true});
     visits("skinned once", {}, {.skins_once = true});
     visits("skinned once, dual quaternions, for a view", {},
            {.culling = Culling{}, .skin_blend = SkinBlend::kDualQuaternion, .skins_once = true});

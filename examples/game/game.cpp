@@ -66,7 +66,7 @@ public:
         : most_(most),
           body_(body),
           size_(length(body.bounds_max - body.bounds_min)),
-          joint_from_thing_(scaled(0.2f * size_ / length(thing.bounds_max - thing.bounds_min))),
+          socket_from_thing_(scaled(0.2f * size_ / length(thing.bounds_max - thing.bounds_min))),
           crowd_(make_crowd(device, body, mind, thing)) {}
 
     // Returns how long its calls took.
@@ -120,7 +120,7 @@ private:
                                 .pose_capacity = kMostDying,
                                 .capacity = most_,
                                 .outfits = {{}, {armoured(body)}}};
-        const CrowdGroup things{.character = &thing, .capacity = most_};
+        const CrowdGroup things{.character = &thing, .is_carried = true, .capacity = most_};
         return Crowd::create(device, {.groups = {bodies, things},
                                       .frames_in_flight = Frames::kInFlight,
                                       .watch_capacity = most_,
@@ -153,22 +153,23 @@ private:
         std::uniform_real_distribution<float> aside(-6, 6);
         std::vector<Vec3<float>> goals;
         std::vector<InstanceLook> looks;
+        std::vector<Attachment> hands;
         constexpr std::array<std::array<float, 3>, 3> kTeams{{{1, 0.4f, 0.3f}, {0.4f, 0.6f, 1}, {0.9f, 0.8f, 0.3f}}};
         for (uint32_t i = 0; i < count; ++i) {
             goals.push_back({aside(world.random) * size_, 0, aside(world.random) * size_});
             looks.push_back({.tint = kTeams[wave % kTeams.size()], .outfit = i % 4 == 0 ? 1u : 0u});
+            hands.push_back({.carrier = bodies[i], .socket_from_model = socket_from_thing_});
             world.attackers[bodies[i].instance] = {bodies[i], things[i], places[i]};
         }
         crowd_.set_destination(bodies, goals).expect();
         crowd_.set_look(bodies, looks).expect();
+        crowd_.attach(things, hands).expect();
         world.born += count;
     }
 
     // Where the attackers are, and the sound of their feet, up to this update: of some frames ago, since nothing waits
     // for the GPU. What has come back sooner waits, so that a game that is restored hears the same at the same time.
     void hear(uint64_t update) {
-        std::vector<InstanceHandle> things;
-        std::vector<Affine> world_from_thing;
         for (Feedback& feedback : crowd_.feedback().expect()) unheard_.push_back(std::move(feedback));
         for (; !unheard_.empty() && unheard_.front().update <= update; unheard_.pop_front()) {
             const Feedback& feedback = unheard_.front();
@@ -178,9 +179,6 @@ private:
                 const auto found = world.attackers.find(watched.instance.instance);
                 if (found == world.attackers.end() || found->second.body != watched.instance) continue;
                 found->second.world_from_model = watched.world_from_model;
-                if (!crowd_.is_alive(found->second.thing)) continue;
-                things.push_back(found->second.thing);
-                world_from_thing.push_back(watched.sockets[0] * joint_from_thing_);
             }
             for (const ShownPose& shown : feedback.poses) {
                 const auto found = std::ranges::find(world.dying, shown.instance, &Dying::body);
@@ -188,7 +186,6 @@ private:
                     found->pose.assign(shown.parent_from_joint.begin(), shown.parent_from_joint.end());
             }
         }
-        crowd_.set_placement(things, world_from_thing).expect();
     }
 
     // An attacker near the middle may fall: it drops its thing, lies for a while, and is despawned. It goes on walking
@@ -249,7 +246,7 @@ private:
     uint32_t most_;
     const Character& body_;
     float size_;
-    Affine joint_from_thing_;
+    Affine socket_from_thing_;
     Crowd crowd_;
     std::deque<Feedback> unheard_;
 };

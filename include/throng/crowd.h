@@ -1,6 +1,7 @@
 // A crowd: instances of compiled characters, each animated on its own, on the GPU, every frame.
 #pragma once
 
+#include <throng/attachment.h>
 #include <throng/character.h>
 #include <throng/controller.h>
 #include <throng/device.h>
@@ -53,6 +54,9 @@ struct CrowdGroup {
     // Joints, at most 64, whose transforms are written in each update, for attachments
     std::vector<uint32_t> sockets{};
     SocketSpace socket_space = SocketSpace::kWorld;
+    // Its instances may hang on sockets of others, by Crowd::attach(). Such a group neither moves by itself (steering,
+    // terrain, root motion) nor has sockets
+    bool is_carried = false;
     // Nothing but the sockets is computed, and of the joints only those that they hang on: for servers, which ask where
     // hit boxes are and draw nothing. Updated natively in one pass alone; there are no skin and model matrices then.
     bool sockets_only = false;
@@ -156,9 +160,10 @@ public:
     // Submits nothing and waits for nothing, so that a thread may make a crowd while others record and submit. What
     // its buffers begin with is in host memory until the first update, or record_uploads(), has brought it to the
     // device; tables of a character that another crowd of the device uses by then are shared with it. Errors:
-    // kInvalidArgument (unknown scan, no instances), kUnsupported (the scan method, the fused path, the skin format,
-    // the skin blend or the skin pool does not apply to a character), what controllers, sockets and procedural rules
-    // have wrong, kLimit (names what exceeds which limit of the device), kOutOfMemory.
+    // kInvalidArgument (unknown scan, no instances, a character that has been changed and is not as character.h says),
+    // kUnsupported (the scan method, the fused path, the skin format, the skin blend or the skin pool does not apply to
+    // a character), what controllers, sockets and procedural rules have wrong, kLimit (names what exceeds which limit
+    // of the device), kOutOfMemory.
     static Result<Crowd> create(const Device& device, const CrowdSettings& settings);
     // None yet, as a member of something that is made before it: takes no call until another is assigned to it.
     Crowd() noexcept;
@@ -208,6 +213,15 @@ public:
     // of its placement. 16 bytes are uploaded for each. Errors: kInvalidArgument (no such outfit, tint out of range).
     Result<void> set_look(const Instances& instances, const InstanceLook& look);
     Result<void> set_look(const Instances& instances, std::span<const InstanceLook> look);
+
+    // Hangs instances on sockets of others, or lets them go; then they stay where they are until they are placed. What
+    // hangs on somebody is placed by each update, behind all that moves the carrier, so that both fit together in every
+    // picture; what a view sees goes by where it was in the update before. When a carrier is despawned, what hangs on
+    // it stays where it is. 64 bytes are uploaded for each. Errors: kInvalidArgument (not of a group with
+    // CrowdGroup::is_carried, no such carrier or socket, sockets in model space, number not finite).
+    Result<void> attach(const Instances& instances, const Attachment& attachment);
+    Result<void> attach(const Instances& instances, std::span<const Attachment> attachment);
+    Result<void> detach(const Instances& instances);
 
     // For instances whose groups have controllers. 32 bytes are uploaded for each, and applied on the GPU. Parameters
     // and layers are numbered as in the Controller. Errors: kInvalidArgument (no controller, layer with states, or

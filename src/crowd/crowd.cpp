@@ -100,6 +100,18 @@ Result<void> Crowd::set_look(const Instances& instances, std::span<const Instanc
     return as_result([&] { state().set_look(instances, Each(instances, look, "look")); });
 }
 
+Result<void> Crowd::attach(const Instances& instances, const Attachment& attachment) {
+    return as_result([&] { state().attach(instances, Each(attachment)); });
+}
+
+Result<void> Crowd::attach(const Instances& instances, std::span<const Attachment> attachment) {
+    return as_result([&] { state().attach(instances, Each(instances, attachment, "attachment")); });
+}
+
+Result<void> Crowd::detach(const Instances& instances) {
+    return as_result([&] { state().detach(instances); });
+}
+
 Result<void> Crowd::play(const Instances& instances, uint32_t layer, const LayerPlayback& playback) {
     return as_result([&] { state().play(instances, layer, Each(playback)); });
 }

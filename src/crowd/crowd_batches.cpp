@@ -3,6 +3,7 @@
 
 #include "base/failure.h"
 #include "bind/skin_format.h"
+#include "compile/file/character_file.h"
 #include "crowd/terrain_stage.h"
 #include "reference/reference.h"
 
@@ -29,7 +30,9 @@ void CrowdState::check_groups(const CrowdSettings& settings) const {
     for (const CrowdGroup& group : settings.groups) {
         if (!group.character) throw Failure(ErrorCode::kInvalidArgument, "crowd", "a group has no character");
         check_has_joints(*group.character);
+        check_character(*group.character, group.character->name, ErrorCode::kInvalidArgument);
         check_steering(group);
+        check_carried(group);
         if (const float margin = group.pose_margin.value_or(0); !(margin >= 0 && margin <= kMostPoseMargin))
             throw Failure(ErrorCode::kInvalidArgument, group.character->name + ": pose margin", margin, "; 0 to ",
                           kMostPoseMargin);

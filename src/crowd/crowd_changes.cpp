@@ -92,6 +92,22 @@ void CrowdState::send_each(const Instances& instances, const char* what, const M
     for (uint32_t i = 0; i < instances.size(); ++i) send(instances.number(i), commands[i]);
 }
 
+void CrowdState::attach(const Instances& instances, const Each<Attachment>& attachment) {
+    check_there(instances, "attachment");
+    for (uint32_t i = 0; i < instances.size(); ++i)
+        if (!is_alive(attachment[i].carrier))
+            refuse("attachment", instances.number(i),
+                   "its carrier, " + name_of(attachment[i].carrier) + ", is not there");
+    if (!attachments && instances.size() > 0)
+        refuse("attachment", instances.number(0), "no group is carried (CrowdGroup::is_carried)");
+    if (attachments) attachments->attach(instances, attachment);
+}
+
+void CrowdState::detach(const Instances& instances) {
+    check_there(instances, "attachment");
+    if (attachments) attachments->detach(instances);
+}
+
 void CrowdState::play(const Instances& instances, uint32_t layer, const Each<LayerPlayback>& playback) {
     send_each(instances, "play", [&](uint32_t i, const Group& group, const std::string& place) {
         return play_command(group.controller->layer_kinds, group.clip_durations_s, layer, playback[i], place);

@@ -58,6 +58,7 @@ void CrowdState::despawn(std::span<const InstanceHandle> instances) {
         if (group.outfit_count > 0) looks->set(InstanceHandle{instance, generation}, Each(InstanceLook()));
         population->despawn(instance);
     }
+    if (attachments) attachments->despawn(instances);
     for (std::vector<uint32_t>* requests : {&pose_requests_, &recorded_pose_requests_})
         std::erase_if(*requests, [&](uint32_t instance) { return !is_there(instance); });
     std::erase_if(watched_, [&](const Watched& watched) { return !is_there(watched.instance); });

@@ -13,7 +13,7 @@ namespace throng {
 namespace {
 
 constexpr uint64_t kMagic = 0x6574617473676874;  // "thgstate"
-constexpr uint32_t kVersion = 1;
+constexpr uint32_t kVersion = 2;
 
 struct Head {
     uint64_t magic = kMagic;
@@ -70,6 +70,9 @@ void add_group(Checksum& made_of, const Group& group) {
     made_of.add(uint32_t{group.packed});
     made_of.add(uint32_t{group.rows.has_value()});
     made_of.add(uint32_t{group.moves_placements()});
+    made_of.add(uint32_t{group.is_carried});
+    made_of.add(group.socket_count());
+    made_of.add(static_cast<uint32_t>(group.socket_space));
     made_of.add(group.pose_capacity);
     made_of.add(group.outfit_count);
     made_of.add(group.active_morph_limit);

@@ -24,11 +24,11 @@ constexpr StageKind kind_of() {
 }
 
 // An update, in its order.
-constexpr std::array kStages{kind_of<PopulationStage>(), kind_of<PlacementStage>(),  kind_of<LookStage>(),
-                             kind_of<ControlStage>(),    kind_of<ControllerStage>(), kind_of<SteerStage>(),
-                             kind_of<TerrainStage>(),    kind_of<CullStage>(),       kind_of<PoseStage>(),
-                             kind_of<MorphStage>(),      kind_of<ProceduralStage>(), kind_of<FusedUpdate>(),
-                             kind_of<UpdateRateStage>(), kind_of<StagedUpdate>(),    kind_of<SkinStage>()};
+constexpr std::array kStages{
+    kind_of<PopulationStage>(), kind_of<PlacementStage>(), kind_of<LookStage>(),       kind_of<ControlStage>(),
+    kind_of<ControllerStage>(), kind_of<SteerStage>(),     kind_of<TerrainStage>(),    kind_of<CullStage>(),
+    kind_of<PoseStage>(),       kind_of<MorphStage>(),     kind_of<ProceduralStage>(), kind_of<FusedUpdate>(),
+    kind_of<UpdateRateStage>(), kind_of<StagedUpdate>(),   kind_of<AttachStage>(),     kind_of<SkinStage>()};
 
 }  // namespace
 
@@ -99,6 +99,7 @@ void CrowdState::make_stages(Uploads& uploads, const CrowdSettings& settings) {
     poses = find_stage<PoseStage>(stages);
     procedural = find_stage<ProceduralStage>(stages);
     staged = find_stage<StagedUpdate>(stages);
+    attachments = find_stage<AttachStage>(stages);
 }
 
 Update CrowdState::update_of(VkCommandBuffer commands, float time_step_s, const io::CullView& view) const {

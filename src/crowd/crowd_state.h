@@ -4,6 +4,7 @@
 // all batches; then the fused ones go from cursors to skin matrices in one pass, the others stage by stage.
 #pragma once
 
+#include "crowd/attach_stage.h"
 #include "crowd/control_stage.h"
 #include "crowd/controller_stage.h"
 #include "crowd/cull_stage.h"
@@ -43,6 +44,8 @@ struct CrowdState {
     void set_playback(const Instances& instances, const Each<Playback>& playback);
     void set_placement(const Instances& instances, const Each<Affine>& world_from_model);
     void set_look(const Instances& instances, const Each<InstanceLook>& look);
+    void attach(const Instances& instances, const Each<Attachment>& attachment);
+    void detach(const Instances& instances);
     void play(const Instances& instances, uint32_t layer, const Each<LayerPlayback>& playback);
     void set_layer(const Instances& instances, uint32_t layer, const Each<LayerBlend>& blend);
     void set_parameter(const Instances& instances, uint32_t parameter, const Each<float>& value);
@@ -99,6 +102,7 @@ struct CrowdState {
     PoseStage* poses = nullptr;
     ProceduralStage* procedural = nullptr;
     StagedUpdate* staged = nullptr;
+    AttachStage* attachments = nullptr;
 
 private:
     // A buffer of a batch that a state holds.

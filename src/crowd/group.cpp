@@ -81,6 +81,7 @@ Group::Group(Uploads& uploads, NativeRigs& rigs, const CrowdGroup& group, const 
     if (sockets_only) palette_count = 0;
     steering = group.steering;
     on_terrain = group.on_terrain;
+    is_carried = group.is_carried;
     if (varies && controller) {
         buffers[io::kInitialLayersBuffer] = upload(uploads, name + ": initial layers", controller->initial_layers);
         buffers[io::kInitialParametersBuffer] = upload(uploads, name + ": initial parameters",

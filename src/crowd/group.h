@@ -97,7 +97,7 @@ struct Group {
     SocketSpace socket_space = SocketSpace::kWorld;
     bool sockets_only = false;
     std::optional<Steering> steering;
-    bool on_terrain = false;
+    bool on_terrain = false, is_carried = false;
     std::optional<GroupProcedural> procedural;
     bool packed = false;
     bool native = false;  // PathChoice::native
@@ -144,7 +144,7 @@ struct Group {
     bool has_root_motion() const { return controller && buffers[io::kRootRowsBuffer].size_bytes() > sizeof(io::vec4); }
     // Updates themselves change placements.
     bool moves_placements() const {
-        return steering || on_terrain || (has_root_motion() && controller->moves_placements);
+        return steering || on_terrain || is_carried || (has_root_motion() && controller->moves_placements);
     }
     uint32_t socket_flags() const { return socket_space == SocketSpace::kWorld ? io::kSocketsToWorld : 0; }
     uint32_t socket_count() const { return sockets ? static_cast<uint32_t>(sockets->joints.size()) : 0; }

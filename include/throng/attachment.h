@@ -1,0 +1,19 @@
+// Instances that hang on others: a lantern in a hand, a rider on a beast.
+#pragma once
+
+#include <throng/population.h>
+#include <throng/transform.h>
+
+#include <cstdint>
+
+namespace throng {
+
+// Where an instance of a group with CrowdGroup::is_carried hangs: each update puts it where its carrier's socket is in
+// that update.
+struct Attachment {
+    InstanceHandle carrier{};    // of a group with sockets in world space, that is not carried itself
+    uint32_t socket = 0;         // which of CrowdGroup::sockets of the carrier's group
+    Affine socket_from_model{};  // where the model's origin lies, and its size
+};
+
+}  // namespace throng

@@ -1,0 +1,53 @@
+// Instances of groups with CrowdGroup::is_carried hang on sockets of others, and are put where these are.
+#pragma once
+
+#include "attach/attach_io.h"
+#include "crowd/batch_plan.h"
+#include "crowd/dirty_ranges.h"
+#include "crowd/each.h"
+#include "crowd/stage.h"
+
+#include <throng/attachment.h>
+
+#include <map>
+
+namespace throng {
+
+// Throws kInvalidArgument where a group that is carried would also move by itself, or has sockets.
+void check_carried(const CrowdGroup& group);
+
+class AttachStage : public Stage {
+public:
+    static bool is_needed(const CrowdSettings& settings);
+    static void plan(BatchPlan& plan);
+    explicit AttachStage(const StageContext& context);
+
+    // Throws kInvalidArgument where the group is not carried, or the attachment is none; whether the carrier is there
+    // is for the caller to see to.
+    void attach(const Instances& instances, const Each<Attachment>& attachment);
+    void detach(const Instances& instances);
+    // Of those that have gone: nothing hangs on them any more, nor they on others.
+    void despawn(std::span<const InstanceHandle> gone);
+
+    void begin(const Update& update) override;
+    // Behind all that moves sockets.
+    void record(const Update& update) override;
+    void discard() override { dirty_.put_back(); }
+    void exchange(StateArchive& archive) override;
+
+private:
+    bool is_possible(const io::InstanceAttachment& attachment) const;
+    void set(uint32_t instance, const io::InstanceAttachment& attachment);
+    const Group& group_at(uint32_t instance) const { return group_of(batches_[batch_index_of(batches_, instance)]); }
+
+    std::vector<io::InstanceAttachment> attachments_;  // [instance_count], as last set
+    DirtyRanges dirty_;
+    Kernel kernel_;
+    struct Pair {
+        Bindings bindings;
+        uint32_t count = 0;  // of those that hang there
+    };
+    std::map<std::pair<uint32_t, uint32_t>, Pair> pairs_;  // a carried batch, and one of carriers
+};
+
+}  // namespace throng
