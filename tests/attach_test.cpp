@@ -1,6 +1,8 @@
 // Instances that hang on others: each is where its carrier's socket is in the same update.
+#include "attach/attach_reference.h"
 #include "tests/crowd_cases.h"
 #include "tests/kernel_runner.h"
+#include "tests/recorder.h"
 #include "tests/subset.h"
 
 #include <throng/draw.h>
@@ -75,8 +77,9 @@ protected:
     }
     void expect_there(const Crowd& crowd, const InstanceHandle& thing, const Attachment& attachment) const {
         const Affine is = placement(crowd, thing);
-        const AffineT<double> wanted = socket(crowd, attachment.carrier, attachment.socket).as<double>() *
-                                       attachment.socket_from_model.as<double>();
+        const AffineT<double> wanted = placement_on_socket(
+            socket(crowd, attachment.carrier, attachment.socket).as<double>(),
+            attachment.socket_from_model.as<double>());
         for (size_t row = 0; row < 3; ++row)
             for (size_t column = 0; column < 4; ++column)
                 EXPECT_NEAR(double{is.row[row][column]}, wanted.row[row][column], 1e-5) << thing.instance;
@@ -152,6 +155,19 @@ TEST_P(Attach, IsSaved) {
     ASSERT_TRUE(crowd.update(0.1f) && other.update(0.1f));
     for (const InstanceHandle& thing : things(crowd)) EXPECT_EQ(placement(crowd, thing), placement(other, thing));
     expect_there(other, things(other)[0], random_attachments(other, 2)[0]);
+}
+
+TEST_P(Attach, ADiscardedUpdateHasNotTakenItUp) {
+    if (test_gpu()->is_native()) GTEST_SKIP() << "it has no command buffers";
+    Crowd crowd = crowd_of();
+    ASSERT_TRUE(crowd.update(0.1f));
+    const std::vector<Attachment> attachments = random_attachments(crowd, 4);
+    ASSERT_TRUE(crowd.attach(things(crowd), attachments));
+    Recorder recorder;
+    recorder.record([&](VkCommandBuffer commands) { ASSERT_TRUE(crowd.record(commands, 0.1f)); });
+    ASSERT_TRUE(crowd.discard_last_record());
+    ASSERT_TRUE(crowd.update(0.1f));
+    for (uint32_t i = 0; i < kThings; ++i) expect_there(crowd, things(crowd)[i], attachments[i]);
 }
 
 TEST_P(Attach, MistakesAreNamed) {

@@ -129,7 +129,7 @@ TEST_F(CrowdBoundsTest, LeaveOutStraysButNotAParty) {
     ASSERT_TRUE(crowd.set_placement(crowd.instances(), places));
     EXPECT_TRUE(same(main_bounds(crowd), all));
     EXPECT_LT(world_bounds(crowd).min.y, -9e5f);
-    EXPECT_NEAR(bounds_of(std::array{&crowd.state()}, Whom::kAllButStrays).ground, all.min.y, character_.size);
+    EXPECT_NEAR(bounds_of(std::array{&crowd.state()}, Strays::kLeftOut).ground, all.min.y, character_.size);
     places[10] = at(10, 0, 1e7f);  // more than one in a hundred
     ASSERT_TRUE(crowd.set_placement(crowd.instances(), places));
     EXPECT_TRUE(same(main_bounds(crowd), world_bounds(crowd)));

@@ -29,6 +29,7 @@ public:
             group.capacity = kRoom;
         }
         settings_.groups.push_back({.character = &kinds_.character, .instance_count = 5, .pose_capacity = 3});
+        settings_.groups.push_back({.character = &kinds_.character, .instance_count = 4, .is_carried = true});
     }
 
     Crowd make() const {
@@ -53,6 +54,7 @@ public:
             if (*crowd.alive_count(group) + 2 > kRoom) continue;
             EXPECT_TRUE(crowd.spawn(group, std::array{plot(random.below(900)), plot(random.below(900))}));
         }
+        hang(crowd, random);
         EXPECT_TRUE(crowd.set_wind({.velocity = random.vector(3).as<float>()}));
         EXPECT_TRUE(crowd.request_poses(*crowd.handle(kKinds * kRoom)));
     }
@@ -78,7 +80,19 @@ public:
     }
 
 private:
-    static constexpr uint32_t kKinds = 5;
+    static constexpr uint32_t kKinds = 5, kCarriers = 2, kCarried = 6;
+
+    // Some of what is carried, on some of those that have sockets.
+    static void hang(Crowd& crowd, Random& random) {
+        const Instances carried = *crowd.instances(kCarried), carriers = *crowd.instances(kCarriers);
+        for (uint32_t i = 0; i < carried.size(); ++i) {
+            if (random.chance(0.5)) continue;
+            const InstanceHandle thing = *crowd.handle(carried.number(i));
+            const auto carrier = crowd.handle(carriers.number(random.below(carriers.size())));
+            EXPECT_TRUE(carrier ? crowd.attach(thing, Attachment{.carrier = *carrier, .socket = random.below(2)})
+                                : crowd.detach(thing));
+        }
+    }
 
     void change(Crowd& crowd, const InstanceHandle& one, Random& random) const {
         const uint32_t group = one.instance / kRoom;
@@ -204,6 +218,9 @@ TEST_F(SavedState, RefusesWhatIsNotIts) {
     EXPECT_EQ(refusal(create(other).restore_state(saved)), other_settings);
     other = settings();
     other.skin_format = SkinFormat::kHalfAffine;
+    EXPECT_EQ(refusal(create(other).restore_state(saved)), other_settings);
+    other = settings();
+    other.groups[0].pose_margin = 3;
     EXPECT_EQ(refusal(create(other).restore_state(saved)), other_settings);
     EXPECT_EQ(refusal(crowd.restore_state({})), "crowd state: it ends too early");
     EXPECT_FALSE(Crowd().save_state());

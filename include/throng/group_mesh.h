@@ -11,7 +11,8 @@ namespace throng {
 // A section of the mesh in one level of detail, as an indexed draw. Its vertexOffset is MeshSection::first_vertex.
 struct SectionLod {
     uint32_t first_index = 0, index_count = 0;  // of GroupMesh::index
-    // Of GroupMesh::influences: where those of the section's first vertex begin; MeshSection::influence_sets a vertex
+    // Index into GroupMesh::influences of the first of the section's first vertex. Each vertex of the section has
+    // MeshSection::influence_sets of them, one vertex after the other
     uint32_t first_influences = 0;
 };
 

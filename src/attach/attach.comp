@@ -1,5 +1,6 @@
-// attach: instances that hang on a socket of another are put there. One invocation per instance, for each batch that
-//   carries any. Cost: 64 bytes of an attachment and 48 of a socket read, 48 of a placement written.
+// attach: instances that hang on a socket of another are put there; defined by attach_reference.h. One invocation per
+//   instance, for each batch that carries any. Cost: 64 bytes of an attachment and 48 of a socket read, 48 of a
+//   placement written.
 #include "attach/attach_io.h"
 #include "gpu/affine.glsl"
 #include "gpu/buffers_io.h"

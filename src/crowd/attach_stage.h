@@ -26,7 +26,7 @@ public:
     // is for the caller to see to.
     void attach(const Instances& instances, const Each<Attachment>& attachment);
     void detach(const Instances& instances);
-    // Of those that have gone: nothing hangs on them any more, nor they on others.
+    // Detaches instances that are being despawned, and what hangs on them: whoever gets their number next has neither.
     void despawn(std::span<const InstanceHandle> gone);
 
     void begin(const Update& update) override;

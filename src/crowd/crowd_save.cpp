@@ -76,6 +76,7 @@ void add_group(Checksum& made_of, const Group& group) {
     made_of.add(group.pose_capacity);
     made_of.add(group.outfit_count);
     made_of.add(group.active_morph_limit);
+    made_of.add_all(std::array{group.posed_min, group.posed_max});  // who is in view goes by them
     made_of.add(uint64_t{group.fused.size()});
     made_of.add_all(group.scan_choice.method->name);
     if (group.controller) add_controller(made_of, *group.controller);

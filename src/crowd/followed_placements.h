@@ -11,7 +11,7 @@ namespace throng {
 
 class FollowedPlacements {
 public:
-    // Of these batches, which are kept as references.
+    // `batches`: whose placements are copied; they must outlive it.
     FollowedPlacements(std::shared_ptr<Gpu> gpu, std::vector<const Batch*> batches);
 
     // Before and behind the kernels of an update, which is the number-th. Where the slot that comes next is still under

@@ -37,7 +37,8 @@ private:
     void take_over(const Batch& batch, std::span<const Affine> moved, uint64_t update);
 
     std::vector<Affine> placements_;
-    std::vector<uint32_t> set_for_;  // [instance_count], the update that has taken it up or will
+    // [instance_count], number of the update that takes up what was set last: what comes back of earlier ones is older
+    std::vector<uint32_t> set_for_;
     DirtyRanges dirty_;
     uint32_t update_count_ = 0;
     std::optional<FollowedPlacements> followed_;

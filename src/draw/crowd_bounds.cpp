@@ -102,6 +102,13 @@ private:
     }
 };
 
+Bounds bounds_at_rest(std::span<const Crowd* const> crowds, Strays strays) {
+    std::vector<CrowdState*> states;
+    for (const Crowd* crowd : crowds)
+        if (crowd->instance_count() > 0) states.push_back(&crowd->state());
+    return bounds_of(states, strays).rest;
+}
+
 }  // namespace
 
 float character_size(Crowds crowds) {
@@ -115,8 +122,8 @@ float character_size(Crowds crowds) {
     return std::max(size, 1e-6f);
 }
 
-CrowdBounds bounds_of(Crowds crowds, Whom whom) {
-    const Bounds fence = whom == Whom::kAll ? kEverywhere : fence_of(crowds);
+CrowdBounds bounds_of(Crowds crowds, Strays strays) {
+    const Bounds fence = strays == Strays::kIncluded ? kEverywhere : fence_of(crowds);
     Growing within, beyond;
     for (const CrowdState* crowd : crowds) {
         const std::vector<Affine>& placements = crowd->placements->known();
@@ -130,19 +137,8 @@ CrowdBounds bounds_of(Crowds crowds, Whom whom) {
     return within.count > 0 ? CrowdBounds{within.rest, within.posed, within.ground} : CrowdBounds();
 }
 
-namespace {
-
-Bounds bounds_at_rest(std::span<const Crowd* const> crowds, Whom whom) {
-    std::vector<CrowdState*> states;
-    for (const Crowd* crowd : crowds)
-        if (crowd->instance_count() > 0) states.push_back(&crowd->state());
-    return bounds_of(states, whom).rest;
-}
-
-}  // namespace
-
-Bounds world_bounds(const Crowd& crowd) { return bounds_at_rest(std::array{&crowd}, Whom::kAll); }
+Bounds world_bounds(const Crowd& crowd) { return bounds_at_rest(std::array{&crowd}, Strays::kIncluded); }
 Bounds main_bounds(const Crowd& crowd) { return main_bounds(std::array{&crowd}); }
-Bounds main_bounds(std::span<const Crowd* const> crowds) { return bounds_at_rest(crowds, Whom::kAllButStrays); }
+Bounds main_bounds(std::span<const Crowd* const> crowds) { return bounds_at_rest(crowds, Strays::kLeftOut); }
 
 }  // namespace throng

@@ -12,9 +12,9 @@ namespace throng {
 // One crowd, or several that are drawn in one picture.
 using Crowds = std::span<CrowdState* const>;
 
-// Of whom: all, or all but strays, a hundredth of them at most (one of fewer than a hundred), which stand so far away
-// from all others that what is fitted to them would fit nobody else.
-enum class Whom { kAll, kAllButStrays };
+// Strays are the few instances (a hundredth at most; one, where there are fewer than a hundred) that stand so far away
+// from all others that a picture which is fitted to them would show nobody else.
+enum class Strays { kIncluded, kLeftOut };
 
 // World space, by the instances' placements; all zero where nobody is there.
 struct CrowdBounds {
@@ -24,9 +24,9 @@ struct CrowdBounds {
     // little lower, since a rest pose may float above the floor that the clips walk on.
     float ground = 0;
 };
-CrowdBounds bounds_of(Crowds crowds, Whom whom);
+CrowdBounds bounds_of(Crowds crowds, Strays strays);
 
-// Of the largest character, as the first of its instances is placed.
+// Diagonal of the largest character's box at rest, in world units: of each batch, as its first instance is scaled.
 float character_size(Crowds crowds);
 
 }  // namespace throng

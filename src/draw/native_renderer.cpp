@@ -58,10 +58,9 @@ std::vector<const NativeCrowd*> NativeRenderer::kept_of(Crowds crowds) {
     return all;
 }
 
-void NativeRenderer::prepare(CrowdState& crowd) {
-    CrowdState* const one = &crowd;
-    accept({&one, 1});
-    kept_of({&one, 1});
+void NativeRenderer::prepare(Crowds crowds) {
+    accept(crowds);
+    kept_of(crowds);
 }
 
 RenderResult NativeRenderer::render(Crowds crowds, const Camera& camera) {

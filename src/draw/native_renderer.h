@@ -21,7 +21,7 @@ public:
     RenderResult render_frame(Crowds crowds, float time_step_s, const Camera& camera) override;
     void record(VkCommandBuffer commands, Crowds crowds, float time_step_s, const Camera& camera) override;
     void record_drawing(VkCommandBuffer commands, Crowds crowds, const Camera& camera) override;
-    void prepare(CrowdState& crowd) override;
+    void prepare(Crowds crowds) override;
     void resize(VkExtent2D extent) override;
     VkExtent2D extent() const override { return frame_->extent(); }
     VkImage picture() const override { return staged_ ? staged_->image() : VK_NULL_HANDLE; }

@@ -116,7 +116,7 @@ Result<void> Renderer::record_drawing(VkCommandBuffer commands, const Crowd& cro
 VkImage Renderer::picture() const { return state_ ? state_->picture() : VK_NULL_HANDLE; }
 
 Result<void> Renderer::prepare(const Crowd& crowd) {
-    return as_result([&] { state().prepare(crowd.state()); }, "render");
+    return as_result([&] { state().prepare(std::array{&crowd.state()}); }, "render");
 }
 
 Result<void> Renderer::resize(uint32_t width, uint32_t height) {

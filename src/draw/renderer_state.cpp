@@ -29,7 +29,7 @@ void RendererState::accept(Crowds crowds) const {
 }
 
 CrowdView RendererState::view_of(Crowds crowds, const Camera& camera) const {
-    const Bounds bounds = bounds_of(crowds, Whom::kAllButStrays).rest;
+    const Bounds bounds = bounds_of(crowds, Strays::kLeftOut).rest;
     return crowd_view_of(camera, extent().width, extent().height, bounds, options);
 }
 

@@ -17,7 +17,7 @@ struct RendererState {
     virtual void record(VkCommandBuffer commands, Crowds crowds, float time_step_s, const Camera& camera) = 0;
     virtual void record_drawing(VkCommandBuffer commands, Crowds crowds, const Camera& camera) = 0;
     void update(Crowds crowds, float time_step_s, const Camera& camera) const;
-    virtual void prepare(CrowdState& crowd) = 0;
+    virtual void prepare(Crowds crowds) = 0;
     virtual void resize(VkExtent2D extent) = 0;
     virtual VkExtent2D extent() const = 0;
     virtual VkImage picture() const = 0;

@@ -19,7 +19,7 @@ io::DrawScene make_scene(Crowds crowds, const Camera& camera, const VkExtent2D& 
                          const DrawOptions& options) {
     const auto width = static_cast<float>(picture.width), height = static_cast<float>(picture.height);
     const View view = make_view(camera, width / height);
-    const auto [bounds, posed, ground] = bounds_of(crowds, Whom::kAllButStrays);
+    const auto [bounds, posed, ground] = bounds_of(crowds, Strays::kLeftOut);
     const Vec3<float> centre = (bounds.min + bounds.max) * 0.5f, to_sun = direction_to_sun(options);
     const float farthest = std::max(length(camera.eye - centre) + length(bounds.max - bounds.min) / 2, 1e-6f);
     const ShadowFit shadow = fit_shadow(camera, view, posed, to_sun, map_size);

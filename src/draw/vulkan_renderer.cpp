@@ -82,10 +82,9 @@ void VulkanRenderer::record(VkCommandBuffer commands, Crowds crowds, float time_
     record_frame(commands, frame);
 }
 
-void VulkanRenderer::prepare(CrowdState& crowd) {
-    CrowdState* const one = &crowd;
-    accept({&one, 1});
-    drawing_of(crowd);
+void VulkanRenderer::prepare(Crowds crowds) {
+    accept(crowds);
+    for (const CrowdState* crowd : crowds) drawing_of(*crowd);
 }
 
 CrowdDrawing VulkanRenderer::drawing_of(const CrowdState& crowd) {
@@ -123,12 +122,16 @@ void VulkanRenderer::record_update(VkCommandBuffer commands, Crowds crowds, floa
     const auto culls = [](const CrowdState* crowd) { return crowd->cull != nullptr; };
     view.occlusion = options.occlusion && std::ranges::any_of(crowds, culls) &&
                      (gpu->properties.limits.sampledImageDepthSampleCounts & samples_);
-    for (size_t i = 0; i < crowds.size(); ++i) try {
-            crowds[i]->record(commands, time_step_s, culls(crowds[i]) ? &view : nullptr);
-        } catch (...) {  // then time goes on for none
-            while (i > 0) crowds[--i]->discard_last_record();
-            throw;
+    size_t recorded_count = 0;
+    try {
+        for (; recorded_count < crowds.size(); ++recorded_count) {
+            CrowdState& crowd = *crowds[recorded_count];
+            crowd.record(commands, time_step_s, culls(&crowd) ? &view : nullptr);
         }
+    } catch (...) {  // then time goes on for none
+        for (CrowdState* crowd : crowds.first(recorded_count)) crowd->discard_last_record();
+        throw;
+    }
     if (!view.occlusion) return;
     if (!occluders_) occluders_.emplace(gpu, targets_.extent(), samples_);
     begin_draw(commands, frame);
