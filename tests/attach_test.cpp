@@ -117,7 +117,8 @@ TEST_P(Attach, NothingHangsOnWhoeverComesAfterACarrier) {
     Crowd crowd = crowd_of();
     const std::vector<InstanceHandle> all = things(crowd);
     const InstanceHandle carrier = bodies(crowd)[3];
-    ASSERT_TRUE(crowd.attach(std::array{all[0], all[1]}, Attachment{.carrier = carrier}));
+    ASSERT_TRUE(crowd.attach(all[0], Attachment{.carrier = carrier}));
+    ASSERT_TRUE(crowd.attach(all[1], Attachment{.carrier = bodies(crowd)[4]}));  // who stays
     ASSERT_TRUE(crowd.update(0.1f));
     const Affine was = placement(crowd, all[0]);
     ASSERT_TRUE(crowd.despawn(std::array{carrier, all[1]}));
