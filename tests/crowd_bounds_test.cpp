@@ -115,6 +115,17 @@ TEST_F(CrowdBoundsTest, FollowRecordedUpdatesAndNotDiscardedOnes) {
     EXPECT_NEAR(middle_z(world_bounds(crowd)) + ahead, farthest_z(crowd), kStep / 4) << "the last one";
 }
 
+// Nothing has brought anything to the device yet.
+TEST_F(CrowdBoundsTest, FollowNothingThatHasNotRun) {
+    if (test_gpu()->is_native()) GTEST_SKIP() << "it has no command buffers";
+    Crowd crowd = crowd_of_agents(character_);
+    ASSERT_TRUE(crowd.set_placement(Instances::numbered(0, kCount), at(500, 0, 500)));
+    Recorder recorder;
+    recorder.record([&](VkCommandBuffer commands) { ASSERT_TRUE(crowd.record(commands, 0.1f)); });
+    ASSERT_TRUE(renderer_.prepare(crowd));
+    EXPECT_GT(world_bounds(crowd).min.z, 500 - 2 * character_.size);
+}
+
 TEST_F(CrowdBoundsTest, LeaveOutStraysButNotAParty) {
     constexpr uint32_t kMany = 300;
     Crowd crowd = create({.groups = {{.character = &character_, .instance_count = kMany}}});

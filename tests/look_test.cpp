@@ -1,9 +1,7 @@
 // Looks: what an outfit hides is as if it were not there, what it colours as if the material had that colour.
 #include "tests/crowd_cases.h"
-#include "tests/kernel_runner.h"
+#include "tests/draw_path.h"
 #include "tests/subset.h"
-
-#include <throng/draw.h>
 
 #include <gtest/gtest.h>
 
@@ -37,9 +35,7 @@ constexpr uint32_t kCount = 6;
 class Looks : public testing::TestWithParam<DrawPath> {
 protected:
     void SetUp() override {
-        if (GetParam() == DrawPath::kDevice && test_gpu()->is_native()) GTEST_SKIP() << "it has no shaders";
-        if (GetParam() == DrawPath::kNative && !test_gpu()->native)
-            GTEST_SKIP() << "the processor does not draw for it";
+        if (const std::string reason = undrawable_reason(GetParam()); !reason.empty()) GTEST_SKIP() << reason;
     }
     Crowd crowd_of(const Character& character, std::vector<Outfit> outfits = {}, bool culls = true) const {
         CrowdSettings settings{.groups = {{.character = &character, .outfits = std::move(outfits)}}};
@@ -174,10 +170,7 @@ TEST_P(Looks, RefusesWhatThereIsNot) {
     EXPECT_TRUE(character.find_sections("nobody").empty());
 }
 
-INSTANTIATE_TEST_SUITE_P(Both, Looks, testing::Values(DrawPath::kNative, DrawPath::kDevice),
-                         [](const testing::TestParamInfo<DrawPath>& of) {
-                             return of.param == DrawPath::kNative ? "Natively" : "ByShaders";
-                         });
+INSTANTIATE_TEST_SUITE_P(Both, Looks, kBothDrawPaths, name_of_path);
 
 }  // namespace
 }  // namespace throng::test

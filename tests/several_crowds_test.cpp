@@ -1,10 +1,8 @@
 // Several crowds in one picture: the same as one crowd of all their groups.
 #include "tests/crowd_cases.h"
-#include "tests/kernel_runner.h"
+#include "tests/draw_path.h"
 #include "tests/recorder.h"
 #include "tests/subset.h"
-
-#include <throng/draw.h>
 
 #include <gtest/gtest.h>
 
@@ -19,9 +17,7 @@ constexpr uint32_t kCount = 6, kWidth = 200, kHeight = 120;
 class SeveralCrowds : public testing::TestWithParam<DrawPath> {
 protected:
     void SetUp() override {
-        if (GetParam() == DrawPath::kDevice && test_gpu()->is_native()) GTEST_SKIP() << "it has no shaders";
-        if (GetParam() == DrawPath::kNative && !test_gpu()->native)
-            GTEST_SKIP() << "the processor does not draw for it";
+        if (const std::string reason = undrawable_reason(GetParam()); !reason.empty()) GTEST_SKIP() << reason;
         renderer_ = Renderer::create(test_device(), {.width = kWidth, .height = kHeight, .path = GetParam()}).value();
     }
 
@@ -119,8 +115,7 @@ TEST_P(SeveralCrowds, MistakesAreNamed) {
     EXPECT_NE(message({&crowd, &none}).find("there is none"), std::string::npos);
 }
 
-INSTANTIATE_TEST_SUITE_P(Both, SeveralCrowds, testing::Values(DrawPath::kNative, DrawPath::kDevice),
-                         [](const auto& of) { return of.param == DrawPath::kNative ? "Natively" : "ByShaders"; });
+INSTANTIATE_TEST_SUITE_P(Both, SeveralCrowds, kBothDrawPaths, name_of_path);
 
 }  // namespace
 }  // namespace throng::test

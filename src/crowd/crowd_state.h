@@ -62,6 +62,9 @@ struct CrowdState {
     // What the buffers begin with, where no update and neither of these has brought it there; the second waits for it.
     void record_uploads(VkCommandBuffer commands) { first_uploads_.record(commands); }
     void finish_uploads() { first_uploads_.finish(); }
+    void follow_placements() {
+        placements->follow(has_updated_ && (!awaits_commands_ || first_uploads_.first_update_has_run()));
+    }
     void update(float time_step_s, const CrowdView* view);
     // A command buffer of VK_NULL_HANDLE: natively, at once.
     void record(VkCommandBuffer commands, float time_step_s, const CrowdView* view);

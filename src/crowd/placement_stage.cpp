@@ -33,14 +33,14 @@ void PlacementStage::set(const Instances& instances, const Each<Affine>& world_f
     }
 }
 
-void PlacementStage::follow() {
+void PlacementStage::follow(bool are_filled) {
     if (followed_) return;
     std::vector<const Batch*> moving;
     for (const Batch& batch : batches_)
         if (group_of(batch).moves_placements()) moving.push_back(&batch);
     if (moving.empty()) return;
     followed_.emplace(gpu_, moving);
-    if (update_count_ == 0) return;
+    if (!are_filled) return;
     for (const Batch* batch : moving)
         take_over(*batch,
                   download<Affine>(

@@ -20,8 +20,9 @@ public:
     explicit PlacementStage(const StageContext& context);
 
     void set(const Instances& instances, const Each<Affine>& world_from_model);
-    // From now on known() has what updates do; waits once for those that have been submitted.
-    void follow();
+    // From now on known() has what updates do. Where the buffers `are_filled`, it waits for those that have been
+    // submitted and takes over what they have done.
+    void follow(bool are_filled);
     // [instance_count], as the CPU knows them: as last set or, where they are followed, as an update has left them of
     // which it has heard since.
     const std::vector<Affine>& known();

@@ -25,7 +25,7 @@ void RendererState::accept(Crowds crowds) const {
             throw Failure(ErrorCode::kInvalidArgument, "skeletons",
                           "the crowd keeps no model matrices; set CrowdSettings::keep_model_matrices");
     }
-    for (const CrowdState* crowd : crowds) crowd->placements->follow();
+    for (CrowdState* crowd : crowds) crowd->follow_placements();
 }
 
 CrowdView RendererState::view_of(Crowds crowds, const Camera& camera) const {

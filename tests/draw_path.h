@@ -1,0 +1,26 @@
+// Tests that draw by this machine's processor and by the device's shaders.
+#pragma once
+
+#include "tests/kernel_runner.h"
+
+#include <throng/draw.h>
+
+#include <gtest/gtest.h>
+
+#include <string>
+
+namespace throng::test {
+
+// Why the test device is not drawn for in this way; empty where it is.
+inline std::string undrawable_reason(DrawPath path) {
+    if (path == DrawPath::kDevice && test_gpu()->is_native()) return "it has no shaders";
+    if (path == DrawPath::kNative && !test_gpu()->native) return "the processor does not draw for it";
+    return {};
+}
+
+inline const auto kBothDrawPaths = testing::Values(DrawPath::kNative, DrawPath::kDevice);
+inline std::string name_of_path(const testing::TestParamInfo<DrawPath>& of) {
+    return of.param == DrawPath::kNative ? "Natively" : "ByShaders";
+}
+
+}  // namespace throng::test
