@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <array>
+#include <limits>
 #include <numeric>
 #include <random>
 
@@ -65,13 +66,18 @@ public:
                 reborn = make(Kind::kAnywhere, std::max(1u, capacity_ / 2));
         changed_count_ = std::max(1u, capacity_ / 4);
         std::mt19937 random(2);
+        Entrant commanded = make_commanded();
+        commands_are_wrong_ = is_wrong(commanded);
         turnovers_ = {Turnover{"playbacks", [&] { tell(told, random); }, {}, {}},
-                      Turnover{"births and deaths", [&] { replace(reborn, random); }, {}, {}}};
+                      Turnover{"births and deaths", [&] { replace(reborn, random); }, {}, {}},
+                      Turnover{"by shaders", [&] { command(commanded, random); }, {}, {}}};
+        const std::array crowds{&told.crowd, &reborn.crowd, &commanded.crowd};
         std::vector<Contestant> contestants;
-        for (Turnover& turnover : turnovers_) {
-            Crowd& crowd = &turnover == &turnovers_[0] ? told.crowd : reborn.crowd;
+        for (size_t i = 0; i < turnovers_.size(); ++i) {
+            Turnover& turnover = turnovers_[i];
+            Crowd& crowd = *crowds[i];
             value_of(crowd.update(0));
-            contestants.push_back({population_.configuration + ": " + turnover.name, [&] {
+            contestants.push_back({population_.configuration + ": " + turnover.name, [&turnover, &crowd] {
                                        const Stopwatch calls;
                                        turnover.change();
                                        turnover.call_ms.push_back(calls.elapsed_s() * 1e3);
@@ -94,6 +100,7 @@ public:
                            {"samples", turnover.call_ms.size()},
                            {"call_ms", spread_json(spread_of(turnover.call_ms))},
                            {"update_ms", spread_json(spread_of(turnover.update_ms))}});
+            if (commands_are_wrong_ && &turnover == &turnovers_.back()) record["wrong"] = true;
             all.push_back(record);
         }
         return all;
@@ -167,6 +174,70 @@ private:
                                             population_.playback.subspan(kept, changed_count_)));
     }
 
+    // As make(), of those of half of the numbers, which shaders have spawned.
+    Entrant make_commanded() const {
+        const CrowdGroup group{.character = population_.character,
+                               .capacity = capacity_,
+                               .command_capacity = 3 * capacity_,
+                               .shaders_populate = true};
+        Entrant entrant{
+            Kind::kAnywhere,
+            std::max(1u, capacity_ / 2),
+            value_of(Crowd::create(device_, {.groups = {group}, .path = population_.path, .culling = Culling{}})),
+            {},
+            0,
+            {}};
+        for (uint32_t i = 0; i < capacity_; ++i) entrant.instances.push_back({.instance = i});
+        std::shuffle(entrant.instances.begin(), entrant.instances.end(), std::mt19937(1));
+        value_of(entrant.crowd.update(0));
+        std::vector<InstanceCommand> commands;
+        for (uint32_t i = 0; i < entrant.count; ++i) add_birth(commands, entrant, i);
+        write(entrant.crowd, commands);
+        value_of(entrant.crowd.update(0));
+        if (value_of(entrant.crowd.read_drawn()).size() != entrant.count)
+            entrant.max_error = std::numeric_limits<double>::infinity();
+        else
+            entrant.max_error = largest_error_of_some(entrant.count, [&](uint32_t n) { return error_of(entrant, n); });
+        return entrant;
+    }
+
+    // The first `count` are there: some of them go, and as many others come.
+    void command(Entrant& entrant, std::mt19937& random) const {
+        std::vector<InstanceCommand> commands;
+        for (uint32_t i = 0; i < changed_count_; ++i) {
+            const uint32_t gone = std::uniform_int_distribution<uint32_t>(0, entrant.count - 1)(random),
+                           born = std::uniform_int_distribution<uint32_t>(std::min(entrant.count, capacity_ - 1),
+                                                                          capacity_ - 1)(random);
+            commands.push_back(InstanceCommand::despawn(entrant.instances[gone].instance));
+            std::swap(entrant.instances[gone], entrant.instances[born]);
+            add_birth(commands, entrant, gone);
+        }
+        write(entrant.crowd, commands);
+    }
+
+    void add_birth(std::vector<InstanceCommand>& commands, const Entrant& entrant, uint32_t i) const {
+        const uint32_t instance = entrant.instances[i].instance;
+        commands.push_back(InstanceCommand::spawn(instance, population_.placement[i]));
+        commands.push_back(InstanceCommand::set_playback(instance, population_.playback[i]));
+    }
+
+    // As a shader would leave them, in the first block.
+    void write(const Crowd& crowd, std::span<const InstanceCommand> commands) const {
+        const OutputBlock& block = crowd.outputs()[0];
+        const CommandHead head{.count = static_cast<uint32_t>(commands.size())};
+        if (!block.host.command.empty()) {
+            std::ranges::copy(commands, block.host.command.begin());
+            block.host.command_head[0] = head;
+            return;
+        }
+        const Gpu& gpu = *device_.gpu();
+        const BufferRange range(block.command.buffer, block.command.offset_bytes, block.command.size_bytes);
+        gpu.submit_and_wait([&](VkCommandBuffer recorded) {
+            record_update(gpu, recorded, range, 0, std::span(&head, 1));
+            record_update(gpu, recorded, range, 1, commands);
+        });
+    }
+
     Json new_record(const Crowd& crowd) const {
         Json record = where_and_when(device_.info());
         record.update({{"bench", "population"},
@@ -192,6 +263,7 @@ private:
     const Device& device_;
     const PopulationCase& population_;
     uint32_t capacity_, changed_count_ = 0;
+    bool commands_are_wrong_ = false;
     std::vector<Entrant> entrants_;
     std::vector<Turnover> turnovers_;
 };

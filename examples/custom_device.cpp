@@ -40,7 +40,7 @@ int main(int argc, char** argv) {
     Cleanup cleanup;  // first, so that Vulkan outlives all that throng has made with it
     const AdoptedDevice vulkan = open_vulkan(cleanup, "custom_device");
     const Context context{vulkan.physical_device, vulkan.device, cleanup};
-    const GraphicsPipeline pipeline = make_pipeline(
+    const Pipeline pipeline = make_pipeline(
         context, {kVertexShader, kFragmentShader, 5, sizeof(Push), kColorFormat, kDepthFormat, kSize});
 
     // A square of one character, each at another time of another clip.
@@ -70,12 +70,10 @@ int main(int argc, char** argv) {
     const VkCommandBuffer commands = begin_commands(context, vulkan.queue_family);
     crowd.record(commands, 0.5f, &view).expect();
     begin_drawing(commands, target);
-    vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pipeline.handle);
     const GroupMesh mesh = crowd.mesh(0).expect();
     vkCmdBindIndexBuffer(commands, mesh.index.buffer, mesh.index.offset_bytes, VK_INDEX_TYPE_UINT32);
     for (const OutputBlock& block : crowd.outputs()) {  // a large crowd's matrices lie in several buffers
-        bind_storage_buffers(context, commands, pipeline,
-                             {mesh.vertex, mesh.influences, block.skin, block.placement, block.list});
+        bind(context, commands, pipeline, {mesh.vertex, mesh.influences, block.skin, block.placement, block.list});
         for (uint32_t s = 0; s < character.sections.size(); ++s)
             for (uint32_t lod = 0; lod < mesh.lod_count; ++lod) {
                 const MeshSection& section = character.sections[s];

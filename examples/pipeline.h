@@ -1,4 +1,4 @@
-// A graphics pipeline that reads storage buffers and a push constant, and the command buffer that it is used in.
+// Pipelines that have storage buffers and a push constant, and the command buffer that they are used in.
 #pragma once
 
 #include "offscreen.h"
@@ -15,7 +15,8 @@ struct PipelineSettings {
     VkExtent2D size{};
 };
 
-struct GraphicsPipeline {
+struct Pipeline {
+    VkPipelineBindPoint bind_point = VK_PIPELINE_BIND_POINT_GRAPHICS;
     VkDescriptorSetLayout set_layout = VK_NULL_HANDLE;
     VkPipelineLayout layout = VK_NULL_HANDLE;
     VkPipeline handle = VK_NULL_HANDLE;
@@ -32,24 +33,44 @@ inline VkPipelineShaderStageCreateInfo make_stage(const Context& context, VkShad
             .pName = "main"};
 }
 
-inline GraphicsPipeline make_pipeline(const Context& context, const PipelineSettings& settings) {
-    GraphicsPipeline out;
+// Without the pipeline itself: its layout.
+inline Pipeline make_layout(const Context& context, VkShaderStageFlags stage, uint32_t storage_buffer_count,
+                            uint32_t push_size_bytes) {
+    Pipeline out;
     std::vector<VkDescriptorSetLayoutBinding> bindings;
-    for (uint32_t i = 0; i < settings.storage_buffer_count; ++i)
-        bindings.push_back({i, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, 1, VK_SHADER_STAGE_VERTEX_BIT, nullptr});
+    for (uint32_t i = 0; i < storage_buffer_count; ++i)
+        bindings.push_back({i, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, 1, stage, nullptr});
     out.set_layout = make(context, "vkCreateDescriptorSetLayout", vkCreateDescriptorSetLayout,
                           vkDestroyDescriptorSetLayout,
                           {.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO,
-                           .bindingCount = settings.storage_buffer_count,
+                           .bindingCount = storage_buffer_count,
                            .pBindings = bindings.data()});
-    const VkPushConstantRange push{VK_SHADER_STAGE_VERTEX_BIT, 0, settings.push_size_bytes};
+    const VkPushConstantRange push{stage, 0, push_size_bytes};
     out.layout = make(context, "vkCreatePipelineLayout", vkCreatePipelineLayout, vkDestroyPipelineLayout,
                       {.sType = VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO,
                        .setLayoutCount = 1,
                        .pSetLayouts = &out.set_layout,
                        .pushConstantRangeCount = 1,
                        .pPushConstantRanges = &push});
+    return out;
+}
 
+inline Pipeline make_compute_pipeline(const Context& context, std::span<const uint32_t> shader,
+                                      uint32_t storage_buffer_count, uint32_t push_size_bytes) {
+    Pipeline out = make_layout(context, VK_SHADER_STAGE_COMPUTE_BIT, storage_buffer_count, push_size_bytes);
+    out.bind_point = VK_PIPELINE_BIND_POINT_COMPUTE;
+    const VkComputePipelineCreateInfo info{.sType = VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO,
+                                           .stage = make_stage(context, VK_SHADER_STAGE_COMPUTE_BIT, shader),
+                                           .layout = out.layout};
+    check(vkCreateComputePipelines(context.device, VK_NULL_HANDLE, 1, &info, nullptr, &out.handle),
+          "vkCreateComputePipelines");
+    context.cleanup.add([device = context.device, out] { vkDestroyPipeline(device, out.handle, nullptr); });
+    return out;
+}
+
+inline Pipeline make_pipeline(const Context& context, const PipelineSettings& settings) {
+    Pipeline out = make_layout(context, VK_SHADER_STAGE_VERTEX_BIT, settings.storage_buffer_count,
+                               settings.push_size_bytes);
     const std::array stages{make_stage(context, VK_SHADER_STAGE_VERTEX_BIT, settings.vertex_shader),
                             make_stage(context, VK_SHADER_STAGE_FRAGMENT_BIT, settings.fragment_shader)};
     const VkPipelineVertexInputStateCreateInfo no_input{
@@ -101,9 +122,9 @@ inline GraphicsPipeline make_pipeline(const Context& context, const PipelineSett
     return out;
 }
 
-// Binds these buffers by a descriptor set of their own.
-inline void bind_storage_buffers(const Context& context, VkCommandBuffer commands, const GraphicsPipeline& pipeline,
-                                 const std::vector<throng::BufferView>& buffers) {
+// Binds it, and these buffers by a descriptor set of their own.
+inline void bind(const Context& context, VkCommandBuffer commands, const Pipeline& pipeline,
+                 const std::vector<throng::BufferView>& buffers) {
     const auto count = static_cast<uint32_t>(buffers.size());
     const VkDescriptorPoolSize size{VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, count};
     const VkDescriptorSetAllocateInfo allocation{
@@ -125,7 +146,17 @@ inline void bind_storage_buffers(const Context& context, VkCommandBuffer command
                                      .descriptorType = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER,
                                      .pBufferInfo = ranges.data()};
     vkUpdateDescriptorSets(context.device, 1, &write, 0, nullptr);
-    vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pipeline.layout, 0, 1, &set, 0, nullptr);
+    vkCmdBindPipeline(commands, pipeline.bind_point, pipeline.handle);
+    vkCmdBindDescriptorSets(commands, pipeline.bind_point, pipeline.layout, 0, 1, &set, 0, nullptr);
+}
+
+// What has been copied before it is there for shaders behind it.
+inline void write_before_shaders(VkCommandBuffer commands) {
+    const VkMemoryBarrier written{.sType = VK_STRUCTURE_TYPE_MEMORY_BARRIER,
+                                  .srcAccessMask = VK_ACCESS_TRANSFER_WRITE_BIT,
+                                  .dstAccessMask = VK_ACCESS_SHADER_READ_BIT | VK_ACCESS_SHADER_WRITE_BIT};
+    vkCmdPipelineBarrier(commands, VK_PIPELINE_STAGE_TRANSFER_BIT, VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT, 0, 1, &written,
+                         0, nullptr, 0, nullptr);
 }
 
 inline VkCommandBuffer begin_commands(const Context& context, uint32_t queue_family) {

@@ -63,6 +63,8 @@ private:
 inline BufferRange output_range(const OutputBlock& block, BufferView OutputBlock::*member, VkDeviceSize offset_bytes,
                                 VkDeviceSize size_bytes) {
     const HostOutputs& host = block.host;
+    const auto commands = std::span(reinterpret_cast<const std::byte*>(host.command_head.data()),
+                                    host.command_head.size_bytes() + host.command.size_bytes());
     const std::pair<BufferView OutputBlock::*, std::span<const std::byte>> all[]{
         {&OutputBlock::skin, host.skin},
         {&OutputBlock::previous_skin, host.previous_skin},
@@ -75,6 +77,7 @@ inline BufferRange output_range(const OutputBlock& block, BufferView OutputBlock
         {&OutputBlock::destination, std::as_bytes(host.destination)},
         {&OutputBlock::morph, std::as_bytes(host.morph)},
         {&OutputBlock::look, std::as_bytes(host.look)},
+        {&OutputBlock::command, commands},
         {&OutputBlock::list, std::as_bytes(host.list)},
         {&OutputBlock::skinned, std::as_bytes(host.skinned)}};
     const BufferView& view = block.*member;

@@ -28,7 +28,7 @@ struct Visits {
                     uint32_t characters = 0) const {
         settings.groups = {group};
         settings.groups[0].character = &character;
-        settings.groups[0].instance_count = 1;
+        settings.groups[0].instance_count = group.shaders_populate ? 0 : 1;
         settings.timestamps = false;
         visit({name, characters, &character, settings});
     }
@@ -73,6 +73,7 @@ void visit_stages(const Character& character, const Visits& visits) {
            {.terrain = Terrain{.columns = 2, .rows = 2, .heights = {0, 0, 0, 0}}});
     visits("looks", {.outfits = {{}}});
     visits("carried", {.is_carried = true});
+    visits("commanded", {.controller = &controller, .capacity = 1, .command_capacity = 1, .shaders_populate = true});
     visits("skinned once", {}, {.skins_once = true});
     visits("skinned once, dual quaternions, for a view", {},
            {.culling = Culling{}, .skin_blend = SkinBlend::kDualQuaternion, .skins_once = true});

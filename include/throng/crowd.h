@@ -3,6 +3,7 @@
 
 #include <throng/attachment.h>
 #include <throng/character.h>
+#include <throng/commands.h>
 #include <throng/controller.h>
 #include <throng/device.h>
 #include <throng/feedback.h>
@@ -83,6 +84,13 @@ struct CrowdGroup {
     // is updated or drawn. Room that is free takes memory, and next to no time. Not together with
     // CrowdSettings::keep_previous_matrices where the group is animated entirely (see record()).
     uint32_t capacity = 0;
+    // Above 0: the application's shaders may ask instances for this and that (throng/commands.h), so many times at most
+    // in an update and OutputBlock; at most 1048576. 64 bytes each, and 12 bytes or more an instance.
+    uint32_t command_capacity = 0;
+    // It is such commands that spawn and despawn, and none of the CPU's calls: shaders number the instances as they
+    // like, below `capacity`, which has to be set. None is there when the crowd is made, and calls that name one are
+    // errors, but those that read; events name it by generation 0. Not together with pose_capacity.
+    bool shaders_populate = false;
     // Morphs that an instance shows at most: those of the largest weights by magnitude, the earlier one where two are
     // equal. 0: all that have weight. 8 bytes an instance each
     uint32_t morph_limit = 0;

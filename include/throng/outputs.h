@@ -1,6 +1,7 @@
 // What an update writes, where the application reads it on the GPU.
 #pragma once
 
+#include <throng/commands.h>
 #include <throng/device.h>
 #include <throng/look.h>
 #include <throng/transform.h>
@@ -51,6 +52,8 @@ struct HostOutputs {
     std::span<std::array<float, 4>> target{}, destination{};
     std::span<const ShownMorph> morph{};
     std::span<const InstanceLook> look{};
+    std::span<CommandHead> command_head{};  // of one
+    std::span<InstanceCommand> command{};
     std::span<const uint32_t> list{}, skin_row{};
     std::span<const SkinnedVertex> skinned{};
 };
@@ -114,6 +117,12 @@ struct OutputBlock {
 
     // How instances look, InstanceLook[instance_count], with CrowdGroup::outfits.
     BufferView look{};
+
+    uint32_t command_capacity = 0;  // CrowdGroup's
+    // What the application's own shaders ask of instances of the block: a CommandHead, then
+    // InstanceCommand[command_capacity]. To be written between two updates, or before the first one behind
+    // Crowd::record_uploads(), without which the buffer is not yet empty. The same in all frame slots.
+    BufferView command{};
 
     // Instances that are drawn, uint32_t[5 + instance_count], with CrowdSettings::culling: their number, where those of
     // each of four levels of detail begin behind the fifth word, then their numbers in the block, level by level,

@@ -9,11 +9,11 @@ namespace throng {
 
 // The stages of an update in their order, as they are timed. "fused" is sample, blend, scan and bind of the groups that
 // are updated in one pass. "update_rate" takes the matrices of what is not animated in this update towards their next
-// pose. "terrain" is that of CrowdSettings::terrain, "attach" that of CrowdGroup::is_carried, and "skin" that of
-// CrowdSettings::skins_once. "blend" has the weights of morphs too.
-inline constexpr std::array<const char*, 13> kStageNames{"control",     "steer",      "terrain", "cull", "sample",
-                                                         "blend",       "procedural", "scan",    "bind", "fused",
-                                                         "update_rate", "attach",     "skin"};
+// pose. "commands" is that of CrowdGroup::command_capacity, "terrain" that of CrowdSettings::terrain, "attach" that of
+// CrowdGroup::is_carried, and "skin" that of CrowdSettings::skins_once. "blend" has the weights of morphs too.
+inline constexpr std::array<const char*, 14> kStageNames{"commands", "control",     "steer",      "terrain", "cull",
+                                                         "sample",   "blend",       "procedural", "scan",    "bind",
+                                                         "fused",    "update_rate", "attach",     "skin"};
 
 // The index of a stage's name in kStageNames, or kStageNames.size() where no stage is called so.
 constexpr size_t index_of_stage(std::string_view name) {

@@ -16,13 +16,7 @@ PUSH(CommandPush);
 #include "control/rounded.glsl"
 #include "control/stack.glsl"
 #include "control/commands.glsl"
-
-void begin_anew(uint instance) {
-    for (uint i = 0; i < push.layer_count; ++i) layers[instance * push.layer_count + i] = initial_layers[i];
-    for (uint i = 0; i < push.parameter_count; ++i)
-        parameters[instance * push.parameter_count + i] = initial_parameters[i];
-    if (push.is_inertial != 0) inertias[instance] = InstanceInertia(0, 0, 0, 0, 0, 0);
-}
+#include "control/begin.glsl"
 
 void main() {
     const uint first = gl_GlobalInvocationID.x;
@@ -32,7 +26,7 @@ void main() {
     for (uint i = first; i < push.command_count && commands[i].instance == instance; ++i) {
         const ControlCommand command = commands[i];
         if (command.kind == kCommandBegin)
-            begin_anew(instance);
+            begin_controller(instance, push.layer_count, push.parameter_count, push.is_inertial != 0);
         else
             obey(command, instance * push.layer_count + command.target,
                  instance * push.parameter_count + command.target);

@@ -12,14 +12,23 @@
 namespace throng {
 namespace {
 
+io::InstancePlayback rest_of(const Group& group) {
+    const auto rest = static_cast<uint32_t>(group.clip_durations_s.size());
+    const io::SlotPlayback slot{.clip = rest, .loop = 0, .time_s = 0, .speed = 0};
+    return {slot, slot, 1};
+}
+
 bool blends(const io::InstancePlayback& playback) { return playback.weight > 0 && playback.weight < 1; }
 
 }  // namespace
 
 void ControlStage::plan(BatchPlan& plan) {
     if (plan.group().controller) return;
-    plan.add_storage(io::kPlaybacksBuffer, sizeof(io::InstancePlayback));
-    plan.add_storage(io::kCursorsBuffer, sizeof(io::InstanceCursor));
+    plan.add_filled(io::kPlaybacksBuffer, std::vector{rest_of(plan.group())});
+    if (!plan.group().varies) return plan.add_storage(io::kCursorsBuffer, sizeof(io::InstanceCursor));
+    // Stage by stage, those are animated too who have never been there
+    const io::SlotCursor rest{.first_track = rest_track_of(plan.group()), .earlier = 0, .later = 0, .fraction = 0};
+    plan.add_filled(io::kCursorsBuffer, std::vector<io::InstanceCursor>{{rest, rest, 1}});
 }
 
 ControlStage::ControlStage(const StageContext& context) : Stage(context), member_of_batch_(batches_.size(), kNone) {
@@ -27,9 +36,7 @@ ControlStage::ControlStage(const StageContext& context) : Stage(context), member
     for (uint32_t i = 0; i < batches_.size(); ++i) {
         const Batch& batch = batches_[i];
         const Group& group = group_of(batch);
-        const auto rest = static_cast<uint32_t>(group.clip_durations_s.size());
-        const io::SlotPlayback rest_slot{.clip = rest, .loop = 0, .time_s = 0, .speed = 0};
-        playbacks_.insert(playbacks_.end(), batch.instance_count, {rest_slot, rest_slot, 1});
+        playbacks_.insert(playbacks_.end(), batch.instance_count, rest_of(group));
         if (group.controller) continue;
         if (!kernel_) kernel_ = control_kernel(gpu_);
         member_of_batch_[i] = static_cast<uint32_t>(members_.size());
@@ -73,7 +80,10 @@ void ControlStage::set(const Instances& instances, const Each<Playback>& playbac
 }
 
 void ControlStage::begin(const Update& update) {
-    for (const Member& member : members_) batches_[member.batch].blends = member.blending_count > 0;
+    for (const Member& member : members_) {
+        Batch& batch = batches_[member.batch];
+        batch.blends = member.blending_count > 0 || group_of(batch).command_capacity > 0;  // shaders may blend as well
+    }
     for_each_part(batches_, dirty_.take(), [&](const Batch& batch, uint32_t first, uint32_t count) {
         if (batch[io::kPlaybacksBuffer])
             record_update(*gpu_, update.commands, batch[io::kPlaybacksBuffer], first - batch.first_instance,

@@ -15,6 +15,21 @@ namespace {
 
 constexpr size_t kRound = 16384;  // commands of a batch that are applied by one dispatch
 
+// As cursors in control_stage.cpp.
+void add_resting_clips(BatchPlan& plan) {
+    std::vector<io::ActiveClip> of_instance(plan.group().controller->active_clip_limit);
+    of_instance[0] = {.first_track = rest_track_of(plan.group()),
+                      .weight = 1,
+                      .layer_weight = 1,
+                      .flags = io::kActiveClipBeginsLayer | io::kActiveClipEndsLayer | io::kActiveClipEnds};
+    plan.add(io::kActiveClipsBuffer, of_instance.size() * sizeof(io::ActiveClip),
+             [of_instance](Uploads& uploads, const std::string& what, uint64_t n) {
+                 Buffer table = make_table<io::ActiveClip>(uploads.gpu(), what, n * of_instance.size());
+                 uploads.add(table, std::as_bytes(std::span(of_instance)), n);
+                 return table;
+             });
+}
+
 }  // namespace
 
 // As its instances begin.
@@ -24,7 +39,10 @@ void ControllerStage::plan(BatchPlan& plan) {
     const GroupController& controller = *group.controller;
     plan.add_filled_table(io::kLayersBuffer, controller.initial_layers);
     plan.add_filled_table(io::kParametersBuffer, controller.initial_parameters);
-    plan.add_table<io::ActiveClip>(io::kActiveClipsBuffer, controller.active_clip_limit);
+    if (group.varies)
+        add_resting_clips(plan);
+    else
+        plan.add_table<io::ActiveClip>(io::kActiveClipsBuffer, controller.active_clip_limit);
     if (group.morph_count > 0)
         plan.add_storage(io::kActiveClipTimesBuffer, controller.active_clip_limit * sizeof(float));
     if (controller.is_inertial) {

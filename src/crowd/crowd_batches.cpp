@@ -33,6 +33,7 @@ void CrowdState::check_groups(const CrowdSettings& settings) const {
         check_character(*group.character, group.character->name, ErrorCode::kInvalidArgument);
         check_steering(group);
         check_carried(group);
+        check_command_settings(group);
         if (const float margin = group.pose_margin.value_or(0); !(margin >= 0 && margin <= kMostPoseMargin))
             throw Failure(ErrorCode::kInvalidArgument, group.character->name + ": pose margin", margin, "; 0 to ",
                           kMostPoseMargin);
@@ -133,6 +134,9 @@ HostOutputs CrowdState::host_outputs(const Batch& batch, uint32_t of_slot) const
     const auto items = [&]<class T>(std::type_identity<T>, uint32_t number, uint64_t of_instance) {
         return in_host_memory<T>(*gpu, batch.shown_in(of_slot, number), n * of_instance);
     };
+    // The first is the head.
+    const auto of_commands = in_host_memory<InstanceCommand>(*gpu, batch[io::kInstanceCommandsBuffer],
+                                                             1 + uint64_t{group.command_capacity});
     constexpr std::type_identity<const Affine> kAffines;
     constexpr std::type_identity<std::array<float, 4>> kRows;
     return {
@@ -148,6 +152,8 @@ HostOutputs CrowdState::host_outputs(const Batch& batch, uint32_t of_slot) const
         .destination = items(kRows, io::kDestinationsBuffer, 1),
         .morph = items(std::type_identity<const ShownMorph>(), io::kActiveMorphsBuffer, group.active_morph_limit),
         .look = items(std::type_identity<const InstanceLook>(), io::kInstanceLooksBuffer, 1),
+        .command_head = in_host_memory<CommandHead>(*gpu, batch[io::kInstanceCommandsBuffer], 1),
+        .command = of_commands.empty() ? of_commands : of_commands.subspan(1),
         .list = in_host_memory<const uint32_t>(*gpu, batch.shown_in(of_slot, io::kListBuffer), io::kFirstListed + n),
         .skin_row = in_host_memory<const uint32_t>(*gpu, batch.shown_in(of_slot, io::kSkinRowsBuffer), n),
         .skinned = items(std::type_identity<const SkinnedVertex>(), io::kSkinnedBuffer,
@@ -189,6 +195,9 @@ OutputBlock CrowdState::output_of(const Batch& batch, uint32_t of_slot) const {
             .morph_count = group.active_morph_limit,
             .morph = output(io::kActiveMorphsBuffer, group.active_morph_limit * sizeof(ShownMorph)),
             .look = output(io::kInstanceLooksBuffer, sizeof(InstanceLook)),
+            .command_capacity = group.command_capacity,
+            .command = view(batch[io::kInstanceCommandsBuffer], 1 + uint64_t{group.command_capacity},
+                            sizeof(InstanceCommand)),
             .list = view(batch.shown_in(of_slot, io::kListBuffer), io::kFirstListed + n, sizeof(uint32_t)),
             .draw = view(batch.shown_in(of_slot, io::kDrawsBuffer), group.sections.size() * io::kLodCount,
                          sizeof(io::DrawCommand)),

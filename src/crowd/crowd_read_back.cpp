@@ -103,9 +103,15 @@ std::vector<Feedback> CrowdState::take_feedback() {
     return taken;
 }
 
+// Of a group that shaders populate: whoever has the number, if anybody.
+void CrowdState::check_readable(const InstanceHandle& handle) const {
+    check_range(handle.instance, 1, "read-back");
+    if (!group_of(handle.instance).shaders_populate) check_there(handle, "read-back");
+}
+
 std::vector<Affine> CrowdState::read_matrices(const InstanceHandle& handle, bool model) {
     finish_uploads();
-    check_there(handle, "read-back");
+    check_readable(handle);
     const Batch& batch = batch_of(handle.instance);
     const Group& group = groups[batch.group];
     if (group.sockets_only) throw Failure(ErrorCode::kInvalidArgument, "read-back", group.name + " has sockets only");
@@ -122,7 +128,7 @@ std::vector<Affine> CrowdState::read_matrices(const InstanceHandle& handle, bool
 
 std::vector<Vec3<float>> CrowdState::read_positions(const InstanceHandle& handle) {
     finish_uploads();
-    check_there(handle, "read-back");
+    check_readable(handle);
     const Batch& batch = batch_of(handle.instance);
     const Group& group = groups[batch.group];
     if (group.sockets_only) throw Failure(ErrorCode::kInvalidArgument, "read-back", group.name + " has sockets only");

@@ -13,7 +13,7 @@ namespace throng {
 namespace {
 
 constexpr uint64_t kMagic = 0x6574617473676874;  // "thgstate"
-constexpr uint32_t kVersion = 2;
+constexpr uint32_t kVersion = 3;
 
 struct Head {
     uint64_t magic = kMagic;
@@ -26,11 +26,11 @@ struct Head {
 constexpr uint32_t kHasUpdated = 1, kWasNative = 2;
 
 // Buffers from which an update goes on, beside `skin` where that is so, and those that are filled from the CPU.
-constexpr std::array kKeptBuffers{io::kPlacementsBuffer,    io::kPlaybacksBuffer, io::kLayersBuffer,
-                                  io::kParametersBuffer,    io::kRootsBuffer,     io::kInertiasBuffer,
-                                  io::kInertiaStatesBuffer, io::kTargetsBuffer,   io::kSpringsBuffer,
-                                  io::kDestinationsBuffer,  io::kAgentsBuffer,    io::kStatesBuffer,
-                                  io::kSkinTargetBuffer};
+constexpr std::array kKeptBuffers{io::kPlacementsBuffer,    io::kPlaybacksBuffer,     io::kLayersBuffer,
+                                  io::kParametersBuffer,    io::kRootsBuffer,         io::kInertiasBuffer,
+                                  io::kInertiaStatesBuffer, io::kTargetsBuffer,       io::kSpringsBuffer,
+                                  io::kDestinationsBuffer,  io::kAgentsBuffer,        io::kStatesBuffer,
+                                  io::kSkinTargetBuffer,    io::kInstanceLooksBuffer, io::kInstanceCommandsBuffer};
 
 // A checksum of things one after another.
 class Checksum {
@@ -71,6 +71,8 @@ void add_group(Checksum& made_of, const Group& group) {
     made_of.add(uint32_t{group.rows.has_value()});
     made_of.add(uint32_t{group.moves_placements()});
     made_of.add(uint32_t{group.is_carried});
+    made_of.add(group.command_capacity);
+    made_of.add(uint32_t{group.shaders_populate});
     made_of.add(group.socket_count());
     made_of.add(static_cast<uint32_t>(group.socket_space));
     made_of.add(group.pose_capacity);
@@ -105,6 +107,8 @@ std::vector<CrowdState::KeptBuffer> CrowdState::kept_buffers() const {
     for (const Batch& batch : batches) {
         for (const uint32_t number : kKeptBuffers)
             if (batch[number]) kept.push_back({&batch, number, &batch[number]});
+        if (groups[batch.group].shaders_populate)
+            kept.push_back({&batch, io::kBirthsBuffer, &batch[io::kBirthsBuffer]});
         if (keeps_previous_ || batch[io::kSkinTargetBuffer]) kept.push_back({&batch, io::kSkinBuffer, &batch.skin()});
     }
     return kept;

@@ -25,10 +25,11 @@ constexpr StageKind kind_of() {
 
 // An update, in its order.
 constexpr std::array kStages{
-    kind_of<PopulationStage>(), kind_of<PlacementStage>(), kind_of<LookStage>(),       kind_of<ControlStage>(),
-    kind_of<ControllerStage>(), kind_of<SteerStage>(),     kind_of<TerrainStage>(),    kind_of<CullStage>(),
-    kind_of<PoseStage>(),       kind_of<MorphStage>(),     kind_of<ProceduralStage>(), kind_of<FusedUpdate>(),
-    kind_of<UpdateRateStage>(), kind_of<StagedUpdate>(),   kind_of<AttachStage>(),     kind_of<SkinStage>()};
+    kind_of<PopulationStage>(), kind_of<PlacementStage>(),  kind_of<LookStage>(),    kind_of<InstanceCommandStage>(),
+    kind_of<ControlStage>(),    kind_of<ControllerStage>(), kind_of<SteerStage>(),   kind_of<TerrainStage>(),
+    kind_of<CullStage>(),       kind_of<PoseStage>(),       kind_of<MorphStage>(),   kind_of<ProceduralStage>(),
+    kind_of<FusedUpdate>(),     kind_of<UpdateRateStage>(), kind_of<StagedUpdate>(), kind_of<AttachStage>(),
+    kind_of<SkinStage>()};
 
 }  // namespace
 
@@ -100,6 +101,7 @@ void CrowdState::make_stages(Uploads& uploads, const CrowdSettings& settings) {
     procedural = find_stage<ProceduralStage>(stages);
     staged = find_stage<StagedUpdate>(stages);
     attachments = find_stage<AttachStage>(stages);
+    commands_of_shaders = find_stage<InstanceCommandStage>(stages);
 }
 
 Update CrowdState::update_of(VkCommandBuffer commands, float time_step_s, const io::CullView& view) const {
@@ -165,7 +167,9 @@ void CrowdState::record(VkCommandBuffer commands, float time_step_s, const Crowd
     if (!has_updated_) copy_to_previous(commands);
     had_updated_ = std::exchange(has_updated_, true);
     copy_shown(commands);
-    memory_barrier(*gpu, commands, kShaderWrite | kTransferWrite, consumers());
+    // The application's shaders may write commands for the next one as soon as those of this one are done
+    memory_barrier(*gpu, commands, kShaderWrite | kTransferWrite,
+                   commands_of_shaders ? consumers() | kShaderWrite | kTransferWrite : consumers());
 }
 
 void CrowdState::record_disoccluded(VkCommandBuffer commands, const DepthImage& depths) {

@@ -6,10 +6,10 @@
 
 namespace throng {
 
-FollowedPlacements::FollowedPlacements(std::shared_ptr<Gpu> gpu, std::vector<const Batch*> batches)
+FollowedPlacements::FollowedPlacements(std::shared_ptr<Gpu> gpu, std::vector<FollowedBatch> batches)
     : gpu_(std::move(gpu)), batches_(std::move(batches)) {
     VkDeviceSize size_bytes = 0;
-    for (const Batch* batch : batches_) size_bytes += size_bytes_of(*batch);
+    for (const FollowedBatch& of : batches_) size_bytes += of.placement_bytes() + of.birth_bytes();
     for (Slot& slot : slots_) {
         slot.copy = Buffer(gpu_, "placements that are followed", size_bytes, VK_BUFFER_USAGE_TRANSFER_DST_BIT,
                            MemoryKind::kReadback);
@@ -34,11 +34,14 @@ void FollowedPlacements::end(VkCommandBuffer commands) {
     if (!next_) return;
     memory_barrier(*gpu_, commands, kShaderWrite | kTransferWrite, kTransferRead | kTransferWrite);
     VkDeviceSize at = 0;
-    for (const Batch* batch : batches_) {
-        const VkDeviceSize size_bytes = size_bytes_of(*batch);
-        record_copy(*gpu_, commands, BufferRange((*batch)[io::kPlacementsBuffer], 0, size_bytes),
-                    BufferRange(next_->copy, at, size_bytes));
+    const auto copy = [&](const Buffer& from, VkDeviceSize size_bytes) {
+        if (size_bytes > 0)
+            record_copy(*gpu_, commands, BufferRange(from, 0, size_bytes), BufferRange(next_->copy, at, size_bytes));
         at += size_bytes;
+    };
+    for (const FollowedBatch& of : batches_) {
+        copy((*of.batch)[io::kPlacementsBuffer], of.placement_bytes());
+        copy((*of.batch)[io::kBirthsBuffer], of.birth_bytes());
     }
     next_->done.record_set(commands);
 }

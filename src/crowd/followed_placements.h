@@ -1,5 +1,6 @@
 // Where updates have moved instances, for a CPU that wants to know: their placements come back behind each update, in
-// one of a few host-visible slots in turn, and are read when the device says that they are there. Nothing waits.
+// one of a few host-visible slots in turn, and are read when the device says that they are there. Nothing waits. Where
+// shaders populate a group, so does who is there.
 #pragma once
 
 #include "crowd/batch.h"
@@ -9,10 +10,17 @@
 
 namespace throng {
 
+struct FollowedBatch {
+    const Batch* batch = nullptr;  // must outlive it
+    bool has_births = false;       // they come back too
+
+    uint64_t placement_bytes() const { return batch->instance_count * sizeof(Affine); }
+    uint64_t birth_bytes() const { return has_births ? batch->instance_count * sizeof(uint32_t) : 0; }
+};
+
 class FollowedPlacements {
 public:
-    // `batches`: whose placements are copied; they must outlive it.
-    FollowedPlacements(std::shared_ptr<Gpu> gpu, std::vector<const Batch*> batches);
+    FollowedPlacements(std::shared_ptr<Gpu> gpu, std::vector<FollowedBatch> batches);
 
     // Before and behind the kernels of an update, which is the number-th. Where the slot that comes next is still under
     // way, nothing is copied.
@@ -22,14 +30,17 @@ public:
 
     // The newest update of which they are there, and which has not been asked for; 0: none.
     uint64_t take_newest();
-    // read(batch, placements): those of the update that take_newest() has returned last.
+    // read(batch, placements, births): those of the update that take_newest() has returned last; no births where the
+    // batch has none that come back.
     template <class Read>
     void for_each(const Read& read) const {
         VkDeviceSize at = 0;
-        for (const Batch* batch : batches_) {
-            read(*batch,
-                 std::span(reinterpret_cast<const Affine*>(newest_->copy.mapped() + at), batch->instance_count));
-            at += size_bytes_of(*batch);
+        for (const FollowedBatch& of : batches_) {
+            const std::byte* const births = newest_->copy.mapped() + at + of.placement_bytes();
+            read(*of.batch,
+                 std::span(reinterpret_cast<const Affine*>(newest_->copy.mapped() + at), of.batch->instance_count),
+                 std::span(reinterpret_cast<const uint32_t*>(births), of.birth_bytes() / sizeof(uint32_t)));
+            at += of.placement_bytes() + of.birth_bytes();
         }
     }
     uint64_t size_bytes() const;
@@ -40,11 +51,10 @@ private:
         DeviceEvent done;
         uint64_t number = 0;  // of the update; 0: none
     };
-    static VkDeviceSize size_bytes_of(const Batch& batch) { return batch.instance_count * sizeof(Affine); }
     bool is_there(const Slot& slot) const { return slot.number > 0 && slot.done.is_set(); }
 
     std::shared_ptr<Gpu> gpu_;
-    std::vector<const Batch*> batches_;
+    std::vector<FollowedBatch> batches_;
     std::array<Slot, 4> slots_;
     Slot* next_ = nullptr;  // of the update that is under way; null where it has none
     const Slot* newest_ = nullptr;

@@ -164,7 +164,7 @@ void FusedUpdate::record_set(VkCommandBuffer commands, const Member& member, uin
                        .rig_joint_count = group.joint_count,
                        .instance_count = batch.instance_count,
                        .palette_count = group.palette_count,
-                       .rest_track = static_cast<uint32_t>(group.clip_durations_s.size()) * group.joint_count,
+                       .rest_track = rest_track_of(group),
                        .active_clip_limit = group.controller ? group.controller->active_clip_limit : 0};
     if (!is_listed(group)) return record_fused(commands, kernel, bindings.skins[batch.slot], joints.plan, push);
     push.section = io::kAnimated + set;

@@ -76,6 +76,8 @@ Group::Group(Uploads& uploads, NativeRigs& rigs, const CrowdGroup& group, const 
     if (group.controller)
         controller.emplace(uploads, *group.controller, *group.character, group.moves_placements, buffers);
     varies = group.capacity > 0;
+    command_capacity = group.command_capacity;
+    shaders_populate = group.shaders_populate;
     socket_space = group.socket_space;
     sockets_only = group.sockets_only;
     if (sockets_only) palette_count = 0;

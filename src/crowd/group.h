@@ -76,6 +76,8 @@ struct Group {
     std::string name;
     bool varies = false;         // instances come and go: CrowdGroup::capacity
     uint32_t initial_count = 0;  // of instances, where it does
+    uint32_t command_capacity = 0;
+    bool shaders_populate = false;  // CrowdGroup's
     uint32_t joint_count = 0;
     uint32_t palette_count = 0;
     uint32_t vertex_count = 0;
@@ -144,7 +146,8 @@ struct Group {
     bool has_root_motion() const { return controller && buffers[io::kRootRowsBuffer].size_bytes() > sizeof(io::vec4); }
     // Updates themselves change placements.
     bool moves_placements() const {
-        return steering || on_terrain || is_carried || (has_root_motion() && controller->moves_placements);
+        return steering || on_terrain || is_carried || command_capacity > 0 ||
+               (has_root_motion() && controller->moves_placements);
     }
     uint32_t socket_flags() const { return socket_space == SocketSpace::kWorld ? io::kSocketsToWorld : 0; }
     uint32_t socket_count() const { return sockets ? static_cast<uint32_t>(sockets->joints.size()) : 0; }
@@ -164,5 +167,10 @@ private:
     void make_sockets(Uploads& uploads, const std::vector<uint32_t>& joints);
     Group(Uploads& uploads, const Character& character, const PathChoice& choice);
 };
+
+// The first of the rest pose's tracks, which come after those of the clips.
+inline uint32_t rest_track_of(const Group& group) {
+    return static_cast<uint32_t>(group.clip_durations_s.size()) * group.joint_count;
+}
 
 }  // namespace throng

@@ -2,22 +2,19 @@
 
 #include "base/failure.h"
 #include "crowd/state_archive.h"
+#include "crowd/state_checks.h"
 #include "look/look_io.h"
 
 #include <algorithm>
 
 namespace throng {
-namespace {
 
 static_assert(sizeof(InstanceLook) == sizeof(io::InstanceLook));
 
-constexpr float kMost = 1000;
-
 bool is_color(const std::array<float, 3>& color) {
+    constexpr float kMost = 1000;
     return std::ranges::all_of(color, [](float of) { return of >= 0 && of <= kMost; });
 }
-
-}  // namespace
 
 Buffer make_outfits(Uploads& uploads, const CrowdGroup& group) {
     const size_t section_count = group.character->sections.size();
@@ -42,7 +39,7 @@ bool LookStage::is_needed(const CrowdSettings& settings) {
 }
 
 void LookStage::plan(BatchPlan& plan) {
-    if (plan.group().outfit_count > 0) plan.add_storage(io::kInstanceLooksBuffer, sizeof(io::InstanceLook));
+    if (plan.group().outfit_count > 0) plan.add_filled(io::kInstanceLooksBuffer, std::vector<InstanceLook>(1));
 }
 
 LookStage::LookStage(const StageContext& context) : Stage(context), looks_(context.instance_count) {
@@ -72,14 +69,11 @@ void LookStage::begin(const Update& update) {
     });
 }
 
-// All are handed to the device with the next update.
 void LookStage::exchange(StateArchive& archive) {
     archive.values(std::span(looks_));
+    archive.changes(dirty_, static_cast<uint32_t>(looks_.size()));
     if (!archive.reads()) return;
-    for (uint32_t i = 0; i < looks_.size(); ++i)
-        StateArchive::require(looks_[i].outfit < std::max(group_at(i).outfit_count, 1u) && is_color(looks_[i].tint),
-                              "an outfit that the group does not have");
-    dirty_.add(0, static_cast<uint32_t>(looks_.size()));
+    for (uint32_t i = 0; i < looks_.size(); ++i) check_looks(std::span(looks_).subspan(i, 1), group_at(i).outfit_count);
 }
 
 }  // namespace throng

@@ -10,6 +10,9 @@
 
 namespace throng {
 
+// Of a tint, or a section: 0 to 1000.
+bool is_color(const std::array<float, 3>& color);
+
 // CrowdGroup::outfits as `section looks`. Throws kInvalidArgument where one names what there is not, or is out of
 // range.
 Buffer make_outfits(Uploads& uploads, const CrowdGroup& group);

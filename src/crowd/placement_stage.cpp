@@ -21,7 +21,10 @@ io::RootState standing_at(const Affine& world_from_model) {
 }
 
 PlacementStage::PlacementStage(const StageContext& context)
-    : Stage(context), placements_(context.instance_count), set_for_(context.instance_count) {
+    : Stage(context),
+      placements_(context.instance_count),
+      set_for_(context.instance_count),
+      population_(find_stage<PopulationStage>(context.before)) {
     dirty_.add(0, context.instance_count);
 }
 
@@ -35,28 +38,33 @@ void PlacementStage::set(const Instances& instances, const Each<Affine>& world_f
 
 void PlacementStage::follow(bool are_filled) {
     if (followed_) return;
-    std::vector<const Batch*> moving;
+    std::vector<FollowedBatch> moving;
     for (const Batch& batch : batches_)
-        if (group_of(batch).moves_placements()) moving.push_back(&batch);
+        if (group_of(batch).moves_placements()) moving.push_back({&batch, group_of(batch).shaders_populate});
     if (moving.empty()) return;
     followed_.emplace(gpu_, moving);
     if (!are_filled) return;
-    for (const Batch* batch : moving)
-        take_over(*batch,
-                  download<Affine>(
-                      gpu_, BufferRange((*batch)[io::kPlacementsBuffer], 0, batch->instance_count * sizeof(Affine))),
-                  update_count_);
+    for (const FollowedBatch& of : moving) {
+        const Batch& batch = *of.batch;
+        const auto births = of.has_births
+                                ? download<uint32_t>(gpu_, BufferRange(batch[io::kBirthsBuffer], 0, of.birth_bytes()))
+                                : std::vector<uint32_t>();
+        take_over(batch, download<Affine>(gpu_, BufferRange(batch[io::kPlacementsBuffer], 0, of.placement_bytes())),
+                  births, update_count_);
+    }
 }
 
 const std::vector<Affine>& PlacementStage::known() {
     if (followed_)
         if (const uint64_t update = followed_->take_newest())
-            followed_->for_each(
-                [&](const Batch& batch, std::span<const Affine> moved) { take_over(batch, moved, update); });
+            followed_->for_each([&](const Batch& batch, std::span<const Affine> moved,
+                                    std::span<const uint32_t> births) { take_over(batch, moved, births, update); });
     return placements_;
 }
 
-void PlacementStage::take_over(const Batch& batch, std::span<const Affine> moved, uint64_t update) {
+void PlacementStage::take_over(const Batch& batch, std::span<const Affine> moved, std::span<const uint32_t> births,
+                               uint64_t update) {
+    if (!births.empty()) population_->take_over(batch, births);
     for (uint32_t i = 0; i < moved.size(); ++i)
         if (const uint32_t instance = batch.first_instance + i; set_for_[instance] <= update)
             placements_[instance] = moved[i];

@@ -5,6 +5,7 @@
 #include "crowd/dirty_ranges.h"
 #include "crowd/each.h"
 #include "crowd/followed_placements.h"
+#include "crowd/population_stage.h"
 #include "crowd/stage.h"
 
 namespace throng {
@@ -35,7 +36,8 @@ public:
     uint64_t size_bytes() const override { return followed_ ? followed_->size_bytes() : 0; }
 
 private:
-    void take_over(const Batch& batch, std::span<const Affine> moved, uint64_t update);
+    void take_over(const Batch& batch, std::span<const Affine> moved, std::span<const uint32_t> births,
+                   uint64_t update);
 
     std::vector<Affine> placements_;
     // [instance_count], number of the update that takes up what was set last: what comes back of earlier ones is older
@@ -43,6 +45,7 @@ private:
     DirtyRanges dirty_;
     uint32_t update_count_ = 0;
     std::optional<FollowedPlacements> followed_;
+    PopulationStage* population_;  // or null
 };
 
 }  // namespace throng

@@ -21,6 +21,10 @@ std::string name_of(const InstanceHandle& handle) {
 
 CrowdSettings with_capacity(CrowdSettings settings) {
     for (CrowdGroup& group : settings.groups) {
+        if (group.shaders_populate && group.instance_count > 0)
+            throw Failure(
+                ErrorCode::kInvalidArgument, "crowd: shaders_populate",
+                "none is there when the crowd is made, and instance_count is " + std::to_string(group.instance_count));
         if (group.capacity == 0) continue;
         if (group.capacity < group.instance_count)
             throw Failure(ErrorCode::kInvalidArgument, "crowd: capacity",
@@ -50,7 +54,8 @@ PopulationStage::PopulationStage(const StageContext& context)
         population = {.first_instance = batch.first_instance,
                       .slots = Slots(capacity),
                       .births = std::vector<uint32_t>(capacity),
-                      .generations = std::vector<uint32_t>(capacity)};
+                      .generations = std::vector<uint32_t>(capacity),
+                      .is_of_shaders = group.shaders_populate};
         spawn(batch.group, group.initial_count);
     }
 }
@@ -97,7 +102,7 @@ void PopulationStage::despawn(uint32_t instance) {
 
 bool PopulationStage::is_alive(uint32_t instance) const {
     const Population* const population = population_of(instance);
-    return !population || population->slots.is_taken(instance - population->first_instance);
+    return !population || population->births[instance - population->first_instance] != 0;
 }
 
 uint32_t PopulationStage::generation(uint32_t instance) const {
@@ -119,14 +124,20 @@ uint32_t PopulationStage::alive_count(uint32_t group) const {
     return slots.capacity() - slots.free_count();
 }
 
-// Kernels go through no more instances than up to the last one that is there.
+void PopulationStage::take_over(const Batch& batch, std::span<const uint32_t> births) {
+    Population& population = populations_[batch.group];
+    std::ranges::copy(births, population.births.begin() + (batch.first_instance - population.first_instance));
+}
+
+// Kernels go through no more instances than up to the last one that is there, where the CPU knows.
 void PopulationStage::tell_batches() const {
     for (Batch& batch : batches_) {
         const Population& population = populations_[batch.group];
         if (population.slots.capacity() == 0) continue;
+        batch.birth = birth_of(update_number_);
+        if (population.is_of_shaders) continue;
         const uint32_t first = batch.first_instance - population.first_instance, end = population.slots.end();
         batch.used_count = std::clamp(end, first, first + batch.instance_count) - first;
-        batch.birth = birth_of(update_number_);
     }
 }
 
@@ -151,10 +162,11 @@ void PopulationStage::discard() {
     deaths_after_last_update().generations.merge(generations);
 }
 
-// All births are told to the device with the next update.
+// All births are told to the device with the next update, but for those of shaders, which it knows.
 void PopulationStage::exchange(StateArchive& archive) {
     archive.value(update_number_);
     for (Population& population : populations_) {
+        if (population.is_of_shaders) continue;
         archive.values(std::span(population.births));
         archive.values(std::span(population.generations));
         if (!archive.reads()) continue;

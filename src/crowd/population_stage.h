@@ -35,6 +35,8 @@ public:
     // Of whoever had the number in an update of the last few, counted from 1.
     uint32_t generation_at(uint32_t instance, uint64_t update) const;
     uint32_t alive_count(uint32_t group) const;
+    // Of a batch that shaders populate, in an update that has run.
+    void take_over(const Batch& batch, std::span<const uint32_t> births);
 
     void begin(const Update& update) override;
     void discard() override;
@@ -48,6 +50,7 @@ private:
         // Of each slot: the number of the update that it was born in, as kernels know it, or 0 where it is free
         std::vector<uint32_t> births;
         std::vector<uint32_t> generations;
+        bool is_of_shaders = false;  // CrowdGroup::shaders_populate: `births` are those that have come back last
     };
     // Who has gone after this update, and before the next: the first of each number, since others were in none.
     struct Deaths {

@@ -1,5 +1,6 @@
 #include "crowd/state_checks.h"
 
+#include "crowd/look_stage.h"
 #include "crowd/state_archive.h"
 
 #include <algorithm>
@@ -68,6 +69,12 @@ void check_commands(std::span<const io::ControlCommand> commands, uint32_t insta
     }
 }
 
+void check_looks(std::span<const InstanceLook> looks, uint32_t outfit_count) {
+    for (const InstanceLook& look : looks)
+        StateArchive::require(look.outfit < std::max(outfit_count, 1u) && is_color(look.tint),
+                              "an outfit that the group does not have");
+}
+
 void check_cull_states(std::span<const uint32_t> states, const Group& group) {
     const auto set_count = static_cast<uint32_t>(std::max<size_t>(group.fused.size(), 1));
     StateArchive::require(
@@ -79,6 +86,7 @@ void check_contents(uint32_t buffer, std::span<const std::byte> contents, const 
     if (buffer == io::kPlaybacksBuffer) check_playbacks(copied<io::InstancePlayback>(contents), group);
     if (buffer == io::kLayersBuffer)
         check_layers(copied<io::LayerState>(contents), *group.controller, clip_count_of(group));
+    if (buffer == io::kInstanceLooksBuffer) check_looks(copied<InstanceLook>(contents), group.outfit_count);
     if (buffer == io::kStatesBuffer) check_cull_states(copied<uint32_t>(contents), group);
 }
 

@@ -72,6 +72,16 @@ inline uint atomicAdd(uint& word, uint by) { return std::atomic_ref(word).fetch_
 inline uint atomicExchange(uint& word, uint by) {
     return std::atomic_ref(word).exchange(by, std::memory_order_relaxed);
 }
+inline void atomicMax(uint& word, uint at_least) {
+    uint known = word;
+    while (known < at_least &&
+           !std::atomic_ref(word).compare_exchange_weak(known, at_least, std::memory_order_relaxed)) {}
+}
+// What was there before.
+inline uint atomicCompSwap(uint& word, uint expected, uint then) {
+    std::atomic_ref(word).compare_exchange_strong(expected, then, std::memory_order_relaxed);
+    return expected;
+}
 
 namespace {
 

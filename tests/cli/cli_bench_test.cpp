@@ -280,7 +280,7 @@ TEST_F(CliBench, PopulationHasARecordForEachPartAndTurnover) {
         EXPECT_LT(record["max_error"], 1e-4);
     }
     for (const char* kind : {"for good", "together", "anywhere"}) EXPECT_EQ(instances.count(kind), 3u) << kind;
-    EXPECT_EQ(frames, (std::multiset<std::string>{"births and deaths", "playbacks"}));
+    EXPECT_EQ(frames, (std::multiset<std::string>{"births and deaths", "by shaders", "playbacks"}));
     const std::string text = succeed(command).out;
     EXPECT_TRUE(contains(text, "anywhere") && contains(text, "births and deaths")) << text;
     EXPECT_TRUE(run_tool("bench population --count 0").refused("--count"));

@@ -10,10 +10,10 @@ namespace {
 // Colours of the stages in their order, drawing last: by hue, in steps that stay apart for the colour-blind too (after
 // Okabe and Ito, 2008).
 constexpr auto kColors = std::to_array<ImU32>(
-    {IM_COL32(204, 121, 167, 255), IM_COL32(230, 159, 0, 255), IM_COL32(140, 100, 60, 255), IM_COL32(0, 158, 115, 255),
-     IM_COL32(86, 180, 233, 255), IM_COL32(170, 170, 80, 255), IM_COL32(213, 94, 0, 255), IM_COL32(240, 228, 66, 255),
-     IM_COL32(0, 114, 178, 255), IM_COL32(136, 34, 85, 255), IM_COL32(51, 187, 166, 255), IM_COL32(102, 51, 204, 255),
-     IM_COL32(153, 221, 255, 255), IM_COL32(118, 128, 146, 255)});
+    {IM_COL32(90, 90, 90, 255), IM_COL32(204, 121, 167, 255), IM_COL32(230, 159, 0, 255), IM_COL32(140, 100, 60, 255),
+     IM_COL32(0, 158, 115, 255), IM_COL32(86, 180, 233, 255), IM_COL32(170, 170, 80, 255), IM_COL32(213, 94, 0, 255),
+     IM_COL32(240, 228, 66, 255), IM_COL32(0, 114, 178, 255), IM_COL32(136, 34, 85, 255), IM_COL32(51, 187, 166, 255),
+     IM_COL32(102, 51, 204, 255), IM_COL32(153, 221, 255, 255), IM_COL32(118, 128, 146, 255)});
 static_assert(kColors.size() == kTimedCount, "a stage has no colour");
 
 // The next larger of 1, 2, 5 times a power of ten.

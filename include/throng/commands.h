@@ -1,0 +1,66 @@
+// What an application's shaders ask of instances, without the CPU: they write commands into a buffer
+// (OutputBlock::command), and the next update obeys them: those that spawn and despawn first, then the others, and of
+// those that set the same of an instance the last one. throng/commands.glsl is for such shaders.
+#pragma once
+
+#include <throng/character.h>
+#include <throng/look.h>
+#include <throng/playback.h>
+#include <throng/transform.h>
+
+#include <array>
+#include <cstdint>
+
+namespace throng {
+
+enum class CommandKind : uint32_t {
+    kNothing,
+    kSpawn,
+    kDespawn,
+    kPlace,
+    kPlayback,
+    kPlay,
+    kBlendLayer,
+    kSetParameter,
+    kSetLook
+};
+
+// 16 words. `data` is, by kind, with floats as their bits and what lies behind ignored:
+//   kSpawn, kPlace: world_from_model, three rows of four floats. kSpawn begins anew whoever is there.
+//   kDespawn: nothing.
+//   kPlayback: of the first clip its number (kNone: the rest pose), whether it loops (1 or 0), time in seconds and
+//     speed (floats), then the same of the second; weight of the first (float, 0..1).
+//   kPlay: clip, whether it loops, time and speed likewise; fade in seconds (float), 1 for FadeKind::kInertial.
+//   kBlendLayer: weight (float, 0..1), 1 for LayerMode::kAdditive, mask or kNone, fade in seconds (float).
+//   kSetParameter: value (float).
+//   kSetLook: tint (three floats, 0..1000), outfit.
+struct InstanceCommand {
+    uint32_t instance = 0;  // of the block
+    CommandKind kind = CommandKind::kNothing;
+    uint32_t target = 0;  // kPlay, kBlendLayer: layer; kSetParameter: parameter
+    uint32_t unused = 0;
+    std::array<uint32_t, 12> data{};
+
+    // As Crowd's calls of these names, unchecked: for a native device, and for commands that are copied to another.
+    static InstanceCommand spawn(uint32_t instance, const Affine& world_from_model);
+    static InstanceCommand despawn(uint32_t instance);
+    static InstanceCommand set_placement(uint32_t instance, const Affine& world_from_model);
+    static InstanceCommand set_playback(uint32_t instance, const Playback& playback);
+    static InstanceCommand play(uint32_t instance, uint32_t layer, const LayerPlayback& playback);
+    static InstanceCommand set_layer(uint32_t instance, uint32_t layer, const LayerBlend& blend);
+    static InstanceCommand set_parameter(uint32_t instance, uint32_t parameter, float value);
+    static InstanceCommand set_look(uint32_t instance, const InstanceLook& look);
+};
+
+// In front of a block's commands, as large as one.
+struct CommandHead {
+    // Commands that there are. A shader adds to it, and writes its command behind that many others where they are fewer
+    // than OutputBlock::command_capacity. An update sets it to 0 when it has obeyed them.
+    uint32_t count = 0;
+    // Of the last update: commands that found no room; and others that were not possible, for instance of a clip that
+    // there is not, or with a number that is not finite.
+    uint32_t lost = 0, ignored = 0;
+    std::array<uint32_t, 13> unused{};
+};
+
+}  // namespace throng

@@ -1,0 +1,63 @@
+// What an application's shaders ask of instances. Shared by C++ and GLSL. include/throng/commands.h is its definition.
+#ifndef THRONG_COMMAND_IO_H
+#define THRONG_COMMAND_IO_H
+#include "control/controller_io.h"
+#include "look/look_io.h"
+THRONG_IO_BEGIN
+
+THRONG_IO_CONSTANT kCommandWorkgroupSize = 64;
+
+// throng::CommandHead; behind it lie the commands.
+struct CommandHead {
+    uint count;  // also those that found no room
+    uint lost, ignored;
+    uint unused0;
+    uvec4 unused[3];
+};
+
+// throng::InstanceCommand.
+struct InstanceCommand {
+    uint instance;  // of the batch
+    uint kind;
+    uint target;
+    uint unused;
+    uvec4 data[3];
+};
+
+// throng::CommandKind.
+THRONG_IO_CONSTANT kNothing = 0;
+THRONG_IO_CONSTANT kSpawn = 1;
+THRONG_IO_CONSTANT kDespawn = 2;
+THRONG_IO_CONSTANT kPlace = 3;
+THRONG_IO_CONSTANT kPlayback = 4;
+THRONG_IO_CONSTANT kPlay = 5;
+THRONG_IO_CONSTANT kBlendLayer = 6;
+THRONG_IO_CONSTANT kSetParameter = 7;
+THRONG_IO_CONSTANT kSetLook = 8;
+
+// Of commands that set the same of an instance, one is obeyed: each has a claim on what it sets, 1 + the greatest
+// number of those that want it; 0: nobody does. Claims of an instance: population, placement, look, then what it plays,
+// or of controllers plays of layers, blends of layers and parameters.
+THRONG_IO_CONSTANT kClaimPopulation = 0;
+THRONG_IO_CONSTANT kClaimPlacement = 1;
+THRONG_IO_CONSTANT kClaimLook = 2;
+THRONG_IO_CONSTANT kFirstOtherClaim = 3;
+
+struct InstanceCommandPush {
+    uint capacity;  // commands that there is room for
+    uint instance_count;
+    uint clip_count;
+    uint layer_count, parameter_count, mask_count;  // of the controller
+    uint outfit_count;
+    uint target_count;  // of procedural rules
+    uint birth;         // control/births.glsl
+    uint flags;
+};
+THRONG_IO_CONSTANT kShadersPopulate = 1;  // kSpawn and kDespawn are for them
+THRONG_IO_CONSTANT kHasController = 2;
+THRONG_IO_CONSTANT kMayBeInertial = 4;  // has inertial transitions or plays
+THRONG_IO_CONSTANT kHasRoots = 8;
+THRONG_IO_CONSTANT kHasDestinations = 16;
+
+THRONG_IO_END
+#endif
