@@ -30,7 +30,8 @@ namespace {
 // Instrumented, those left out take too long.
 const test::InSubset kInSubsets({test::Subset::kGpuAssisted},
                                 {"Draw.*", "Renderer.*", "-Draw.LeavesOutWhatAMaskSays",
-                                 "-Draw.MirroredInstancesKeepTheirFrontFaces", "-Draw.DrawsBrokenImagesWhite"}),
+                                 "-Draw.WhatIsBlendedIsSeenThrough", "-Draw.MirroredInstancesKeepTheirFrontFaces",
+                                 "-Draw.DrawsBrokenImagesWhite"}),
     kNatively({test::Subset::kNative}, {"Draw.*", "Renderer.*", "-Draw.AFailedUploadIsNotBlamedOnTheNextTexture"});
 
 // Shaders where the device has some: on native devices these are tests of the native renderer.
@@ -171,8 +172,34 @@ TEST(Draw, LeavesOutWhatAMaskSays) {
     EXPECT_TRUE(is_pale(centre(AlphaMode::kMask, 0.4f, 0.5f)));
     EXPECT_TRUE(is_red(centre(AlphaMode::kMask, 0.4f, 0.3f)));
     EXPECT_TRUE(is_red(centre(AlphaMode::kOpaque, 0.4f, 0.5f)));
-    EXPECT_TRUE(is_pale(centre(AlphaMode::kBlend, 0.4f, 0.1f)));
-    EXPECT_TRUE(is_red(centre(AlphaMode::kBlend, 0.6f, 0.9f)));
+}
+
+// What of the square's inner pixels is not as without it, by linear light.
+double shown_part(float alpha, uint32_t layers, uint32_t samples) {
+    const auto light_of = [&](AlphaMode mode, float of_alpha, uint32_t count) {
+        Asset asset = square();
+        asset.materials[0].alpha_mode = mode;
+        asset.materials[0].base_color[3] = of_alpha;
+        const Picture picture = draw(asset, std::vector<Affine>(count), samples);
+        double sum = 0;
+        for (uint32_t y = kHeight / 2 - 6; y < kHeight / 2 + 6; ++y)
+            for (uint32_t x = kWidth / 2 - 6; x < kWidth / 2 + 6; ++x)
+                sum += std::pow(picture.rgba[4 * (size_t{y} * kWidth + x) + 1] / 255.0, 2.2);  // green
+        return sum;
+    };
+    const double nothing = light_of(AlphaMode::kBlend, 0, 1), all = light_of(AlphaMode::kOpaque, 1, 1);
+    return (light_of(AlphaMode::kBlend, alpha, layers) - nothing) / (all - nothing);
+}
+
+TEST(Draw, WhatIsBlendedIsSeenThrough) {
+    for (const uint32_t samples : {1u, 4u}) {
+        for (const float alpha : {0.1f, 0.3f, 0.5f, 0.8f})
+            EXPECT_NEAR(shown_part(alpha, 1, samples), alpha, 0.04) << alpha << ", samples " << samples;
+        EXPECT_NEAR(shown_part(1, 1, samples), 1, 1e-6);
+        // Characters behind each other, in any order
+        EXPECT_NEAR(shown_part(0.5f, 2, samples), 0.75, 0.1) << samples;
+        EXPECT_NEAR(shown_part(0.5f, 4, samples), 0.9375, 0.08) << samples;
+    }
 }
 
 TEST(Draw, PlacesEveryInstance) {

@@ -33,12 +33,14 @@ layout(location = 1) out vec3 out_normal;
 layout(location = 2) out vec2 out_texcoord;
 layout(location = 3) out vec4 out_color;
 layout(location = 4) flat out uint out_mirrored;
+layout(location = 5) flat out uint out_layer;
 
 #include "bind/skin_format.glsl"
 #include "skin/skin.glsl"
 #include "skin/normal.glsl"
 #include "morph/apply.glsl"
 #include "look/look.glsl"
+#include "draw/coverage.glsl"
 
 struct ModelVertex {
     vec3 position, normal;  // model space; the normal is of any length
@@ -78,6 +80,7 @@ void main() {
     const vec4 world = vec4(affine_point(placement, model.position), 1);
     out_texcoord = uintBitsToFloat(vertex.texcoord_color_delta.xy);
     out_color = unpackUnorm4x8(vertex.texcoord_color_delta.z) * vec4(color, 1);
+    out_layer = coverage_layer(instance, push.section);
     if (kShadow) {
         gl_Position = vec4(2 * dot(scene.map_from_world[0], world) - 1, 2 * dot(scene.map_from_world[1], world) - 1,
                            dot(scene.map_from_world[2], world), 1);

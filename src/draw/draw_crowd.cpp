@@ -16,6 +16,7 @@ bool has_mirrored_instances(const CrowdState& crowd, const Batch& batch) {
 
 io::DrawPush push_of(const Group& group, const MeshSection& section, const TexturedMaterial<Image>& material) {
     const AssetMaterial& f = material.factors;
+    const float cutoff = f.alpha_mode == AlphaMode::kMask ? f.alpha_cutoff : 0;  // of mirrored ones too
     return {.first_vertex = section.first_vertex,
             .first_influences = section.first_influences,
             .influence_sets = section.influence_sets,
@@ -23,7 +24,7 @@ io::DrawPush push_of(const Group& group, const MeshSection& section, const Textu
             .base_color = {f.base_color[0], f.base_color[1], f.base_color[2], f.base_color[3]},
             .emissive = {f.emissive[0], f.emissive[1], f.emissive[2],
                          f.occlusion_image == kNone ? 0 : f.occlusion_strength},
-            .alpha_cutoff = material.alpha_cutoff,
+            .alpha_cutoff = cutoff,
             .double_sided = f.double_sided ? 1u : 0u,
             .first_morph = section.first_morph,
             .morph_count = section.morph_count,
@@ -68,10 +69,12 @@ void CrowdDrawing::draw_section(VkCommandBuffer commands, const Batch& batch, si
     const MeshSection& section = group.sections[section_index];
     const TexturedMaterial<Image>& material = bindings.materials[batch.group].of(section);
     const CharacterPipelines& pipelines = group.outfit_count > 0 ? *with_looks : characters;
-    const OwnedPipeline& pipeline = pass == DrawPass::kShadow ? pipelines.shadow[material.masked]
+    const auto mode = static_cast<size_t>(material.factors.alpha_mode);
+    const size_t that_culls = std::max(mode, mirrors ? static_cast<size_t>(AlphaMode::kMask) : 0);
+    const OwnedPipeline& pipeline = pass == DrawPass::kShadow ? pipelines.shadow[mode]
                                     : pass == DrawPass::kOccluders
-                                        ? pipelines.occluder[material.masked]
-                                        : pipelines.into_picture[material.masked || mirrors][material.has_maps];
+                                        ? pipelines.occluder[mode]
+                                        : pipelines.into_picture[that_culls][material.has_maps];
     const bool shows_back = pass == DrawPass::kShadow || material.factors.double_sided || mirrors;
     vk.vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pipeline.get());
     bind(commands, kMaterialSet, bindings.materials[batch.group].textures_of(section));

@@ -12,8 +12,9 @@ raster::Material to_raster(const TexturedMaterial<raster::OwnedTexture>& materia
                         .roughness = f.roughness,
                         .normal_scale = f.normal_image == kNone ? 0 : f.normal_scale,
                         .occlusion_strength = f.occlusion_image == kNone ? 0 : f.occlusion_strength,
-                        .alpha_cutoff = material.alpha_cutoff,
-                        .is_masked = material.masked,
+                        .alpha_cutoff = f.alpha_cutoff,
+                        .is_masked = f.alpha_mode != AlphaMode::kOpaque,
+                        .is_blended = f.alpha_mode == AlphaMode::kBlend,
                         .is_double_sided = f.double_sided,
                         .has_maps = material.has_maps};
     std::ranges::copy(f.base_color, to.base_color);

@@ -5,6 +5,7 @@
 #include "draw/scene.h"
 #include "draw/shadow_map.h"
 #include "raster/casters.h"
+#include "raster/coverage.h"
 #include "raster/kernels.h"
 
 #include <algorithm>
@@ -180,6 +181,7 @@ void NativeFrame::add_draws(uint32_t b, uint64_t& next_id) {
                 raster::Draw& draw = draws_.emplace_back(
                     raster::Draw{.section = &section->section,
                                  .first_id = static_cast<uint32_t>(next_id),
+                                 .layer = raster::coverage_layer(instance, static_cast<uint32_t>(s)),
                                  .is_mirrored = determinant(placements[instance]) < 0});
                 if (looks) set_look(looks, instance, static_cast<uint32_t>(s), draw);
                 next_id += rounded_up(draw.section->triangle_count, raster::kIdBlock);

@@ -12,6 +12,12 @@ constexpr uint32_t kCharacterFragment[] = {
 constexpr uint32_t kShadowFragment[] = {
 #include "draw/shadow.frag.inc"
 };
+constexpr uint32_t kCoveringCharacterFragment[] = {
+#include "draw/character_covering.frag.inc"
+};
+constexpr uint32_t kCoveringShadowFragment[] = {
+#include "draw/shadow_covering.frag.inc"
+};
 constexpr uint32_t kGroundVertex[] = {
 #include "draw/ground.vert.inc"
 };
@@ -40,7 +46,7 @@ struct Program {
     std::string_view name;
     std::span<const uint32_t> vertex, fragment;  // no fragment shader: depth is written
     std::array<uint32_t, 6> vertex_constants{};
-    std::array<uint32_t, 2> fragment_constants{};
+    std::array<uint32_t, 3> fragment_constants{};
     Depth depth = Depth::kNone;
     bool has_depth = true;
 };
@@ -127,7 +133,8 @@ ShaderLayout make_layout(const std::shared_ptr<Gpu>& gpu,
 
 ShaderLayout make_draw_layout(const std::shared_ptr<Gpu>& gpu) {
     ShaderLayout layout = make_layout(gpu, {kCharacterVertex, kGroundVertex, kSkeletonVertex, kBoundsVertex},
-                                      {kCharacterFragment, kShadowFragment, kGroundFragment, kLineFragment});
+                                      {kCharacterFragment, kCoveringCharacterFragment, kShadowFragment,
+                                       kCoveringShadowFragment, kGroundFragment, kLineFragment});
     check_storage_buffers(*gpu, "drawing", layout.set(kBatchSet).bindings);
     return layout;
 }
@@ -147,25 +154,35 @@ OwnedPipeline make_farthest_pipeline(const std::shared_ptr<Gpu>& gpu, const Shad
 }
 
 CharacterPipelines::CharacterPipelines(const PipelineSettings& settings, const VertexKind& kind) {
-    const auto make = [&](std::string_view name, std::span<const uint32_t> fragment, Depth depth,
-                          const std::array<uint32_t, 2>& constants) {
+    const auto make = [&](std::string_view name, std::span<const uint32_t> fragment, Depth depth, bool discards = false,
+                          bool has_maps = false) {
+        const uint32_t samples = depth == Depth::kShadowMap ? 1u : static_cast<uint32_t>(settings.samples);
         return make_pipeline(
             settings, {.name = name,
                        .vertex = kCharacterVertex,
                        .fragment = fragment,
                        .vertex_constants = {depth == Depth::kShadowMap, static_cast<uint32_t>(kind.format), kind.listed,
                                             static_cast<uint32_t>(kind.blend), kind.skinned, kind.has_looks},
-                       .fragment_constants = constants,
+                       .fragment_constants = {discards, has_maps, samples},
                        .depth = depth});
     };
-    for (uint32_t discards = 0; discards < 2; ++discards) {
-        const auto depths_shader = discards ? std::span<const uint32_t>(kShadowFragment) : std::span<const uint32_t>();
-        shadow[discards] = make(discards ? "draw shadow, masked" : "draw shadow", depths_shader, Depth::kShadowMap, {});
-        occluder[discards] = make(discards ? "draw occluders, masked" : "draw occluders", depths_shader, Depth::kAlone,
-                                  {});
-        for (uint32_t has_maps = 0; has_maps < 2; ++has_maps)
-            into_picture[discards][has_maps] = make(has_maps ? "draw picture, maps" : "draw picture",
-                                                    kCharacterFragment, Depth::kTested, {discards, has_maps});
+    struct OfMode {
+        std::string_view shadow_name, occluder_name;
+        std::span<const uint32_t> depths, picture;
+    };
+    const std::array<OfMode, 3> modes{
+        OfMode{"draw shadow", "draw occluders", {}, kCharacterFragment},
+        OfMode{"draw shadow, masked", "draw occluders, masked", kShadowFragment, kCharacterFragment},
+        OfMode{"draw shadow, blended", "draw occluders, blended", kCoveringShadowFragment, kCoveringCharacterFragment}};
+    for (size_t mode = 0; mode < modes.size(); ++mode) {
+        if (mode == static_cast<size_t>(AlphaMode::kBlend) && !kind.has_blends) continue;
+        const OfMode& of = modes[mode];
+        shadow[mode] = make(of.shadow_name, of.depths, Depth::kShadowMap);
+        occluder[mode] = make(of.occluder_name, of.depths, Depth::kAlone);
+        for (const bool has_maps : {false, true})
+            into_picture[mode][has_maps] = make(has_maps ? "draw picture, maps" : "draw picture", of.picture,
+                                                Depth::kTested, mode != static_cast<size_t>(AlphaMode::kOpaque),
+                                                has_maps);
     }
 }
 

@@ -42,6 +42,7 @@ struct VertexKind {
     bool listed = false;   // instances are
     bool skinned = false;  // by the crowd
     bool has_looks = false;
+    bool has_blends = false;  // some of its materials are blended
     friend auto operator<=>(const VertexKind&, const VertexKind&) = default;
 };
 
@@ -49,11 +50,11 @@ struct VertexKind {
 struct CharacterPipelines {
     CharacterPipelines(const PipelineSettings& settings, const VertexKind& kind);
 
-    // Those that discard: of materials with a mask; and in the picture of batches with mirrored instances, whose front
-    // faces wind the other way.
-    std::array<OwnedPipeline, 2> shadow;                       // [discards]: into the shadow map
-    std::array<OwnedPipeline, 2> occluder;                     // [discards]: depths alone, of the camera
-    std::array<std::array<OwnedPipeline, 2>, 2> into_picture;  // [discards][has_maps]
+    // By AlphaMode; in the picture those of masks are also for batches with mirrored instances, whose front faces wind
+    // the other way. Of blended materials only where VertexKind::has_blends.
+    std::array<OwnedPipeline, 3> shadow;                       // into the shadow map
+    std::array<OwnedPipeline, 3> occluder;                     // depths alone, of the camera
+    std::array<std::array<OwnedPipeline, 2>, 3> into_picture;  // [alpha mode][has_maps]
 };
 
 // Lines over a crowd whose instances are listed or not.

@@ -21,22 +21,9 @@ inline constexpr std::array<MaterialTexture, 5> kMaterialTextures{{{&AssetMateri
                                                                    {&AssetMaterial::occlusion_image, false},
                                                                    {&AssetMaterial::emissive_image, true}}};
 
-// Below it a fragment is left out. A blended material is drawn as one with a mask at 0.5: characters are not sorted.
-inline float cutoff_of(const AssetMaterial& material) {
-    constexpr float kBlendCutoff = 0.5f;
-    switch (material.alpha_mode) {
-        case AlphaMode::kMask: return material.alpha_cutoff;
-        case AlphaMode::kBlend: return kBlendCutoff;
-        case AlphaMode::kOpaque: break;
-    }
-    return 0;
-}
-
 template <class Texture>
 struct TexturedMaterial {
-    AssetMaterial factors;  // a normal map that is not there is left out
-    float alpha_cutoff = 0;
-    bool masked = false;
+    AssetMaterial factors;                                            // a normal map that is not there is left out
     bool has_maps = false;                                            // more textures than that of the base colour
     std::array<const Texture*, kMaterialTextures.size()> textures{};  // null: white
 };
@@ -70,8 +57,6 @@ public:
                     image = kNone;  // white would tilt normals
                 material.has_maps = material.has_maps || (t > 0 && image != kNone);
             }
-            material.masked = material.factors.alpha_mode != AlphaMode::kOpaque;
-            material.alpha_cutoff = cutoff_of(material.factors);
         }
     }
 

@@ -89,6 +89,9 @@ void VulkanRenderer::prepare(Crowds crowds) {
 
 CrowdDrawing VulkanRenderer::drawing_of(const CrowdState& crowd) {
     VertexKind kind{crowd.skin_format, crowd.skin_blend, crowd.cull != nullptr, crowd.skins_once};
+    for (const Group& group : crowd.groups)
+        for (const AssetMaterial& material : group.materials)
+            kind.has_blends = kind.has_blends || material.alpha_mode == AlphaMode::kBlend;
     const auto pipelines_of = [&](bool has_looks) {
         kind.has_looks = has_looks;
         return &characters_.try_emplace(kind, pipelines_, kind).first->second;

@@ -1,6 +1,7 @@
-// Pixels of masked triangles, collected until there are as many as lanes, then tested against the texture.
+// Pixels of triangles that are masked or blended, collected until there are as many as lanes; then their alpha decides.
 #pragma once
 
+#include "raster/coverage.h"
 #include "raster/mask.h"
 #include "raster/samples.h"
 
@@ -28,9 +29,15 @@ public:
             y_[i] = y_[0];
             triangles_[i] = triangles_[0];
         }
-        const Mask passes = mask_passes(target_.frame, draw_, kInto == Into::kMap, load_any(triangles_), load_any(x_),
-                                        load_any(y_));
-        for (uint32_t rest = bits(passes & first_lanes(count_)); rest != 0; rest &= rest - 1) {
+        const Material& material = *draw_.section->material;
+        const Real alphas = alphas_of(target_.frame, draw_, kInto == Into::kMap, load_any(triangles_), load_any(x_),
+                                      load_any(y_));
+        Mask passes = first_lanes(count_);
+        if (material.is_blended)
+            cover(alphas);
+        else
+            passes = passes & ~(alphas < material.alpha_cutoff);
+        for (uint32_t rest = bits(passes); rest != 0; rest &= rest - 1) {
             const int i = __builtin_ctz(rest);
             const int x = static_cast<int>(x_[i]), y = static_cast<int>(y_[i]);
             for (uint32_t samples = samples_[i]; samples != 0; samples &= samples - 1) {
@@ -44,6 +51,19 @@ public:
     }
 
 private:
+    // Leaves out the samples that are not covered.
+    void cover(Real alphas) {
+        alignas(64) float of_lanes[Lanes::kCount];
+        store(of_lanes, alphas);
+        constexpr uint32_t kSamples = Pattern<kInto>::kCount;
+        for (uint32_t i = 0; i < count_; ++i) {
+            uint32_t covered = 0;
+            for (uint32_t sample = 0; sample < kSamples; ++sample)
+                if (covers(of_lanes[i], x_[i], y_[i], sample, kSamples, draw_.layer)) covered |= 1u << sample;
+            samples_[i] &= covered;
+        }
+    }
+
     const Draw& draw_;
     const Target<kInto> target_;
     uint32_t count_ = 0;

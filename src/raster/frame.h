@@ -39,7 +39,9 @@ struct Material {
     float metallic = 0, roughness = 1;
     float normal_scale = 0, occlusion_strength = 0;  // 0: no such map
     float alpha_cutoff = 0;                          // of masks
-    bool is_masked = false, is_double_sided = false;
+    bool is_masked = false;                          // alpha leaves out some of it
+    bool is_blended = false;                         // of these: it covers some of a pixel's samples, by its alpha
+    bool is_double_sided = false;
     bool has_maps = false;  // more textures than that of the base colour
     // Null: white
     const Texture* base_color_map = nullptr;
@@ -69,6 +71,7 @@ struct Draw {
     // Number of the draw's first triangle, a multiple of kIdBlock. Numbers grow in drawing order: of two triangles at
     // the same depth the lower one is seen
     uint32_t first_id = 0;
+    uint32_t layer = 0;          // coverage_layer() of draw/coverage.glsl
     bool is_mirrored = false;    // by its placement: front faces wind the other way
     float color[3] = {1, 1, 1};  // times the base colour, where Frame::has_colors
     // Written by skin: a box around all vertices, in pixels of the picture and texels of the map

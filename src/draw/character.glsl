@@ -1,0 +1,49 @@
+// A character's material, lit. With COVERS it is a blended one.
+#include "draw/scene.glsl"
+
+CONSTANT(0, bool, kDiscards, false);  // masked materials, and batches with mirrored instances
+CONSTANT(1, bool, kMaps, false);      // materials with more textures than that of the base colour
+
+layout(set = 1, binding = 0) uniform sampler2D shadow_map;
+layout(set = 2, binding = 0) uniform sampler2D base_color_texture;
+layout(set = 2, binding = 1) uniform sampler2D metallic_roughness_texture;
+layout(set = 2, binding = 2) uniform sampler2D normal_texture;
+layout(set = 2, binding = 3) uniform sampler2D occlusion_texture;
+layout(set = 2, binding = 4) uniform sampler2D emissive_texture;
+PUSH(DrawPush);
+
+layout(location = 0) in vec3 in_world;
+layout(location = 1) in vec3 in_normal;
+layout(location = 2) in vec2 in_texcoord;
+layout(location = 3) in vec4 in_color;
+layout(location = 4) flat in uint in_mirrored;
+layout(location = 0) out vec4 out_color;
+
+#ifdef COVERS
+#include "draw/covering.glsl"
+#endif
+#include "draw/light.glsl"
+#include "draw/material_model.glsl"
+
+void main() {
+    const vec4 color = texture(base_color_texture, in_texcoord) * push.base_color * in_color;
+    const bool front = gl_FrontFacing != (in_mirrored != 0);
+    if (kDiscards) {
+        if (!front && push.double_sided == 0) discard;
+#ifdef COVERS
+        cover(color.a);
+#else
+        if (color.a < push.alpha_cutoff) discard;
+#endif
+    }
+    const vec3 normal = normalize(in_normal);
+    Surface surface = plain_surface(color.rgb, push.metallic, push.roughness, push.emissive.rgb, in_world, normal);
+    if (kMaps) {
+        const vec4 metallic_roughness = texture(metallic_roughness_texture, in_texcoord);
+        const MapTexels maps = {metallic_roughness.b, metallic_roughness.g, texture(normal_texture, in_texcoord).xyz,
+                                texture(occlusion_texture, in_texcoord).r, texture(emissive_texture, in_texcoord).rgb};
+        const PixelSteps steps = {dFdx(in_world), dFdy(in_world), dFdx(in_texcoord), dFdy(in_texcoord)};
+        surface = mapped_surface(surface, maps, push.normal_scale, push.emissive.w, steps);
+    }
+    out_color = vec4(pictured_surface(surface, in_world, normal, front), 1);
+}

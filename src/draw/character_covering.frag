@@ -1,0 +1,3 @@
+// character_covering: its blended material, lit.
+#define COVERS
+#include "draw/character.glsl"

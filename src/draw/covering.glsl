@@ -1,0 +1,17 @@
+// Leaves out the samples that a fragment does not cover. For fragment shaders alone: whoever may write gl_SampleMask is
+// not tested against the depth before it runs.
+#include "gpu/shader_types.h"
+#include "draw/coverage.glsl"
+
+CONSTANT(2, uint, kSamples, 4);  // of a pixel
+
+layout(location = 5) flat in uint in_layer;
+
+void cover(float alpha) {
+    const uvec2 pixel = uvec2(gl_FragCoord.xy);
+    uint samples = 0;
+    for (uint i = 0; i < kSamples; ++i)
+        samples |= (covers(alpha, pixel.x, pixel.y, i, kSamples, in_layer) ? 1u : 0u) << i;
+    if (samples == 0) discard;
+    gl_SampleMask[0] = int(samples);
+}

@@ -1,0 +1,10 @@
+// shadow_covering: of what is blended, the samples that it covers.
+#include "draw/covering.glsl"
+#include "draw/draw_io.h"
+
+layout(set = 2, binding = 0) uniform sampler2D base_color_texture;
+PUSH(DrawPush);
+layout(location = 2) in vec2 in_texcoord;
+layout(location = 3) in vec4 in_color;
+
+void main() { cover(texture(base_color_texture, in_texcoord).a * push.base_color.a * in_color.a); }

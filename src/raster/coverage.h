@@ -1,0 +1,19 @@
+// Alpha to coverage: the text of the shaders.
+#pragma once
+
+#include <cstdint>
+
+// Not all includers need all of it.
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wunused-function"
+
+namespace throng::raster {
+namespace {
+
+using uint = uint32_t;
+#include "draw/coverage.glsl"
+
+}  // namespace
+}  // namespace throng::raster
+
+#pragma GCC diagnostic pop
