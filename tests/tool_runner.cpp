@@ -1,5 +1,7 @@
 #include "tests/tool_runner.h"
 
+#include "tests/without_cache.h"
+
 #include <nlohmann/json.hpp>
 
 #include <chrono>
@@ -47,6 +49,7 @@ Outcome run_tool(const Words& arguments, const RunSettings& settings) {
     const auto start = std::chrono::steady_clock::now();
     const pid_t child = fork();
     if (child == 0) {
+        leave_cache_folder();
         for (const auto& [name, value] : settings.environment) setenv(name.c_str(), value.c_str(), 1);
         if (settings.out_path) out = std::fopen(settings.out_path, "w");
         dup2(fileno(out), STDOUT_FILENO);

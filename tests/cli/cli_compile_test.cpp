@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
+#include <fstream>
 #include <set>
 
 namespace throng {
@@ -87,6 +88,49 @@ TEST_F(CliCompile, ItSaysWhatItWroteAndHowExactItIs) {
     EXPECT_TRUE(text.succeeded() && contains(text.out, "exact keys")) << text;
     EXPECT_TRUE(contains(text.out, std::to_string(fs::file_size("creature.throng")) + " bytes")) << text;
     fs::remove("creature.throng");
+}
+
+// And used while the file is the same; damaged, they are made anew.
+TEST_F(CliCompile, CommandsKeepWhatTheyHaveCompiled) {
+    const fs::path cache = file("cache"), kept = cache / "throng" / "characters";
+    const RunSettings with_cache{.environment = {{"XDG_CACHE_HOME", cache.string()}}};
+    const auto count = [&] {
+        std::error_code none;
+        return std::distance(fs::directory_iterator(kept, none), fs::directory_iterator());
+    };
+    const auto write = [](const fs::path& path, const std::string& content) {
+        std::ofstream(path, std::ios::binary) << content;
+    };
+    const auto pose = [&](const std::string& of) {
+        const Outcome outcome = run_tool("pose " + of + " --clip 0 --time 0.3 --json", with_cache);
+        EXPECT_TRUE(outcome.succeeded()) << outcome;
+        return outcome.out;
+    };
+    ASSERT_TRUE(run_tool("generate --joints 30 --levels 8 --faces 300 --out kept.glb").succeeded());
+    const std::string wanted = pose("kept.glb");
+    ASSERT_EQ(count(), 1);
+    EXPECT_EQ(pose("kept.glb"), wanted);
+    EXPECT_EQ(count(), 1);
+    const fs::path one = fs::directory_iterator(kept)->path();
+    // It is this file that is read: another one in its place is seen.
+    const std::string was = read_file(one);
+    ASSERT_TRUE(run_tool("generate --joints 31 --levels 8 --faces 300 --seed 3 --out other.glb").succeeded());
+    ASSERT_TRUE(run_tool("compile other.glb --out other.throng").succeeded());
+    fs::copy_file("other.throng", one, fs::copy_options::overwrite_existing);
+    EXPECT_NE(pose("kept.glb"), wanted);
+    write(one, was.substr(0, was.size() / 2));
+    EXPECT_EQ(pose("kept.glb"), wanted);
+    EXPECT_EQ(read_file(one), was);
+    // Another content under this name, and other settings.
+    fs::copy_file("other.glb", "kept.glb", fs::copy_options::overwrite_existing);
+    EXPECT_NE(pose("kept.glb"), wanted);
+    EXPECT_EQ(count(), 2);
+    EXPECT_TRUE(run_tool("pose kept.glb --clip 0 --error 0.1 --json", with_cache).succeeded());
+    EXPECT_EQ(count(), 3);
+    // Whatever stands in the way is no concern of the command's. (Mesa complains of it.)
+    fs::remove_all(cache);
+    write(cache, "no folder");
+    EXPECT_EQ(run_tool("pose kept.glb --clip 0 --json", with_cache).exit_code, 0);
 }
 
 TEST_F(CliCompile, WrongInputIsRefusedAndNothingIsLeftBehind) {

@@ -1,4 +1,5 @@
 #include "tools/cli/command.h"
+#include "tools/cli/kept_characters.h"
 #include "tools/cli/options.h"
 #include "tools/commands.h"
 
@@ -204,7 +205,7 @@ struct InfoOptions {
 };
 
 void run_info(const InfoOptions& options) {
-    const Character character = unwrap(load_character(options.file, options.compile));
+    const Character character = unwrap(load_kept_character(options.file, options.compile));
     nlohmann::json json = options.json ? to_json(character) : nlohmann::json();
     if (!options.json) print_text(character);
     const StreamOrder order = stream_order(character.rig);

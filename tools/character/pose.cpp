@@ -1,4 +1,5 @@
 #include "tools/cli/command.h"
+#include "tools/cli/kept_characters.h"
 #include "tools/commands.h"
 
 #include <nlohmann/json.hpp>
@@ -118,7 +119,7 @@ void run_pose(const PoseOptions& options) {
     const std::optional<uint32_t> vertex_limit = parse_vertices(options.vertices);
     if (options.clip.empty() && !options.blend.empty())
         throw CommandError("--blend needs --clip: the two clips are blended");
-    const Character character = unwrap(load_character(options.file, options.compile));
+    const Character character = unwrap(load_kept_character(options.file, options.compile));
     print_warnings(character.warnings);
     const Playback playback = playback_of(options, character);
     const bool with_positions = vertex_limit != 0u;

@@ -1,6 +1,7 @@
 #include "tools/cli/command.h"
 
 #include "base/replace_file.h"
+#include "tools/cli/kept_characters.h"
 
 #include <nlohmann/json.hpp>
 
@@ -54,7 +55,7 @@ std::vector<Character> load_characters(const std::vector<std::string>& files, co
     std::vector<Character> characters;
     for (const std::string& file : files) {
         print_progress("reading " + file);
-        characters.push_back(unwrap(load_character(file, settings)));
+        characters.push_back(unwrap(load_kept_character(file, settings)));
         print_warnings(characters.back().warnings);
     }
     print_progress("");

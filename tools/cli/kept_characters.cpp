@@ -1,0 +1,129 @@
+#include "tools/cli/kept_characters.h"
+
+#include "base/cache_folder.h"
+#include "base/crc64.h"
+
+#include <algorithm>
+#include <array>
+#include <cinttypes>
+#include <cstdio>
+#include <cstring>
+#include <dlfcn.h>
+#include <fstream>
+#include <optional>
+#include <string_view>
+#include <sys/stat.h>
+#include <vector>
+
+namespace throng::tools {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr uint64_t kMostKept_bytes = uint64_t{1} << 30;
+
+class Key {
+public:
+    void add(std::string_view bytes) { crc_ = crc64(std::as_bytes(std::span(bytes)), crc_); }
+    template <class T>
+    void add_number(const T& number) {
+        crc_ = crc64(std::as_bytes(std::span(&number, 1)), crc_);
+    }
+    uint64_t value() const { return crc_; }
+
+private:
+    uint64_t crc_ = 0;
+};
+
+// Of whatever compiles: another build of the library is another file, or has another time.
+bool add_build(Key& key) {
+    Result<Character> (*const compiles)(const Asset&, const CompileSettings&, const LoadHooks&) = &compile_character;
+    Dl_info library{};
+    struct stat file {};
+    if (dladdr(reinterpret_cast<const void*>(compiles), &library) == 0 || ::stat(library.dli_fname, &file) != 0)
+        return false;
+    key.add_number(file.st_size);
+    key.add_number(file.st_mtim.tv_sec);
+    key.add_number(file.st_mtim.tv_nsec);
+    return true;
+}
+
+// All of a .glb file that has no side files. False where it is none.
+bool add_file(Key& key, const std::string& file) {
+    struct Head {
+        char magic[4];
+        uint32_t version, size_bytes, json_bytes, json_type;
+    };
+    static_assert(sizeof(Head) == 20);
+    constexpr uint32_t kMostJson_bytes = 1u << 28;
+    std::ifstream stream(file, std::ios::binary);
+    Head head{};
+    stream.read(reinterpret_cast<char*>(&head), sizeof head);
+    if (!stream || std::string_view(head.magic, 4) != "glTF" || head.json_bytes > kMostJson_bytes) return false;
+    std::error_code error;
+    if (const uint64_t size_bytes = fs::file_size(file, error); error || head.json_bytes > size_bytes) return false;
+    std::string part(head.json_bytes, '\0');
+    stream.read(part.data(), head.json_bytes);
+    if (!stream || part.find("\"uri\"") != std::string::npos) return false;
+    key.add_number(head);
+    constexpr size_t kPart_bytes = 1 << 20;
+    for (; !part.empty(); part.resize(static_cast<size_t>(stream.gcount()))) {
+        key.add(part);
+        part.resize(kPart_bytes);
+        stream.read(part.data(), kPart_bytes);
+    }
+    return true;
+}
+
+// Where it is kept, or would be; none where nothing can be.
+std::optional<fs::path> kept_file(const std::string& file, const CompileSettings& settings) {
+    const fs::path folder = cache_folder();
+    Key key;
+    if (folder.empty() || !add_build(key) || !add_file(key, file)) return std::nullopt;
+    key.add(fs::path(file).filename().string());
+    key.add_number(settings.error);
+    key.add_number(settings.lods);
+    key.add(settings.root_motion_joint);
+    std::array<char, 32> name{};
+    std::snprintf(name.data(), name.size(), "%016" PRIx64 ".throng", key.value());
+    return folder / "characters" / name.data();
+}
+
+// Those that nobody has asked for the longest.
+void remove_oldest(const fs::path& folder) {
+    struct Kept {
+        fs::file_time_type used;
+        uint64_t size_bytes;
+        fs::path path;
+    };
+    std::vector<Kept> all;
+    std::error_code error;
+    for (const fs::directory_entry& entry : fs::directory_iterator(folder, error)) {
+        const Kept kept{entry.last_write_time(error), error ? 0 : entry.file_size(error), entry.path()};
+        if (!error) all.push_back(kept);
+    }
+    std::ranges::sort(all, std::greater(), &Kept::used);
+    uint64_t sum = 0;
+    for (const Kept& kept : all)
+        if ((sum += kept.size_bytes) > kMostKept_bytes) fs::remove(kept.path, error);
+}
+
+}  // namespace
+
+Result<Character> load_kept_character(const std::string& file, const CompileSettings& settings) {
+    const std::optional<fs::path> kept = kept_file(file, settings);
+    std::error_code unimportant;
+    if (kept && fs::exists(*kept, unimportant)) {
+        if (Result<Character> character = load_character(*kept)) {
+            fs::last_write_time(*kept, fs::file_time_type::clock::now(), unimportant);
+            return character;
+        }
+    }
+    Result<Character> character = load_character(file, settings);
+    if (!character || !kept) return character;
+    fs::create_directories(kept->parent_path(), unimportant);
+    if (!unimportant && save_character(*character, *kept)) remove_oldest(kept->parent_path());
+    return character;
+}
+
+}  // namespace throng::tools
