@@ -6,9 +6,11 @@
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
+#include <array>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <future>
 #include <map>
 #include <numeric>
 #include <regex>
@@ -239,6 +241,30 @@ TEST_F(CliFilm, AFilmHasItsFrames) {
     EXPECT_EQ(read_file(out), before);
     EXPECT_TRUE(film(out, "--clip dragon.glb=0 --force").succeeded());
     EXPECT_NE(read_file(out), before);
+}
+
+// One draws, the other waits, and finds all that it was asked for.
+TEST_F(CliFilm, TwoProcessesDoNotDrawTheSameFrames) {
+    const std::string folder = new_folder("at_once");
+    for (const char* name : {"/frame_%d.png", "/film.mp4"}) {
+        const std::string out = folder + name;
+        const auto draw = [&] { return film(out, "--json"); };
+        std::future<Outcome> other = std::async(std::launch::async, draw);
+        const std::array outcomes{draw(), other.get()};
+        int rendered = 0;
+        for (const Outcome& outcome : outcomes) {
+            ASSERT_EQ(outcome.exit_code, 0) << outcome;
+            const Json json = Json::parse(outcome.out);
+            EXPECT_EQ(json["frames"], 4);
+            rendered += json["rendered"].get<int>();
+        }
+        EXPECT_EQ(rendered, 4) << out;
+        EXPECT_NE(contains(outcomes[0].err, "waiting for it"), contains(outcomes[1].err, "waiting for it"));
+    }
+    std::set<std::string> names;
+    for (const auto& [name, content] : contents(folder)) names.insert(name);
+    EXPECT_EQ(names, (std::set<std::string>{"film.mp4", "frame_0.png", "frame_1.png", "frame_2.png", "frame_3.png",
+                                            "frame_settings.json"}));
 }
 
 TEST_F(CliFilm, AnInterruptedOneSaysWhatIsKept) {

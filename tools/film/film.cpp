@@ -5,6 +5,7 @@
 
 #include "tools/film/encode.h"
 #include "tools/film/film_frames.h"
+#include "tools/film/film_lock.h"
 #include "tools/film/interruption.h"
 #include "tools/cli/inputs.h"
 #include "tools/cli/options.h"
@@ -30,16 +31,25 @@ struct FilmPlan {
           range(parse_frames(options.frames)),
           shard(parse_shard(options.shard)),
           is_film(options.out.ends_with(".mp4")),
+          film(options.out),
           folder(options.out + ".frames"),
           files(is_film ? folder / "%06d.png" : fs::path(options.out)) {
         if (is_film && (size.width % 2 != 0 || size.height % 2 != 0))
             throw CommandError("--size " + options.size + ": an .mp4 needs an even width and height");
     }
 
+    // Of whoever draws these frames.
+    fs::path lock_path() const {
+        fs::path path = is_film ? fs::path(film) : files.settings_path();
+        if (shard.count > 1) path += "." + std::to_string(shard.index) + "-of-" + std::to_string(shard.count);
+        return path += ".lock";
+    }
+
     RendererSettings size;
     FrameRange range;
     Shard shard;
-    bool is_film;     // an .mp4
+    bool is_film;  // an .mp4
+    std::string film;
     fs::path folder;  // of its frames
     FrameFiles files;
 };
@@ -238,6 +248,11 @@ void render_film(const RenderOptions& options) {
         throw CommandError("--out " + options.out + ": there is a film already; --force draws it anew");
     const bool encodes = plan.is_film && plan.shard.count == 1;
     if (encodes) check_ffmpeg();
+    const auto asked = static_cast<size_t>(
+        std::ranges::count_if(plan.range.frames(), [&](uint32_t frame) { return plan.shard.has(frame); }));
+    const FilmLock lock(plan.lock_path());
+    if (lock.has_waited() && plan.is_film && fs::exists(options.out) && !options.force)
+        return print_film(options, {}, {}, asked);  // the other one has drawn all of it
     nlohmann::json settings = settings_of(options);
     plan.files.check_settings(settings);
     const std::vector<uint32_t> frames = plan.files.missing(plan.range, plan.shard, plan.size.width, plan.size.height);
@@ -251,9 +266,7 @@ void render_film(const RenderOptions& options) {
         film = draw_frames(device, options, plan, frames, settings);
     }
     if (encodes) encode(options, plan);
-    const auto asked = std::ranges::count_if(plan.range.frames(),
-                                             [&](uint32_t frame) { return plan.shard.has(frame); });
-    print_film(options, device_name, film, static_cast<size_t>(asked));
+    print_film(options, device_name, film, asked);
 }
 
 }  // namespace throng::tools

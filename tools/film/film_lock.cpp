@@ -1,0 +1,41 @@
+#include "tools/film/film_lock.h"
+
+#include "tools/cli/command.h"
+
+#include <fcntl.h>
+#include <iostream>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+namespace throng::tools {
+
+FilmLock::FilmLock(std::filesystem::path file) : path_(std::move(file)) {
+    while (!lock()) {}
+}
+
+// Whoever held it before has removed the file: then another one may be locked by this name.
+bool FilmLock::lock() {
+    file_ = ::open(path_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
+    if (file_ < 0) return true;
+    if (::flock(file_, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
+        if (!has_waited_)
+            std::cerr << "throng: another process draws this film; waiting for it (" << path_.string() << ")\n";
+        has_waited_ = true;
+        if (::flock(file_, LOCK_EX) != 0) return true;
+    }
+    struct stat opened, there;
+    if (::fstat(file_, &opened) == 0 && ::stat(path_.c_str(), &there) == 0 && opened.st_ino == there.st_ino &&
+        opened.st_dev == there.st_dev)
+        return true;
+    ::close(file_);
+    return false;
+}
+
+FilmLock::~FilmLock() {
+    if (file_ < 0) return;
+    ::unlink(path_.c_str());
+    ::close(file_);
+}
+
+}  // namespace throng::tools

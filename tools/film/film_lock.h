@@ -1,0 +1,27 @@
+// One process at a time draws a film, or a shard of it.
+#pragma once
+
+#include <filesystem>
+
+namespace throng::tools {
+
+// Held while one lives: a file that is locked, and gone afterwards. Where another process holds it, the constructor
+// says so and waits. Where files cannot be locked, as in some folders of a network, nothing is held.
+class FilmLock {
+public:
+    explicit FilmLock(std::filesystem::path file);
+    ~FilmLock();
+    FilmLock(const FilmLock&) = delete;
+    FilmLock& operator=(const FilmLock&) = delete;
+
+    bool has_waited() const { return has_waited_; }
+
+private:
+    bool lock();  // false: it is to be opened anew
+
+    std::filesystem::path path_;
+    int file_ = -1;
+    bool has_waited_ = false;
+};
+
+}  // namespace throng::tools
