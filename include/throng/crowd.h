@@ -85,7 +85,8 @@ struct CrowdGroup {
     // CrowdSettings::keep_previous_matrices where the group is animated entirely (see record()).
     uint32_t capacity = 0;
     // Above 0: the application's shaders may ask instances for this and that (throng/commands.h), so many times at most
-    // in an update and OutputBlock; at most 1048576. 64 bytes each, and 12 bytes or more an instance.
+    // in an update and OutputBlock; at most 1048576. An update obeys them behind what the CPU's calls have set. 64
+    // bytes each, and 12 bytes or more an instance.
     uint32_t command_capacity = 0;
     // It is such commands that spawn and despawn, and none of the CPU's calls: shaders number the instances as they
     // like, below `capacity`, which has to be set. None is there when the crowd is made, and calls that name one are

@@ -32,7 +32,8 @@ struct Bounds {
 };
 
 // World bounds of the instances' rest poses, by their placements: as the application has set them, or, of groups whose
-// updates move them, in crowds that a Renderer has prepared or drawn, as they were after a recent update.
+// updates move them, in crowds that a Renderer has prepared or drawn, as they were after a recent update. So is who is
+// there of groups that shaders populate; else nobody of them is known.
 Bounds world_bounds(const Crowd& crowd);
 // The same without strays: those few, a hundredth at most (one of fewer than a hundred), that stand so far away that a
 // camera would show nobody else.

@@ -11,6 +11,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <limits>
 #include <optional>
 #include <utility>
 
@@ -65,9 +67,9 @@ using NearTriangles = std::vector<uint32_t>;
 
 // How far one of the places, a function of its number, lies from the mesh at most, where that is more than `known`; the
 // quadrics' own measure is a mean, several times too low for this. Each is looked at only until it is known not to be
-// the furthest.
+// the furthest, and no others where one lies further than `most`.
 template <class Place>
-float furthest_from(const TriangleIndex& mesh, NearTriangles& near, const Place& place, float known,
+float furthest_from(const TriangleIndex& mesh, NearTriangles& near, const Place& place, float known, float most,
                     const Progress& progress, uint64_t& steps) {
     float furthest = known * known;
     uint32_t last = 0;
@@ -79,6 +81,7 @@ float furthest_from(const TriangleIndex& mesh, NearTriangles& near, const Place&
             furthest = std::max(furthest, found.squared_distance);
             near[i] = last = found.triangle;
             steps += found.steps;
+            if (furthest > most * most) return std::sqrt(furthest);
         }
     }
     return std::sqrt(furthest);
@@ -104,12 +107,16 @@ struct Coarse {
         index.move(positions);
         const auto lost_place = [&](size_t i) { return positions[lost[i]]; };
         const auto middle = [&](size_t i) { return middle_of(index.triangles()[i / kMiddles], i % kMiddles); };
-        error = furthest_from(index, near_lost, lost_place, error, progress, steps);
-        error = furthest_from(fine, near_middles, middle, error, progress, steps);
+        error = furthest_from(index, near_lost, lost_place, error, most, progress, steps);
+        if (error <= most) error = furthest_from(fine, near_middles, middle, error, most, progress, steps);
     }
 
     std::vector<uint32_t> indices;
     float error = 0;
+    bool is_of_all = false;  // sections together
+    bool leads = false;      // of those that stand for the same, it is off by least in the first pose
+    // Of those that do not lead: beyond this error, one that does is better in any case
+    float most = std::numeric_limits<float>::infinity();
     TriangleIndex index;
     std::vector<uint32_t> lost;  // vertices
     NearTriangles near_lost;     // of these, among its own
@@ -263,25 +270,34 @@ public:
             const size_t wanted = static_cast<size_t>(share * static_cast<double>(character.indices.size())) / 3 * 3;
             for (auto* const simplified : {collapsed_together, clustered_together}) {
                 progress.poll();
-                level.together.emplace_back(simplified(character, positions, wanted), *joined_, positions);
+                level.together.emplace_back(simplified(character, positions, wanted), *joined_, positions).is_of_all =
+                    true;
             }
         }
     }
 
-    // Raises the errors of all to what they are in the pose: either way, since clusters may join what lies side by
-    // side, as legs, and moves apart.
-    void measure_in(const SampledPose& pose) {
-        const std::vector<Vec3<float>> positions = positions_in(character_, pose);
-        for (size_t i = 0; i < fine_.size(); ++i) {
-            const std::span<const Vec3<float>> places = of_section(character_.sections[i], positions);
-            fine_[i].move(places);
-            for (CoarseLevel& level : levels_)
-                for (Coarse& coarse : level.apart[i]) coarse.measure(fine_[i], places, progress_, steps_);
+    // Errors only grow from pose to pose. So of those that stand for the same, the one that is off by least in the
+    // first pose goes first, and the others only as far as they are not worse than it is in all.
+    void measure_in(std::span<const SampledPose> poses, const Progress& progress) {
+        std::vector<std::vector<Vec3<float>>> positions;
+        for (const SampledPose& pose : poses) {
+            progress_.poll();
+            positions.push_back(positions_in(character_, pose));
         }
-        if (!joined_) return;
-        joined_->move(positions);
-        for (CoarseLevel& level : levels_)
-            for (Coarse& coarse : level.together) coarse.measure(*joined_, positions, progress_, steps_);
+        const size_t count = positions.size();
+        size_t done = 0;
+        const auto measure = [&](size_t pose, const auto& is_wanted) {
+            progress.report(done++, 2 * count);
+            measure_some(positions[pose], is_wanted);
+        };
+        measure(0, [](const Coarse& coarse) { return !coarse.is_of_all; });
+        choose_leaders();
+        for (size_t pose = 1; pose < count; ++pose) measure(pose, &Coarse::leads);
+        bound_others();
+        for (size_t pose = 0; pose < count; ++pose)
+            measure(pose, [pose](const Coarse& coarse) {
+                return !coarse.leads && coarse.error <= coarse.most && (pose > 0 || coarse.is_of_all);
+            });
     }
 
     // As long as triangles become markedly fewer.
@@ -306,6 +322,44 @@ public:
     uint64_t steps() const { return steps_; }
 
 private:
+    // Raises the errors of those that are wanted to what they are in a pose: either way, since clusters may join what
+    // lies side by side, as legs, and moves apart.
+    template <class IsWanted>
+    void measure_some(std::span<const Vec3<float>> positions, const IsWanted& is_wanted) {
+        const auto measure = [&](std::vector<Coarse>& candidates, const TriangleIndex& fine,
+                                 std::span<const Vec3<float>> places) {
+            for (Coarse& coarse : candidates)
+                if (std::invoke(is_wanted, coarse)) coarse.measure(fine, places, progress_, steps_);
+        };
+        for (size_t i = 0; i < fine_.size(); ++i) {
+            const std::span<const Vec3<float>> places = of_section(character_.sections[i], positions);
+            fine_[i].move(places);
+            for (CoarseLevel& level : levels_) measure(level.apart[i], fine_[i], places);
+        }
+        if (!joined_) return;
+        joined_->move(positions);
+        for (CoarseLevel& level : levels_) measure(level.together, *joined_, positions);
+    }
+
+    void choose_leaders() {
+        for (CoarseLevel& level : levels_)
+            for (std::vector<Coarse>& candidates : level.apart)
+                std::ranges::min_element(candidates, {}, &Coarse::error)->leads = true;
+    }
+
+    // Of all sections together a level is kept only where it is off by less than apart.
+    void bound_others() {
+        for (CoarseLevel& level : levels_) {
+            float of_all = 0;
+            for (std::vector<Coarse>& candidates : level.apart) {
+                const float most = std::ranges::find_if(candidates, &Coarse::leads)->error;
+                for (Coarse& coarse : candidates) coarse.most = most;
+                of_all = std::max(of_all, most);
+            }
+            for (Coarse& coarse : level.together) coarse.most = of_all;
+        }
+    }
+
     static std::span<const Vec3<float>> of_section(const MeshSection& section, std::span<const Vec3<float>> positions) {
         return positions.subspan(section.first_vertex, section.vertex_count);
     }
@@ -325,11 +379,7 @@ uint64_t make_lods(Character& character, const Progress& progress) {
     constexpr double kSimplified = 0.3;  // part of the work; the rest is measuring
     LodMaker maker(character, progress.between(0, kSimplified));
     const std::vector<SampledPose> poses = sampled_poses(character, kPoses);
-    const Progress measuring = progress.between(kSimplified, 1);
-    for (size_t i = 0; i < poses.size(); ++i) {
-        measuring.report(i, poses.size());
-        maker.measure_in(poses[i]);
-    }
+    maker.measure_in(poses, progress.between(kSimplified, 1));
     maker.keep_levels();
     return maker.steps();
 }
