@@ -125,26 +125,27 @@ struct Case {
 
 class SavedStateOnPath : public testing::TestWithParam<Case> {};
 
-// Saved where changes wait for the next update.
+// Saved where changes wait for the next update, between two for views, so that some are on their way to a later pose.
 TEST_P(SavedStateOnPath, GoesOnBitForBit) {
     const Player player(GetParam().path, GetParam().culling);
     Crowd crowd = player.make();
-    player.go_on(crowd, 0, 7);
-    player.play(crowd, 7);
+    constexpr uint32_t kSaved = 8, kEnd = 15;
+    player.go_on(crowd, 0, kSaved);
+    player.play(crowd, kSaved);
     const Result<std::vector<std::byte>> saved = crowd.save_state();
     ASSERT_TRUE(saved) << refusal(saved);
-    const std::string wanted = player.go_on(crowd, 7, 15);
+    const std::string wanted = player.go_on(crowd, kSaved, kEnd);
     EXPECT_GT(wanted.size(), 100'000u);
 
     EXPECT_TRUE(crowd.restore_state(*saved));
     EXPECT_TRUE(*crowd.save_state() == *saved);
-    EXPECT_TRUE(player.go_on(crowd, 7, 15) == wanted) << "the crowd itself";
+    EXPECT_TRUE(player.go_on(crowd, kSaved, kEnd) == wanted) << "the crowd itself";
 
     Crowd other = player.make();
     for (int updates = 0; updates < 3; ++updates) {
         EXPECT_TRUE(other.restore_state(*saved));
         EXPECT_TRUE(*other.save_state() == *saved);
-        EXPECT_TRUE(player.go_on(other, 7, 15) == wanted) << "another crowd";
+        EXPECT_TRUE(player.go_on(other, kSaved, kEnd) == wanted) << "another crowd";
         other = player.make();
         player.go_on(other, 50, 52 + updates);
     }
