@@ -12,10 +12,11 @@
 namespace throng::test {
 
 inline constexpr std::pair<const char*, BufferView OutputBlock::*> kOutputs[]{
-    {"skin", &OutputBlock::skin},     {"previous skin", &OutputBlock::previous_skin},
-    {"model", &OutputBlock::model},   {"placement", &OutputBlock::placement},
-    {"socket", &OutputBlock::socket}, {"root", &OutputBlock::root},
-    {"morph", &OutputBlock::morph},   {"skinned", &OutputBlock::skinned}};
+    {"skin", &OutputBlock::skin},      {"previous skin", &OutputBlock::previous_skin},
+    {"model", &OutputBlock::model},    {"placement", &OutputBlock::placement},
+    {"socket", &OutputBlock::socket},  {"root", &OutputBlock::root},
+    {"morph", &OutputBlock::morph},    {"look", &OutputBlock::look},
+    {"skinned", &OutputBlock::skinned}};
 
 // By the block's number and what it is, bytes: of what is drawn, where there are lists, and then not of skinned
 // vertices, of which a level of detail has some only.
