@@ -67,9 +67,9 @@ using NearTriangles = std::vector<uint32_t>;
 
 // How far one of the places, a function of its number, lies from the mesh at most, where that is more than `known`; the
 // quadrics' own measure is a mean, several times too low for this. Each is looked at only until it is known not to be
-// the furthest, and no others where one lies further than `most`.
+// the furthest, and none any more when one lies further than `useful`.
 template <class Place>
-float furthest_from(const TriangleIndex& mesh, NearTriangles& near, const Place& place, float known, float most,
+float furthest_from(const TriangleIndex& mesh, NearTriangles& near, const Place& place, float known, float useful,
                     const Progress& progress, uint64_t& steps) {
     float furthest = known * known;
     uint32_t last = 0;
@@ -81,7 +81,7 @@ float furthest_from(const TriangleIndex& mesh, NearTriangles& near, const Place&
             furthest = std::max(furthest, found.squared_distance);
             near[i] = last = found.triangle;
             steps += found.steps;
-            if (furthest > most * most) return std::sqrt(furthest);
+            if (furthest > useful * useful) return std::sqrt(furthest);
         }
     }
     return std::sqrt(furthest);
@@ -107,16 +107,17 @@ struct Coarse {
         index.move(positions);
         const auto lost_place = [&](size_t i) { return positions[lost[i]]; };
         const auto middle = [&](size_t i) { return middle_of(index.triangles()[i / kMiddles], i % kMiddles); };
-        error = furthest_from(index, near_lost, lost_place, error, most, progress, steps);
-        if (error <= most) error = furthest_from(fine, near_middles, middle, error, most, progress, steps);
+        error = furthest_from(index, near_lost, lost_place, error, useful_error, progress, steps);
+        if (may_be_best()) error = furthest_from(fine, near_middles, middle, error, useful_error, progress, steps);
     }
+
+    bool may_be_best() const { return error <= useful_error; }
 
     std::vector<uint32_t> indices;
     float error = 0;
-    bool is_of_all = false;  // sections together
-    bool leads = false;      // of those that stand for the same, it is off by least in the first pose
-    // Of those that do not lead: beyond this error, one that does is better in any case
-    float most = std::numeric_limits<float>::infinity();
+    bool leads = false;  // the least error in the first pose, among the candidates for one section and level
+    // An error above it cannot be the least any more, so nobody needs to know how large it is
+    float useful_error = std::numeric_limits<float>::infinity();
     TriangleIndex index;
     std::vector<uint32_t> lost;  // vertices
     NearTriangles near_lost;     // of these, among its own
@@ -270,14 +271,13 @@ public:
             const size_t wanted = static_cast<size_t>(share * static_cast<double>(character.indices.size())) / 3 * 3;
             for (auto* const simplified : {collapsed_together, clustered_together}) {
                 progress.poll();
-                level.together.emplace_back(simplified(character, positions, wanted), *joined_, positions).is_of_all =
-                    true;
+                level.together.emplace_back(simplified(character, positions, wanted), *joined_, positions);
             }
         }
     }
 
-    // Errors only grow from pose to pose. So of those that stand for the same, the one that is off by least in the
-    // first pose goes first, and the others only as far as they are not worse than it is in all.
+    // An error only grows from pose to pose. So the candidates that begin best are measured in all poses first, and
+    // then each of the others until it is known to be worse.
     void measure_in(std::span<const SampledPose> poses, const Progress& progress) {
         std::vector<std::vector<Vec3<float>>> positions;
         for (const SampledPose& pose : poses) {
@@ -286,18 +286,21 @@ public:
         }
         const size_t count = positions.size();
         size_t done = 0;
-        const auto measure = [&](size_t pose, const auto& is_wanted) {
-            progress.report(done++, 2 * count);
-            measure_some(positions[pose], is_wanted);
-        };
-        measure(0, [](const Coarse& coarse) { return !coarse.is_of_all; });
+        const auto report = [&] { progress.report(done++, 2 * count); };
+        report();
+        measure_apart(positions[0], [](const Coarse&) { return true; });
         choose_leaders();
-        for (size_t pose = 1; pose < count; ++pose) measure(pose, &Coarse::leads);
+        for (size_t pose = 1; pose < count; ++pose) {
+            report();
+            measure_apart(positions[pose], &Coarse::leads);
+        }
         bound_others();
-        for (size_t pose = 0; pose < count; ++pose)
-            measure(pose, [pose](const Coarse& coarse) {
-                return !coarse.leads && coarse.error <= coarse.most && (pose > 0 || coarse.is_of_all);
-            });
+        for (size_t pose = 0; pose < count; ++pose) {
+            report();
+            const auto is_other = [](const Coarse& coarse) { return !coarse.leads && coarse.may_be_best(); };
+            if (pose > 0) measure_apart(positions[pose], is_other);
+            measure_together(positions[pose]);
+        }
     }
 
     // As long as triangles become markedly fewer.
@@ -322,23 +325,24 @@ public:
     uint64_t steps() const { return steps_; }
 
 private:
-    // Raises the errors of those that are wanted to what they are in a pose: either way, since clusters may join what
-    // lies side by side, as legs, and moves apart.
+    // Raise errors to what they are in a pose: either way, since clusters may join what lies side by side, as legs, and
+    // moves apart.
     template <class IsWanted>
-    void measure_some(std::span<const Vec3<float>> positions, const IsWanted& is_wanted) {
-        const auto measure = [&](std::vector<Coarse>& candidates, const TriangleIndex& fine,
-                                 std::span<const Vec3<float>> places) {
-            for (Coarse& coarse : candidates)
-                if (std::invoke(is_wanted, coarse)) coarse.measure(fine, places, progress_, steps_);
-        };
+    void measure_apart(std::span<const Vec3<float>> positions, const IsWanted& is_wanted) {
         for (size_t i = 0; i < fine_.size(); ++i) {
             const std::span<const Vec3<float>> places = of_section(character_.sections[i], positions);
             fine_[i].move(places);
-            for (CoarseLevel& level : levels_) measure(level.apart[i], fine_[i], places);
+            for (CoarseLevel& level : levels_)
+                for (Coarse& coarse : level.apart[i])
+                    if (std::invoke(is_wanted, coarse)) coarse.measure(fine_[i], places, progress_, steps_);
         }
+    }
+    void measure_together(std::span<const Vec3<float>> positions) {
         if (!joined_) return;
         joined_->move(positions);
-        for (CoarseLevel& level : levels_) measure(level.together, *joined_, positions);
+        for (CoarseLevel& level : levels_)
+            for (Coarse& coarse : level.together)
+                if (coarse.may_be_best()) coarse.measure(*joined_, positions, progress_, steps_);
     }
 
     void choose_leaders() {
@@ -347,16 +351,16 @@ private:
                 std::ranges::min_element(candidates, {}, &Coarse::error)->leads = true;
     }
 
-    // Of all sections together a level is kept only where it is off by less than apart.
+    // Sections that are simplified together have to do better than the worst of them apart (best_of()).
     void bound_others() {
         for (CoarseLevel& level : levels_) {
-            float of_all = 0;
+            float worst = 0;
             for (std::vector<Coarse>& candidates : level.apart) {
-                const float most = std::ranges::find_if(candidates, &Coarse::leads)->error;
-                for (Coarse& coarse : candidates) coarse.most = most;
-                of_all = std::max(of_all, most);
+                const float least = std::ranges::find_if(candidates, &Coarse::leads)->error;
+                for (Coarse& coarse : candidates) coarse.useful_error = least;
+                worst = std::max(worst, least);
             }
-            for (Coarse& coarse : level.together) coarse.most = of_all;
+            for (Coarse& coarse : level.together) coarse.useful_error = worst;
         }
     }
 
