@@ -32,14 +32,14 @@ void CrowdState::check_there(const Instances& instances, const char* what) const
     for (uint32_t i = 0; i < instances.size(); ++i) {
         if (!instances.handles()) {
             if (!population) return;
-            refuse_of_shaders(group_of(instances.number(i)), what);
+            refuse_if_shaders_populate(group_of(instances.number(i)), what);
             if (population->is_alive(instances.number(i))) continue;
             throw Failure(ErrorCode::kInvalidArgument, what, "instance ", instances.number(i),
                           " is not there: it has not been spawned, or has gone");
         }
         const InstanceHandle& handle = instances.handles()[i];
         check_range(handle.instance, 1, what);
-        refuse_of_shaders(group_of(handle.instance), what);
+        refuse_if_shaders_populate(group_of(handle.instance), what);
         if (!is_alive(handle)) throw Failure(ErrorCode::kInvalidArgument, what, name_of(handle), " is not there");
     }
 }

@@ -12,7 +12,7 @@ const Group& CrowdState::group_at(uint32_t group) const {
     return groups[group];
 }
 
-void CrowdState::refuse_of_shaders(const Group& group, const char* what) {
+void CrowdState::refuse_if_shaders_populate(const Group& group, const char* what) {
     if (group.shaders_populate)
         throw Failure(ErrorCode::kInvalidArgument, what, group.name,
                       ": the application's shaders say who is there, and what they do (CrowdGroup::shaders_populate)");
@@ -21,7 +21,7 @@ void CrowdState::refuse_of_shaders(const Group& group, const char* what) {
 std::vector<InstanceHandle> CrowdState::spawn(uint32_t group, std::span<const Affine> world_from_model) {
     if (!group_at(group).varies)
         throw Failure(ErrorCode::kInvalidArgument, groups[group].name + ": spawn", "CrowdGroup::capacity is not set");
-    refuse_of_shaders(groups[group], "spawn");
+    refuse_if_shaders_populate(groups[group], "spawn");
     for (size_t i = 0; i < world_from_model.size(); ++i)
         if (!is_finite(world_from_model[i]))
             throw Failure(ErrorCode::kInvalidArgument, "spawn: placement " + std::to_string(i),
@@ -42,7 +42,7 @@ void CrowdState::despawn(std::span<const InstanceHandle> instances) {
     for (size_t i = 0; i < instances.size(); ++i) {
         const InstanceHandle& gone = instances[i];
         check_range(gone.instance, 1, "despawn");
-        refuse_of_shaders(group_of(gone.instance), "despawn");
+        refuse_if_shaders_populate(group_of(gone.instance), "despawn");
         if (!is_alive(gone)) throw Failure(ErrorCode::kInvalidArgument, "despawn", name_of(gone) + " is not there");
         if (!group_of(gone.instance).varies)
             throw Failure(ErrorCode::kInvalidArgument, "despawn", name_of(gone) + ": its group has no capacity");
@@ -86,7 +86,7 @@ InstanceHandle CrowdState::handle(uint32_t instance) const {
 }
 
 uint32_t CrowdState::alive_count(uint32_t group) const {
-    refuse_of_shaders(group_at(group), "alive count");
+    refuse_if_shaders_populate(group_at(group), "alive count");
     if (group_at(group).varies) return population->alive_count(group);
     uint32_t count = 0;
     for (const Batch& batch : batches) count += batch.group == group ? batch.instance_count : 0;

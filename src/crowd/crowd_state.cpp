@@ -101,7 +101,7 @@ void CrowdState::make_stages(Uploads& uploads, const CrowdSettings& settings) {
     procedural = find_stage<ProceduralStage>(stages);
     staged = find_stage<StagedUpdate>(stages);
     attachments = find_stage<AttachStage>(stages);
-    commands_of_shaders = find_stage<InstanceCommandStage>(stages);
+    instance_commands = find_stage<InstanceCommandStage>(stages);
 }
 
 Update CrowdState::update_of(VkCommandBuffer commands, float time_step_s, const io::CullView& view) const {
@@ -169,7 +169,7 @@ void CrowdState::record(VkCommandBuffer commands, float time_step_s, const Crowd
     copy_shown(commands);
     // The application's shaders may write commands for the next one as soon as those of this one are done
     memory_barrier(*gpu, commands, kShaderWrite | kTransferWrite,
-                   commands_of_shaders ? consumers() | kShaderWrite | kTransferWrite : consumers());
+                   instance_commands ? consumers() | kShaderWrite | kTransferWrite : consumers());
 }
 
 void CrowdState::record_disoccluded(VkCommandBuffer commands, const DepthImage& depths) {

@@ -107,7 +107,7 @@ struct CrowdState {
     ProceduralStage* procedural = nullptr;
     StagedUpdate* staged = nullptr;
     AttachStage* attachments = nullptr;
-    InstanceCommandStage* commands_of_shaders = nullptr;
+    InstanceCommandStage* instance_commands = nullptr;
 
 private:
     // A buffer of a batch that a state holds.
@@ -149,7 +149,7 @@ private:
     // Of a call that names instances: throws kInvalidArgument where one is not there.
     void check_there(const Instances& instances, const char* what) const;
     void check_readable(const InstanceHandle& handle) const;
-    static void refuse_of_shaders(const Group& group, const char* what);
+    static void refuse_if_shaders_populate(const Group& group, const char* what);
     void check_range(uint32_t first_instance, uint32_t count, const char* what) const;
     InBatch at(uint32_t instance) const { return in_batch(batches, instance); }
     const Group& group_of(uint32_t instance) const { return groups[batch_of(instance).group]; }

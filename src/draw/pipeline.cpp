@@ -153,7 +153,7 @@ OwnedPipeline make_farthest_pipeline(const std::shared_ptr<Gpu>& gpu, const Shad
         {.name = "draw farthest", .vertex = kFarthestVertex, .fragment = kFarthestFragment, .has_depth = false});
 }
 
-CharacterPipelines::CharacterPipelines(const PipelineSettings& settings, const VertexKind& kind) {
+CharacterPipelines::CharacterPipelines(const PipelineSettings& settings, const CharacterKind& kind) {
     const auto make = [&](std::string_view name, std::span<const uint32_t> fragment, Depth depth, bool discards = false,
                           bool has_maps = false) {
         const uint32_t samples = depth == Depth::kShadowMap ? 1u : static_cast<uint32_t>(settings.samples);

@@ -35,23 +35,23 @@ OwnedPipeline make_ground_pipeline(const PipelineSettings& settings);
 ShaderLayout make_farthest_layout(const std::shared_ptr<Gpu>& gpu);
 OwnedPipeline make_farthest_pipeline(const std::shared_ptr<Gpu>& gpu, const ShaderLayout& layout);
 
-// How a crowd's vertices come about.
-struct VertexKind {
+// What the pipelines of a crowd's characters depend on.
+struct CharacterKind {
     SkinFormat format = SkinFormat::kAffine;
     SkinBlend blend = SkinBlend::kLinear;
     bool listed = false;   // instances are
     bool skinned = false;  // by the crowd
     bool has_looks = false;
     bool has_blends = false;  // some of its materials are blended
-    friend auto operator<=>(const VertexKind&, const VertexKind&) = default;
+    friend auto operator<=>(const CharacterKind&, const CharacterKind&) = default;
 };
 
 // Cull mode, viewport and scissor are dynamic.
 struct CharacterPipelines {
-    CharacterPipelines(const PipelineSettings& settings, const VertexKind& kind);
+    CharacterPipelines(const PipelineSettings& settings, const CharacterKind& kind);
 
     // By AlphaMode; in the picture those of masks are also for batches with mirrored instances, whose front faces wind
-    // the other way. Of blended materials only where VertexKind::has_blends.
+    // the other way. Of blended materials only where CharacterKind::has_blends.
     std::array<OwnedPipeline, 3> shadow;                       // into the shadow map
     std::array<OwnedPipeline, 3> occluder;                     // depths alone, of the camera
     std::array<std::array<OwnedPipeline, 2>, 3> into_picture;  // [alpha mode][has_maps]

@@ -88,7 +88,7 @@ void VulkanRenderer::prepare(Crowds crowds) {
 }
 
 CrowdDrawing VulkanRenderer::drawing_of(const CrowdState& crowd) {
-    VertexKind kind{crowd.skin_format, crowd.skin_blend, crowd.cull != nullptr, crowd.skins_once};
+    CharacterKind kind{crowd.skin_format, crowd.skin_blend, crowd.cull != nullptr, crowd.skins_once};
     for (const Group& group : crowd.groups)
         for (const AssetMaterial& material : group.materials)
             kind.has_blends = kind.has_blends || material.alpha_mode == AlphaMode::kBlend;

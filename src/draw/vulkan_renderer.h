@@ -54,7 +54,7 @@ private:
     MaterialSampling sampling_;
     SceneBinding scene_;
     OwnedPipeline ground_;
-    std::map<VertexKind, CharacterPipelines> characters_;
+    std::map<CharacterKind, CharacterPipelines> characters_;
     std::map<bool, LinePipelines> lines_;  // by whether instances are listed
     CrowdCache<const CrowdBindings> crowds_;
     std::optional<Occluders> occluders_;  // made when first needed

@@ -31,7 +31,7 @@ struct FilmPlan {
           range(parse_frames(options.frames)),
           shard(parse_shard(options.shard)),
           is_film(options.out.ends_with(".mp4")),
-          film(options.out),
+          out(options.out),
           folder(options.out + ".frames"),
           files(is_film ? folder / "%06d.png" : fs::path(options.out)) {
         if (is_film && (size.width % 2 != 0 || size.height % 2 != 0))
@@ -40,7 +40,7 @@ struct FilmPlan {
 
     // Of whoever draws these frames.
     fs::path lock_path() const {
-        fs::path path = is_film ? fs::path(film) : files.settings_path();
+        fs::path path = is_film ? fs::path(out) : files.settings_path();
         if (shard.count > 1) path += "." + std::to_string(shard.index) + "-of-" + std::to_string(shard.count);
         return path += ".lock";
     }
@@ -49,7 +49,7 @@ struct FilmPlan {
     FrameRange range;
     Shard shard;
     bool is_film;  // an .mp4
-    std::string film;
+    std::string out;
     fs::path folder;  // of its frames
     FrameFiles files;
 };
