@@ -29,7 +29,7 @@ uvec4 throng_clip(uint clip, bool loops, float time_s, float speed) {
     return uvec4(clip, loops ? 1 : 0, floatBitsToUint(time_s), floatBitsToUint(speed));
 }
 
-// Of groups with CrowdGroup::shaders_populate. `world_from_model`: rows.
+// These two only work where CrowdGroup::shaders_populate is set. `world_from_model` is given row by row.
 void throng_spawn(uint instance, vec4 world_from_model[3]) {
     throng_ask(instance, 1, 0, floatBitsToUint(world_from_model[0]), floatBitsToUint(world_from_model[1]),
                floatBitsToUint(world_from_model[2]));
@@ -41,12 +41,12 @@ void throng_set_placement(uint instance, vec4 world_from_model[3]) {
                floatBitsToUint(world_from_model[2]));
 }
 
-// Without a controller. Clips are of throng_clip(); the first has `weight`.
+// For groups without a controller. Get `first` and `second` from throng_clip(); `weight` is that of the first.
 void throng_set_playback(uint instance, uvec4 first, uvec4 second, float weight) {
     throng_ask(instance, 4, 0, first, second, uvec4(floatBitsToUint(weight), 0, 0, 0));
 }
 
-// With one.
+// For groups with a controller.
 void throng_play(uint instance, uint layer, uvec4 clip, float fade_s, bool is_inertial) {
     throng_ask(instance, 5, layer, clip, uvec4(floatBitsToUint(fade_s), is_inertial ? 1 : 0, 0, 0), uvec4(0));
 }

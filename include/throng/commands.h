@@ -57,9 +57,10 @@ struct CommandHead {
     // Commands that there are. A shader adds to it, and writes its command behind that many others where they are fewer
     // than OutputBlock::command_capacity. An update sets it to 0 when it has obeyed them.
     uint32_t count = 0;
-    // Of the last update: commands that found no room; and others that were not possible, for instance of a clip that
-    // there is not, or with a number that is not finite.
-    uint32_t lost = 0, ignored = 0;
+    uint32_t lost = 0;  // commands that the last update did not get, because there was no room for them
+    // Commands that the last update could not obey: for a clip, layer or instance number that does not exist, with a
+    // number that is not finite or out of range, and so on.
+    uint32_t ignored = 0;
     std::array<uint32_t, 13> unused{};
 };
 

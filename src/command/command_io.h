@@ -35,9 +35,10 @@ THRONG_IO_CONSTANT kBlendLayer = 6;
 THRONG_IO_CONSTANT kSetParameter = 7;
 THRONG_IO_CONSTANT kSetLook = 8;
 
-// Of commands that set the same of an instance, one is obeyed: each has a claim on what it sets, 1 + the greatest
-// number of those that want it; 0: nobody does. Claims of an instance: population, placement, look, then what it plays,
-// or of controllers plays of layers, blends of layers and parameters.
+// Several commands may set the same thing of an instance, and only the last of them is to be obeyed. So for each thing
+// that can be set there is a claim: 1 + the highest number of a command that sets it, or 0. An instance's claims:
+// whether it is there, placement, look; then its playback or, with a controller, for each layer what it plays, for each
+// layer how it blends, and the parameters.
 THRONG_IO_CONSTANT kClaimPopulation = 0;
 THRONG_IO_CONSTANT kClaimPlacement = 1;
 THRONG_IO_CONSTANT kClaimLook = 2;
