@@ -1,0 +1,58 @@
+// What it costs to bring characters into a running program: making a crowd, its first update and later ones, then a
+// crowd of another character beside it, and one of a character that is there already.
+//   streaming_times [--device] one.glb other.glb ...   (--device: by the device's kernels, not natively)
+#include <throng/throng.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <cstring>
+#include <span>
+#include <vector>
+
+using namespace throng;
+
+namespace {
+
+template <class Work>
+double milliseconds_of(const Work& work) {
+    const auto start = std::chrono::steady_clock::now();
+    work();
+    return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+}
+
+// Returns the crowd, which keeps its characters on the device as long as it lives.
+Crowd print_times(const char* name, const Device& device, std::span<const Character> characters, UpdatePath path) {
+    constexpr uint32_t kOfEach = 500;
+    constexpr float kStep_s = 1.0f / 60;
+    CrowdSettings settings;
+    settings.path = path;
+    for (const Character& character : characters) settings.groups.push_back({&character, kOfEach});
+    Crowd crowd;
+    const double create = milliseconds_of([&] { crowd = Crowd::create(device, settings).expect(); });
+    const auto update = [&] { crowd.update(kStep_s).expect(); };
+    const double first = milliseconds_of(update);
+    double later = first;
+    for (int i = 0; i < 20; ++i) later = std::min(later, milliseconds_of(update));
+    std::printf("%s: create %.1f ms, first update %.1f ms, later %.2f ms\n", name, create, first, later);
+    return crowd;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    const bool by_device = argc > 1 && std::strcmp(argv[1], "--device") == 0;
+    const int first_file = by_device ? 2 : 1;
+    if (argc < first_file + 2) {
+        std::fprintf(stderr, "usage: streaming_times [--device] one.glb other.glb ...\n");
+        return 2;
+    }
+    std::vector<Character> characters;
+    for (int i = first_file; i < argc; ++i) characters.push_back(load_character(argv[i]).expect());
+    const Device device = Device::create().expect();
+    const UpdatePath path = by_device ? UpdatePath::kDevice : UpdatePath::kAuto;
+    const std::span all(characters);
+    const Crowd running = print_times("all but the last", device, all.first(all.size() - 1), path);
+    const Crowd streamed_in = print_times("the last beside them", device, all.last(1), path);
+    print_times("the first once more", device, all.first(1), path);
+}
