@@ -11,6 +11,7 @@
 #include <gtest/gtest.h>
 
 #include <cstdio>
+#include <filesystem>
 #include <span>
 
 namespace throng::test {
@@ -325,6 +326,34 @@ TEST(Lod, WorkGrowsNoFasterThanTheMesh) {
     }
     EXPECT_LE(steps_per_face[1], 500) << "for each place some, in the first pose; then most often one";
     EXPECT_LE(steps_per_face[1], 1.5 * steps_per_face[0]);
+}
+
+// With one section and with several, where they may be simplified together too.
+TEST(Lod, GivingUpCandidatesLosesNone) {
+    std::vector<Asset> assets{make_strip(), *make_creature({.joint_count = 60, .level_count = 15, .face_count = 4000})};
+    for (const uint32_t seed : {1u, 2u, 3u})
+        assets.push_back(*make_creature({.joint_count = 60,
+                                         .level_count = 15,
+                                         .face_count = 1500 * seed,
+                                         .seed = seed,
+                                         .kind = CreatureKind::kWalker}));
+    for (const char* file : {"kaykit_knight/Knight.glb", "robot_expressive/RobotExpressive.glb",
+                             "tnua_player/player.glb", "mannequiny/mannequiny-0.3.0.glb"})
+        if (const auto path = shared_folder("characters") / file; std::filesystem::exists(path))
+            assets.push_back(*load_asset(path));
+    size_t together_count = 0;
+    for (const Asset& asset : assets) {
+        Character quick = *compile_character(asset, {.error = 0, .lods = false}), exhaustive = quick;
+        const uint64_t steps = make_lods(quick), all_steps = make_lods(exhaustive, {}, LodSearch::kExhaustive);
+        EXPECT_LT(steps, all_steps) << asset.name;
+        EXPECT_EQ(quick.lod_indices, exhaustive.lod_indices) << asset.name;
+        ASSERT_EQ(quick.lods.size(), exhaustive.lods.size()) << asset.name;
+        ASSERT_FALSE(quick.lods.empty()) << asset.name;
+        for (size_t level = 0; level < quick.lods.size(); ++level)
+            EXPECT_EQ(quick.lods[level].error, exhaustive.lods[level].error) << asset.name << ", level " << level;
+        together_count += quick.sections.size() > 1;
+    }
+    EXPECT_GE(together_count, 3u);
 }
 
 TEST(Lod, AreLeftOutWhereNotWanted) {

@@ -276,8 +276,17 @@ public:
         }
     }
 
-    // An error only grows from pose to pose. So the candidates that begin best are measured in all poses first, and
-    // then each of the others until it is known to be worse.
+    // By definition: all candidates in all poses.
+    void measure_all_in(std::span<const SampledPose> poses) {
+        for (const SampledPose& pose : poses) {
+            const std::vector<Vec3<float>> positions = positions_in(character_, pose);
+            measure_apart(positions, [](const Coarse&) { return true; });
+            measure_together(positions);
+        }
+    }
+
+    // The same best candidates, with less work. An error only grows from pose to pose. So the candidates that begin
+    // best are measured in all poses first, and then each of the others until it is known to be worse.
     void measure_in(std::span<const SampledPose> poses, const Progress& progress) {
         std::vector<std::vector<Vec3<float>>> positions;
         for (const SampledPose& pose : poses) {
@@ -378,12 +387,15 @@ private:
 
 }  // namespace
 
-uint64_t make_lods(Character& character, const Progress& progress) {
+uint64_t make_lods(Character& character, const Progress& progress, LodSearch search) {
     if (character.indices.size() <= kFewest) return 0;
     constexpr double kSimplified = 0.3;  // part of the work; the rest is measuring
     LodMaker maker(character, progress.between(0, kSimplified));
     const std::vector<SampledPose> poses = sampled_poses(character, kPoses);
-    maker.measure_in(poses, progress.between(kSimplified, 1));
+    if (search == LodSearch::kExhaustive)
+        maker.measure_all_in(poses);
+    else
+        maker.measure_in(poses, progress.between(kSimplified, 1));
     maker.keep_levels();
     return maker.steps();
 }
