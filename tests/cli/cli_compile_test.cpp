@@ -127,6 +127,14 @@ TEST_F(CliCompile, CommandsKeepWhatTheyHaveCompiled) {
     EXPECT_EQ(count(), 2);
     EXPECT_TRUE(run_tool("pose kept.glb --clip 0 --error 0.1 --json", with_cache).succeeded());
     EXPECT_EQ(count(), 3);
+    // One of the same size.
+    std::string renamed = read_file("kept.glb");
+    const size_t name = renamed.find("\"idle\"");
+    ASSERT_NE(name, std::string::npos);
+    renamed[name + 1] = 'I';
+    write("kept.glb", renamed);
+    pose("kept.glb");
+    EXPECT_EQ(count(), 4);
     // Whatever stands in the way is no concern of the command's. (Mesa complains of it.)
     fs::remove_all(cache);
     write(cache, "no folder");
