@@ -1,4 +1,6 @@
-// Looks: what an outfit hides is as if it were not there, what it colours as if the material had that colour.
+// Looks: what an outfit hides is as if it were not there, what it colours as if the material had that colour, and what
+// it gives another material as if the file had.
+#include "tests/ball.h"
 #include "tests/crowd_cases.h"
 #include "tests/draw_path.h"
 #include "tests/subset.h"
@@ -104,6 +106,45 @@ TEST_P(Looks, ColorsAreTimesTheMaterials) {
     EXPECT_LE(difference(picture, picture_of(wanted)), 1);
 }
 
+// Materials of each way in which one is drawn, with a texture and without.
+TEST_P(Looks, AnotherMaterialIsAsIfTheFileHadIt) {
+    Asset dressed = asset_;
+    const auto add = [&](const AssetMaterial& material) { dressed.materials.push_back(material); };
+    dressed.images.push_back({.name = "stripes", .encoded = png_bytes({2, 1, {255, 40, 40, 255, 40, 40, 255, 255}})});
+    for (AssetPrimitive& primitive : dressed.meshes[0].primitives)
+        for (const Vec3<float>& position : primitive.positions)
+            primitive.texcoords.push_back({3 * position.x, 3 * position.y});
+    add({.name = "striped", .base_color = {0.9f, 0.8f, 0.7f, 1}, .image = 0});
+    add({.name = "in part", .base_color = {0.2f, 0.2f, 0.9f, 0.5f}, .alpha_mode = AlphaMode::kBlend});
+    add({.name = "glowing", .base_color = {0.1f, 0.1f, 0.1f, 1}, .emissive = {0.9f, 0.5f, 0.1f}});
+    const Character character = compiled(dressed);
+    const auto material_count = static_cast<uint32_t>(dressed.materials.size());
+    std::vector<Outfit> outfits(1);
+    for (uint32_t material = 0; material < material_count; ++material)
+        outfits.push_back({{{.section = 1, .material = material}}});
+    for (const bool culls : {false, true}) {
+        Crowd crowd = crowd_of(character, outfits, culls);
+        const std::vector<uint8_t> own = picture_of(crowd);
+        std::set<std::vector<uint8_t>> pictures;
+        for (uint32_t material = 1; material < material_count; ++material) {
+            Asset asset = dressed;
+            asset.meshes[0].primitives[1].material = material;
+            const Character of_file = compiled(asset);
+            Crowd wanted = crowd_of(of_file, {}, culls);
+            ASSERT_TRUE(crowd.set_look(crowd.instances(), {.outfit = 1 + material}));
+            const std::vector<uint8_t> picture = picture_of(crowd);
+            EXPECT_EQ(picture, picture_of(wanted)) << material;
+            EXPECT_TRUE(pictures.insert(picture).second) << material;
+        }
+        // Each instance has its own: the picture has something of all
+        for (uint32_t i = 0; i < kCount; ++i)
+            ASSERT_TRUE(crowd.set_look(InstanceHandle{i}, {.outfit = 1 + i % material_count}));
+        EXPECT_TRUE(pictures.insert(picture_of(crowd)).second);
+        ASSERT_TRUE(crowd.set_look(crowd.instances(), InstanceLook{}));
+        EXPECT_EQ(picture_of(crowd), own);
+    }
+}
+
 // One instance's look is no other's.
 TEST_P(Looks, EachInstanceHasItsOwn) {
     const Character character = compiled(asset_);
@@ -165,6 +206,8 @@ TEST_P(Looks, RefusesWhatThereIsNot) {
                               ": outfit 1: section 1: colours are 0 to 1000, the part of the tint 0 to 1";
     EXPECT_EQ(refused({.section = 1, .color = {1, 1, 1001}}), range);
     EXPECT_EQ(refused({.section = 1, .tint = -0.1f}), range);
+    EXPECT_EQ(refused({.section = 1, .material = 2}),
+              character.name + ": outfit 1: section 1: material 2 of a character that has 2");
     EXPECT_EQ(character.find_sections_of_material("second"), std::vector<uint32_t>{1});
     EXPECT_EQ(character.find_sections(character.section_names[0]), (std::vector<uint32_t>{0, 1}));
     EXPECT_TRUE(character.find_sections("nobody").empty());

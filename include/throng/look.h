@@ -1,8 +1,9 @@
-// How instances of one group look: which sections of the mesh each shows, and in which colours.
+// How instances of one group look: which sections of the mesh each shows, of which material and in which colours.
 #pragma once
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 namespace throng {
@@ -11,6 +12,7 @@ namespace throng {
 struct SectionLook {
     uint32_t section = 0;                 // of Character::sections
     bool is_shown = true;                 // else it is left out, of shadows too
+    std::optional<uint32_t> material{};   // of Character::materials, in place of the section's own
     std::array<float, 3> color{1, 1, 1};  // linear; times the base colour of material, texture and vertices; 0..1000
     float tint = 1;                       // how much of InstanceLook::tint colours it, 0..1
 };

@@ -106,8 +106,7 @@ Group::Group(Uploads& uploads, NativeRigs& rigs, const CrowdGroup& group, const 
     if (skips_updates(settings)) make_palette_by_set(uploads, *group.character);
     make_skin_tables(uploads, *group.character);
     active_morph_limit = group.morph_limit > 0 ? std::min(group.morph_limit, morph_count) : morph_count;
-    outfit_count = static_cast<uint32_t>(group.outfits.size());
-    if (outfit_count > 0) buffers[io::kSectionLooksBuffer] = make_outfits(uploads, group);
+    make_looks(uploads, group);
     if (group.skin_pool) skin_pool = make_skin_pool(uploads, rigs, *this, group, settings);
     if (pose_capacity > 0)
         buffers[io::kSetPosesBuffer] = make_table<io::JointPose>(
@@ -253,6 +252,19 @@ void Group::make_skin_tables(Uploads& uploads, const Character& character) {
     for (uint32_t lod = 0; lod <= lods.size(); ++lod)
         influence_offsets.push_back(influence_set_of(lod) * influence_count);
     upload_skin_tables(uploads, character, influence_offsets, buffers);
+}
+
+void Group::make_looks(Uploads& uploads, const CrowdGroup& group) {
+    outfit_count = static_cast<uint32_t>(group.outfits.size());
+    const std::vector<io::SectionLook> looks = section_looks_of(group);
+    section_materials.resize(sections.size());
+    for (size_t i = 0; i < looks.size(); ++i) {
+        std::vector<uint32_t>& materials_of = section_materials[i % sections.size()];
+        const uint32_t material = looks[i].material;
+        if (material != kNone && std::ranges::find(materials_of, material) == materials_of.end())
+            materials_of.push_back(material);
+    }
+    if (outfit_count > 0) buffers[io::kSectionLooksBuffer] = upload(uploads, name + ": outfits", looks);
 }
 
 // The boxes of clips are of linear blends, which dual quaternions leave.

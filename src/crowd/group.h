@@ -118,6 +118,8 @@ struct Group {
     uint32_t morph_count = 0;
     uint32_t active_morph_limit = 0;  // that an instance shows at most
     uint32_t outfit_count = 0;
+    std::vector<std::vector<uint32_t>> section_materials;  // [section], as io::SectionLook has them, that some outfit
+                                                           // shows it in
 
     const Buffer& operator[](uint32_t number) const { return buffers[number]; }
     // It is not updated natively, though it was chosen. Throws kUnsupported where it must be.
@@ -164,6 +166,7 @@ private:
     void make_skin_tables(Uploads& uploads, const Character& character);
     float usual_pose_margin(SkinBlend blend) const;
     void bound_poses(const Character& character, float margin);
+    void make_looks(Uploads& uploads, const CrowdGroup& group);
     void make_sockets(Uploads& uploads, const std::vector<uint32_t>& joints);
     Group(Uploads& uploads, const Character& character, const PathChoice& choice);
 };

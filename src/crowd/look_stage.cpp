@@ -3,7 +3,6 @@
 #include "base/failure.h"
 #include "crowd/state_archive.h"
 #include "crowd/state_checks.h"
-#include "look/look_io.h"
 
 #include <algorithm>
 
@@ -16,22 +15,33 @@ bool is_color(const std::array<float, 3>& color) {
     return std::ranges::all_of(color, [](float of) { return of >= 0 && of <= kMost; });
 }
 
-Buffer make_outfits(Uploads& uploads, const CrowdGroup& group) {
-    const size_t section_count = group.character->sections.size();
-    std::vector<io::SectionLook> looks(group.outfits.size() * std::max<size_t>(section_count, 1), {1, 1, 1, 1});
+std::vector<io::SectionLook> section_looks_of(const CrowdGroup& group) {
+    const Character& character = *group.character;
+    const auto section_count = static_cast<uint32_t>(character.sections.size()),
+               material_count = static_cast<uint32_t>(character.materials.size());
+    std::vector<io::SectionLook> of_sections;
+    for (const MeshSection& section : character.sections)
+        of_sections.push_back({1, 1, 1, 1, std::min(section.material, material_count)});
+    std::vector<io::SectionLook> looks = of_sections;
+    for (size_t i = 1; i < group.outfits.size(); ++i) looks.insert(looks.end(), of_sections.begin(), of_sections.end());
     for (size_t i = 0; i < group.outfits.size(); ++i)
         for (const SectionLook& look : group.outfits[i].sections) {
-            const std::string place = group.character->name + ": outfit " + std::to_string(i);
+            const std::string place = character.name + ": outfit " + std::to_string(i);
             if (look.section >= section_count)
                 throw Failure(ErrorCode::kInvalidArgument, place, "section ", look.section, " of a mesh that has ",
                               section_count);
             if (!is_color(look.color) || !(look.tint >= 0 && look.tint <= 1))
                 throw Failure(ErrorCode::kInvalidArgument, place, "section ", look.section,
                               ": colours are 0 to 1000, the part of the tint 0 to 1");
+            if (look.material && *look.material >= material_count)
+                throw Failure(ErrorCode::kInvalidArgument, place, "section ", look.section, ": material ",
+                              *look.material, " of a character that has ", material_count);
             const auto [red, green, blue] = look.color;
-            looks[i * section_count + look.section] = {red, green, blue, look.is_shown ? look.tint : -1};
+            const uint32_t own = of_sections[look.section].material;
+            looks[i * section_count + look.section] = {red, green, blue, look.tint,
+                                                       look.is_shown ? look.material.value_or(own) : kNone};
         }
-    return upload(uploads, group.character->name + ": outfits", looks);
+    return looks;
 }
 
 bool LookStage::is_needed(const CrowdSettings& settings) {

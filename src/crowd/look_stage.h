@@ -5,6 +5,7 @@
 #include "crowd/dirty_ranges.h"
 #include "crowd/each.h"
 #include "crowd/stage.h"
+#include "look/look_io.h"
 
 #include <throng/look.h>
 
@@ -13,9 +14,9 @@ namespace throng {
 // Of a tint, or a section: 0 to 1000.
 bool is_color(const std::array<float, 3>& color);
 
-// CrowdGroup::outfits as `section looks`. Throws kInvalidArgument where one names what there is not, or is out of
-// range.
-Buffer make_outfits(Uploads& uploads, const CrowdGroup& group);
+// CrowdGroup::outfits as `section looks`; where there are none, one that shows all as it is. Throws kInvalidArgument
+// where one names what there is not, or is out of range.
+std::vector<io::SectionLook> section_looks_of(const CrowdGroup& group);
 
 class LookStage : public Stage {
 public:

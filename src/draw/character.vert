@@ -68,7 +68,7 @@ void main() {
     vec3 color = vec3(1);
     if (kHasLooks) {
         const SectionLook look = look_of_section(instance, push.section, push.section_count);
-        if (is_hidden(look)) {
+        if (look.material != push.material) {
             gl_Position = vec4(0, 0, -1, 1);  // in no view
             return;
         }

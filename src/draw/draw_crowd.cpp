@@ -58,16 +58,19 @@ void CrowdDrawing::draw(VkCommandBuffer commands, DrawPass pass) const {
         bind(commands, kBatchSet, bindings.set_of(crowd, i));
         crowd.gpu->vk.vkCmdBindIndexBuffer(commands, group.indices.handle(), 0, VK_INDEX_TYPE_UINT32);
         for (size_t section = 0; section < group.sections.size(); ++section)
-            if (group.sections[section].index_count > 0) draw_section(commands, batch, section, pass, mirrors);
+            if (group.sections[section].index_count > 0)
+                for (const uint32_t material : group.section_materials[section])
+                    draw_section(commands, batch, section, material, pass, mirrors);
     }
 }
 
-void CrowdDrawing::draw_section(VkCommandBuffer commands, const Batch& batch, size_t section_index, DrawPass pass,
-                                bool mirrors) const {
+// Instances that show it in other materials, or not at all, are left out by the vertex shader.
+void CrowdDrawing::draw_section(VkCommandBuffer commands, const Batch& batch, size_t section_index,
+                                uint32_t material_index, DrawPass pass, bool mirrors) const {
     const VolkDeviceTable& vk = crowd.gpu->vk;
     const Group& group = crowd.groups[batch.group];
     const MeshSection& section = group.sections[section_index];
-    const TexturedMaterial<Image>& material = bindings.materials[batch.group].of(section);
+    const TexturedMaterial<Image>& material = bindings.materials[batch.group][material_index];
     const CharacterPipelines& pipelines = group.outfit_count > 0 ? *with_looks : characters;
     const auto mode = static_cast<size_t>(material.factors.alpha_mode);
     const size_t that_culls = std::max(mode, mirrors ? static_cast<size_t>(AlphaMode::kMask) : 0);
@@ -77,11 +80,12 @@ void CrowdDrawing::draw_section(VkCommandBuffer commands, const Batch& batch, si
                                         : pipelines.into_picture[that_culls][material.has_maps];
     const bool shows_back = pass == DrawPass::kShadow || material.factors.double_sided || mirrors;
     vk.vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pipeline.get());
-    bind(commands, kMaterialSet, bindings.materials[batch.group].textures_of(section));
+    bind(commands, kMaterialSet, bindings.materials[batch.group].textures_of(material_index));
     vk.vkCmdSetCullMode(commands, shows_back ? VK_CULL_MODE_NONE : VK_CULL_MODE_BACK_BIT);
     io::DrawPush push = push_of(group, section, material);
     push.section = static_cast<uint32_t>(section_index);
     push.section_count = static_cast<uint32_t>(group.sections.size());
+    push.material = material_index;
     const VkBuffer draws = batch.shown_in(batch.slot, io::kDrawsBuffer).handle();
     if (!draws) {
         set_push(commands, crowd, layout, push);

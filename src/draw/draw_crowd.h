@@ -24,7 +24,8 @@ struct CrowdDrawing {
 
 private:
     void bind(VkCommandBuffer commands, uint32_t set_number, VkDescriptorSet set) const;
-    void draw_section(VkCommandBuffer commands, const Batch& batch, size_t section, DrawPass pass, bool mirrors) const;
+    void draw_section(VkCommandBuffer commands, const Batch& batch, size_t section, uint32_t material, DrawPass pass,
+                      bool mirrors) const;
     template <class PushOf>
     void draw_lines(VkCommandBuffer commands, const OwnedPipeline& pipeline, const PushOf& push_of) const;
 };

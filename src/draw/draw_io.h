@@ -44,7 +44,8 @@ struct DrawPush {
     uint has_skin_pool;  // skin matrices lie where skin_rows says
     uint section, section_count;
     uint active_morph_limit;  // morph_io.h
-    uint unused0, unused1, unused2;
+    uint material;            // SectionLook::material: others are not drawn
+    uint unused0, unused1;
 };
 
 // A joint, as its line is drawn.

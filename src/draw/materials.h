@@ -18,17 +18,14 @@ struct MaterialSampling {
 
 class GroupMaterials {
 public:
-    // Only images that a section's material uses are decoded; one that cannot be, or is too much, is white, with a
+    // Only images of materials that some outfit shows are decoded; one that cannot be, or is too much, is white, with a
     // warning, and leaves normals as they are. To be drawn with when the uploads have finished.
     GroupMaterials(Uploads& uploads, const Group& group, const ShaderLayout::Set& set, const MaterialSampling& sampling,
                    TextureAccount& account);
 
-    const TexturedMaterial<Image>& of(const MeshSection& section) const {
-        return materials_.all()[materials_.index_of(section)];
-    }
-    VkDescriptorSet textures_of(const MeshSection& section) const {
-        return bindings_[materials_.index_of(section)].set();
-    }
+    // By io::SectionLook::material
+    const TexturedMaterial<Image>& operator[](uint32_t material) const { return materials_.all()[material]; }
+    VkDescriptorSet textures_of(uint32_t material) const { return bindings_[material].set(); }
 
 private:
     TexturedMaterials<Image> materials_;

@@ -1,6 +1,7 @@
 #include "draw/native_crowd.h"
 
 #include "draw/joint_levels.h"
+
 #include <algorithm>
 
 namespace throng {
@@ -32,14 +33,6 @@ std::vector<raster::Material> to_raster(const TexturedMaterials<raster::OwnedTex
     return all;
 }
 
-std::vector<const raster::Material*> of_sections(const Group& group,
-                                                 const TexturedMaterials<raster::OwnedTexture>& textured,
-                                                 const std::vector<raster::Material>& materials) {
-    std::vector<const raster::Material*> all;
-    for (const MeshSection& section : group.sections) all.push_back(&materials[textured.index_of(section)]);
-    return all;
-}
-
 }  // namespace
 
 NativeGroup::NativeGroup(const CrowdState& crowd, const Group& group, TextureAccount& account)
@@ -52,8 +45,7 @@ NativeGroup::NativeGroup(const CrowdState& crowd, const Group& group, TextureAcc
                                                 is_color ? raster::TexelKind::kColor : raster::TexelKind::kNumbers);
                 }),
       materials_(to_raster(textured_)),
-      mesh_(group, crowd.cull ? 1 + static_cast<uint32_t>(group.lods.size()) : 1,
-            of_sections(group, textured_, materials_)) {}
+      mesh_(group, crowd.cull ? 1 + static_cast<uint32_t>(group.lods.size()) : 1) {}
 
 NativeCrowd::NativeCrowd(const CrowdState& crowd) {
     TextureAccount account{warnings};  // counts as the device renderer does, so that both draw the same ones white

@@ -19,13 +19,15 @@ public:
     NativeGroup(const NativeGroup&) = delete;
 
     const NativeMesh& mesh() const { return mesh_; }
+    // By io::SectionLook::material
+    const raster::Material& material(uint32_t index) const { return materials_[index]; }
     const std::vector<io::JointLevel>& joint_levels() const { return joint_levels_; }
 
 private:
     std::vector<io::JointLevel> joint_levels_;
     TexturedMaterials<raster::OwnedTexture> textured_;
     std::vector<raster::Material> materials_;  // as those
-    NativeMesh mesh_;                          // which refers to them
+    NativeMesh mesh_;
 };
 
 struct NativeCrowd {

@@ -148,18 +148,17 @@ void NativeFrame::list(const DrawOptions& options) {
 }
 
 // What is not shown is drawn as a section without triangles.
-void NativeFrame::set_look(const NativeLooks& looks, uint32_t instance, uint32_t section, raster::Draw& draw) {
-    static constexpr raster::Material kNoMaterial{};
-    static constexpr raster::Section kNothing{.material = &kNoMaterial};
-    const std::optional<Vec3<float>> color = looks.color_of(instance, section);
-    if (!color) {
+void NativeFrame::set_look(const NativeGroup& group, const NativeLook& look, raster::Draw& draw) {
+    static constexpr raster::Section kNothing{};
+    if (look.material == kNone) {
         draw.section = &kNothing;
         draw.picture_box[2] = draw.map_box[2] = -1;  // in no tile
         return;
     }
-    draw.color[0] = color->x;
-    draw.color[1] = color->y;
-    draw.color[2] = color->z;
+    draw.material = &group.material(look.material);
+    draw.color[0] = look.color.x;
+    draw.color[1] = look.color.y;
+    draw.color[2] = look.color.z;
 }
 
 // Section by section, level by level, instance by instance, as the device draws them.
@@ -175,15 +174,19 @@ void NativeFrame::add_draws(uint32_t b, uint64_t& next_id) {
         for (uint32_t lod = 0; lod < mesh.lod_count(); ++lod) {
             const NativeSection* const section = mesh.at(lod, s);
             if (!section) continue;
+            const raster::Material* const of_all = looks ? nullptr
+                                                         : &drawn.native->material(
+                                                               drawn.group().section_materials[s].front());
             drawn.first_draws[lod * mesh.section_count() + s] = static_cast<uint32_t>(draws_.size());
             for (uint32_t place = list.begins[lod]; place < list.begins[lod + 1]; ++place) {
                 const uint32_t instance = list.instances[place];
                 raster::Draw& draw = draws_.emplace_back(
                     raster::Draw{.section = &section->section,
+                                 .material = of_all,
                                  .first_id = static_cast<uint32_t>(next_id),
                                  .layer = raster::coverage_layer(instance, static_cast<uint32_t>(s)),
                                  .is_mirrored = determinant(placements[instance]) < 0});
-                if (looks) set_look(looks, instance, static_cast<uint32_t>(s), draw);
+                if (looks) set_look(*drawn.native, looks.of(instance, static_cast<uint32_t>(s)), draw);
                 next_id += rounded_up(draw.section->triangle_count, raster::kIdBlock);
             }
         }

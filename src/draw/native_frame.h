@@ -68,7 +68,7 @@ private:
     void give_memory();
     void divide();
     void add_lines(const DrawOptions& options);
-    static void set_look(const NativeLooks& looks, uint32_t instance, uint32_t section, raster::Draw& draw);
+    static void set_look(const NativeGroup& group, const NativeLook& look, raster::Draw& draw);
     void skin();
     void skin_instance(const Posed& posed, NativeScratch& scratch);
     void sort_by_distance();

@@ -19,12 +19,11 @@ struct LookText : NativeText {
 }  // namespace
 }  // namespace io
 
-std::optional<Vec3<float>> NativeLooks::color_of(uint32_t instance, uint32_t section) const {
+NativeLook NativeLooks::of(uint32_t instance, uint32_t section) const {
     io::LookText text(buffers_);
     const io::SectionLook look = text.look_of_section(instance, section, section_count_);
-    if (text.is_hidden(look)) return std::nullopt;
     const io::vec3 color = text.look_color(instance, look);
-    return Vec3<float>{color.x, color.y, color.z};
+    return {look.material, {color.x, color.y, color.z}};
 }
 
 }  // namespace throng

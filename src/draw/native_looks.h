@@ -4,9 +4,13 @@
 #include "crowd/batch.h"
 #include "gpu/native_kernel.h"
 
-#include <optional>
-
 namespace throng {
+
+// How an instance shows a section.
+struct NativeLook {
+    uint32_t material;  // io::SectionLook's
+    Vec3<float> color;  // what the base colour is multiplied with
+};
 
 class NativeLooks {
 public:
@@ -17,8 +21,7 @@ public:
 
     // Whether they differ.
     explicit operator bool() const { return buffers_.buffers[io::kInstanceLooksBuffer] != nullptr; }
-    // What the base colour of a section is multiplied with; none where the instance does not show it.
-    std::optional<Vec3<float>> color_of(uint32_t instance, uint32_t section) const;
+    NativeLook of(uint32_t instance, uint32_t section) const;
 
 private:
     uint32_t section_count_;

@@ -15,11 +15,10 @@ const T* content(const Buffer& buffer) {
 
 }  // namespace
 
-NativeMesh::NativeMesh(const Group& group, uint32_t lod_count, const std::vector<const raster::Material*>& materials)
-    : section_count_(group.sections.size()) {
+NativeMesh::NativeMesh(const Group& group, uint32_t lod_count) : section_count_(group.sections.size()) {
     for (uint32_t lod = 0; lod < lod_count; ++lod) {
         for (size_t section = 0; section < section_count_; ++section)
-            sections_.push_back(make_section(group, lod, section, materials[section]));
+            sections_.push_back(make_section(group, lod, section));
         gather_entries(group, lod);
         uint32_t& vertex_count = vertex_counts_.emplace_back();
         for (size_t section = 0; section < section_count_; ++section)
@@ -47,8 +46,7 @@ void NativeMesh::gather_entries(const Group& group, uint32_t lod) {
                 section->entries_[i] = section->weights_[i] != 0 ? places[section->entries_[i]] : uint16_t{0};
 }
 
-std::unique_ptr<NativeSection> NativeMesh::make_section(const Group& group, uint32_t lod, size_t index,
-                                                        const raster::Material* material) {
+std::unique_ptr<NativeSection> NativeMesh::make_section(const Group& group, uint32_t lod, size_t index) {
     const SectionLod range = group.section_lod(index, lod);
     const uint32_t triangle_count = range.index_count / 3;
     if (triangle_count == 0) return nullptr;
@@ -70,7 +68,7 @@ std::unique_ptr<NativeSection> NativeMesh::make_section(const Group& group, uint
             }
             made->corners_[corner * padded + triangle] = number;
         }
-    made->section = {.material = material, .triangle_count = triangle_count};
+    made->section.triangle_count = triangle_count;
     for (uint32_t corner = 0; corner < 3; ++corner)
         made->section.corners[corner] = made->corners_.data() + corner * padded;
     set_vertices(group, *made);

@@ -37,8 +37,8 @@ private:
 
 class NativeMesh {
 public:
-    // Holds the levels of detail 0..lod_count - 1. `materials`: a pointer for each of the group's sections.
-    NativeMesh(const Group& group, uint32_t lod_count, const std::vector<const raster::Material*>& materials);
+    // Holds the levels of detail 0..lod_count - 1.
+    NativeMesh(const Group& group, uint32_t lod_count);
 
     size_t section_count() const { return section_count_; }
     uint32_t lod_count() const { return static_cast<uint32_t>(entries_.size()); }
@@ -51,8 +51,7 @@ public:
     }
 
 private:
-    static std::unique_ptr<NativeSection> make_section(const Group& group, uint32_t lod, size_t section,
-                                                       const raster::Material* material);
+    static std::unique_ptr<NativeSection> make_section(const Group& group, uint32_t lod, size_t section);
     static void set_vertices(const Group& group, NativeSection& section);
     void gather_entries(const Group& group, uint32_t lod);
 

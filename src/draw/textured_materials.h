@@ -31,13 +31,14 @@ struct TexturedMaterial {
 template <class Texture>
 class TexturedMaterials {
 public:
-    // make(image, is_color) is called once for each image that a section's material uses; what it has nothing for is
-    // drawn white, and leaves normals as they are.
+    // make(image, is_color) is called once for each image of a material that some outfit shows; what it has nothing for
+    // is drawn white, and leaves normals as they are.
     template <class Make>
     TexturedMaterials(const Group& group, const Make& make) {
         std::vector<bool> used(group.materials.size());
-        for (const MeshSection& section : group.sections)
-            if (section.material < used.size() && section.index_count > 0) used[section.material] = true;
+        for (size_t section = 0; section < group.sections.size(); ++section)
+            for (const uint32_t material : group.section_materials[section])
+                if (material < used.size() && group.sections[section].index_count > 0) used[material] = true;
         const auto texture = [&](uint32_t image, bool is_color) -> const Texture* {
             if (image >= group.images.size()) return nullptr;
             const std::pair key(image, is_color);
@@ -60,9 +61,8 @@ public:
         }
     }
 
-    // The group's, then the one of sections without.
+    // As io::SectionLook has them: the group's, then the one of sections without.
     const std::vector<TexturedMaterial<Texture>>& all() const { return all_; }
-    size_t index_of(const MeshSection& section) const { return std::min<size_t>(section.material, all_.size() - 1); }
 
 private:
     std::map<std::pair<uint32_t, bool>, std::optional<Texture>> textures_;  // by image and is_color

@@ -6,8 +6,6 @@ SectionLook look_of_section(uint instance, uint section, uint section_count) {
     return section_looks[instance_looks[instance].outfit * section_count + section];
 }
 
-bool is_hidden(SectionLook look) { return look.tint < 0; }
-
 // What the base colour is multiplied with.
 vec3 look_color(uint instance, SectionLook look) {
     const InstanceLook of = instance_looks[instance];

@@ -13,7 +13,8 @@ struct InstanceLook {
 // A section in an outfit.
 struct SectionLook {
     float red, green, blue;  // times the base colour
-    float tint;              // how much of the instance's tint colours it, 0..1; below 0: it is not shown
+    float tint;              // how much of the instance's tint colours it, 0..1
+    uint material;           // of Group::materials, or their count: the default one; kNone: it is not shown
 };
 
 THRONG_IO_END

@@ -67,7 +67,7 @@ public:
           occlusion_(occlusion),
           target_(frame, tile),
           fragments_(draw, target_),
-          culls_(kInto != Into::kMap && !section_.material->is_double_sided) {}
+          culls_(kInto != Into::kMap && !draw.material->is_double_sided) {}
 
     void run() {
         for (uint32_t first = 0; first < section_.triangle_count; first += Lanes::kCount) draw_lanes(first);
@@ -266,7 +266,7 @@ template <Into kInto>
 void draw_triangles(const Frame& frame, const Tile& tile, const Draw& draw, const Screen& screen,
                     const Occlusion* occlusion) {
     project<kInto>(frame, draw, screen);
-    if (draw.section->material->is_masked)
+    if (draw.material->is_masked)
         DrawTriangles<kInto, true>(frame, tile, draw, screen, occlusion).run();
     else
         DrawTriangles<kInto, false>(frame, tile, draw, screen, occlusion).run();

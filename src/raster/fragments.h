@@ -29,7 +29,7 @@ public:
             y_[i] = y_[0];
             triangles_[i] = triangles_[0];
         }
-        const Material& material = *draw_.section->material;
+        const Material& material = *draw_.material;
         const Real alphas = alphas_of(target_.frame, draw_, kInto == Into::kMap, load_any(triangles_), load_any(x_),
                                       load_any(y_));
         Mask passes = first_lanes(count_);

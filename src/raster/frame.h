@@ -53,7 +53,6 @@ struct Material {
 
 // A section of a character at one level of detail, with the vertices that this level has and no others.
 struct Section {
-    const Material* material = nullptr;
     uint32_t vertex_count = 0, triangle_count = 0;
     const uint32_t* corners[3] = {};    // [triangle_count, to a whole block], vertices of the section
     const float* bind = nullptr;        // [vertex_count, to a whole block][8]: position, 1, normal, 0; bind space
@@ -67,6 +66,7 @@ struct Section {
 // A section of an instance.
 struct Draw {
     const Section* section = nullptr;
+    const Material* material = nullptr;
     float* vertices = nullptr;  // [block of vertices][kBlockFloats], at a multiple of 64 bytes
     // Number of the draw's first triangle, a multiple of kIdBlock. Numbers grow in drawing order: of two triangles at
     // the same depth the lower one is seen

@@ -10,7 +10,7 @@ namespace {
 // Of the draw's triangles, at the centres of pixels of the picture, or texels of the map.
 INLINE Real alphas_of(const Frame& frame, const Draw& draw, bool is_map, Whole triangles, Whole x, Whole y) {
     const Section& section = *draw.section;
-    const Material& material = *section.material;
+    const Material& material = *draw.material;
     ClipPoint corners[3];
     Real of_corners[3];
     vec2 texcoords[3];

@@ -114,7 +114,7 @@ private:
 
     ItemList& list_of(uint32_t draw) {
         if (draw == last_draw_) return span_.lists[last_list_];
-        const Material* const material = frame_.draws[draw].section->material;
+        const Material* const material = frame_.draws[draw].material;
         uint32_t list = 0;
         while (list < list_count_ && span_.lists[list].material != material) ++list;
         if (list == kMostMaterials) {

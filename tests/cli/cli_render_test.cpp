@@ -70,6 +70,11 @@ TEST_F(CliRender, LooksAreChosenForEachCharacter) {
     };
     std::ofstream("looks.json") << R"({"wear": {"head": {"all": ["creature"], "a": [], "b": [], "c": [], "d": []}}})";
     EXPECT_TRUE(picture("worn.png", {"--looks", "walker.glb=looks.json"}) != plain);
+    std::ofstream("looks.json") << R"({"materials": {"cloak": ["skin", "hair"]}})";
+    EXPECT_TRUE(picture("dressed.png", {"--looks", "walker.glb=looks.json"}) != plain);
+    EXPECT_TRUE(refuses_file(R"({"materials": {"cloak": ["cloak", "cloack"]}})",
+                             "looks.json:1: materials.cloak[1]: there is no material 'cloack'; did you mean 'cloak'?"));
+    EXPECT_TRUE(refuses_file(R"({"materials": {"cloak": []}})", "looks.json:1: materials.cloak: must not be empty"));
     EXPECT_TRUE(refuses_file("{\n\"colors\": {\"clok\": [\"#ffffff\"]}}",
                              "looks.json:2: colors.clok: there is no material 'clok'; did you mean 'cloak'?"));
     EXPECT_TRUE(refuses_file(R"({"colors": {"cloak": ["red"]}})",

@@ -26,13 +26,13 @@ void RasterDraws::add(const raster::Material& material, std::span<const RasterVe
         mesh.texcoords.insert(mesh.texcoords.end(), texcoord.begin(), texcoord.end());
         mesh.colors.push_back(color);
     }
-    mesh.section = {.material = &material,
-                    .vertex_count = static_cast<uint32_t>(vertices.size()),
+    mesh.section = {.vertex_count = static_cast<uint32_t>(vertices.size()),
                     .triangle_count = static_cast<uint32_t>(triangle_count),
                     .corners = {mesh.corners[0].data(), mesh.corners[1].data(), mesh.corners[2].data()},
                     .texcoords = mesh.texcoords.data(),
                     .colors = mesh.colors.data()};
     draws_.push_back({.section = &mesh.section,
+                      .material = &material,
                       .vertices = reinterpret_cast<float*>(mesh.kept.get()),
                       .first_id = static_cast<uint32_t>(draw_of_ids_.size()) * raster::kIdBlock,
                       .is_mirrored = is_mirrored});

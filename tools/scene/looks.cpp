@@ -46,8 +46,13 @@ struct Names {
         for (const AssetMaterial& material : character.materials) materials.add(material.name);
         for (const std::string& name : character.section_names) sections.add(name);
     }
+    uint32_t material(const std::string& name, const JsonView& where) const {
+        const uint32_t found = materials.find(name);
+        if (found == kNone) where.fail(materials.unknown(name));
+        return found;
+    }
     std::vector<uint32_t> of_material(const std::string& name, const JsonView& where) const {
-        if (materials.find(name) == kNone) where.fail(materials.unknown(name));
+        material(name, where);
         return character.find_sections_of_material(name);
     }
     std::vector<uint32_t> of_section(const std::string& name, const JsonView& where) const {
@@ -59,10 +64,11 @@ struct Names {
     KnownNames materials{"material"}, sections{"section"};
 };
 
-// Sections that take one of some colours.
-struct ColorChoice {
+// Sections that take one of some colours, or materials.
+template <class T>
+struct SectionChoice {
     std::vector<uint32_t> sections;
-    std::vector<Color> colors;
+    std::vector<T> alternatives;
 };
 // Of sets of sections, one is shown; those of the others are not.
 using WearChoice = std::vector<std::vector<uint32_t>>;
@@ -70,9 +76,16 @@ using WearChoice = std::vector<std::vector<uint32_t>>;
 struct Choices {
     Choices(const JsonView& top, const Character& character) {
         const Names names(character);
-        top.allow({"colors", "tint", "wear"});
+        top.allow({"colors", "materials", "tint", "wear"});
         for (const JsonView color : top.optional_members("colors"))
             colors.push_back({names.of_material(color.key(), color), read_colors(color)});
+        for (const JsonView choice : top.optional_members("materials")) {
+            std::vector<uint32_t> alternatives;
+            for (const JsonView material : choice.as_array())
+                alternatives.push_back(names.material(material.as_string(), material));
+            if (alternatives.empty()) choice.fail("must not be empty");
+            materials.push_back({names.of_material(choice.key(), choice), alternatives});
+        }
         for (const JsonView choice : top.optional_members("wear")) {
             WearChoice& of = wear.emplace_back();
             for (const JsonView alternative : choice.as_object()) {
@@ -90,7 +103,8 @@ struct Choices {
         }
     }
 
-    std::vector<ColorChoice> colors;
+    std::vector<SectionChoice<Color>> colors;
+    std::vector<SectionChoice<uint32_t>> materials;
     std::vector<WearChoice> wear;
     std::vector<uint32_t> tinted;  // sections
     std::vector<Color> tints;
@@ -102,8 +116,8 @@ const T& one_of(const std::vector<T>& all, Random& random) {
 }
 
 // What the base colour of a section is to be multiplied with, to become this one.
-Color factor_of(const Character& character, uint32_t section, const Color& wanted) {
-    const uint32_t material = character.sections[section].material;
+Color factor_of(const Character& character, const SectionLook& look, const Color& wanted) {
+    const uint32_t material = look.material.value_or(character.sections[look.section].material);
     Color factor = wanted;
     for (size_t i = 0; i < factor.size() && material != kNone; ++i)
         factor[i] = std::min(factor[i] / std::max(character.materials[material].base_color[i], 1e-6f), kMost);
@@ -114,9 +128,17 @@ Outfit outfit_of(const Choices& choices, const Character& character, Random& ran
     Outfit outfit;
     for (uint32_t section = 0; section < character.sections.size(); ++section)
         outfit.sections.push_back({.section = section, .tint = 0});
+    const auto set_color = [&](uint32_t section, const Color& wanted) {
+        SectionLook& look = outfit.sections[section];
+        look.color = factor_of(character, look, wanted);
+    };
+    for (const auto& [sections, materials] : choices.materials) {
+        const uint32_t material = one_of(materials, random);
+        for (const uint32_t section : sections) outfit.sections[section].material = material;
+    }
     for (const uint32_t section : choices.tinted) {
         outfit.sections[section].tint = 1;
-        outfit.sections[section].color = factor_of(character, section, {1, 1, 1});
+        set_color(section, {1, 1, 1});
     }
     for (const WearChoice& choice : choices.wear) {
         for (const std::vector<uint32_t>& alternative : choice)
@@ -125,7 +147,7 @@ Outfit outfit_of(const Choices& choices, const Character& character, Random& ran
     }
     for (const auto& [sections, colors] : choices.colors) {
         const Color& color = one_of(colors, random);
-        for (const uint32_t section : sections) outfit.sections[section].color = factor_of(character, section, color);
+        for (const uint32_t section : sections) set_color(section, color);
     }
     return outfit;
 }
