@@ -1,5 +1,6 @@
 // What it costs to bring characters into a running program: making a crowd, its first update and later ones, then a
-// crowd of another character beside it, and one of a character that is there already.
+// crowd of another character beside it, and one of a character that is there already; the first taking in the groups of
+// the second, and letting them go.
 //   streaming_times [--device] one.glb other.glb ...   (--device: by the device's kernels, not natively)
 #include <throng/throng.h>
 
@@ -21,15 +22,20 @@ double milliseconds_of(const Work& work) {
     return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
 }
 
-// Returns the crowd, which keeps its characters on the device as long as it lives.
-Crowd print_times(const char* name, const Device& device, std::span<const Character> characters, UpdatePath path) {
+constexpr float kStep_s = 1.0f / 60;
+
+Crowd make_crowd(const Device& device, std::span<const Character> characters, UpdatePath path) {
     constexpr uint32_t kOfEach = 500;
-    constexpr float kStep_s = 1.0f / 60;
     CrowdSettings settings;
     settings.path = path;
     for (const Character& character : characters) settings.groups.push_back({&character, kOfEach});
+    return Crowd::create(device, settings).expect();
+}
+
+// Returns the crowd, which keeps its characters on the device as long as it lives.
+Crowd print_times(const char* name, const Device& device, std::span<const Character> characters, UpdatePath path) {
     Crowd crowd;
-    const double create = milliseconds_of([&] { crowd = Crowd::create(device, settings).expect(); });
+    const double create = milliseconds_of([&] { crowd = make_crowd(device, characters, path); });
     const auto update = [&] { crowd.update(kStep_s).expect(); };
     const double first = milliseconds_of(update);
     double later = first;
@@ -52,7 +58,16 @@ int main(int argc, char** argv) {
     const Device device = Device::create().expect();
     const UpdatePath path = by_device ? UpdatePath::kDevice : UpdatePath::kAuto;
     const std::span all(characters);
-    const Crowd running = print_times("all but the last", device, all.first(all.size() - 1), path);
+    Crowd running = print_times("all but the last", device, all.first(all.size() - 1), path);
     const Crowd streamed_in = print_times("the last beside them", device, all.last(1), path);
     print_times("the first once more", device, all.first(1), path);
+
+    Crowd coming = make_crowd(device, all.last(1), path);
+    uint32_t group = 0;
+    const double add = milliseconds_of([&] { group = running.add_groups(std::move(coming)).expect()[0]; });
+    const double first = milliseconds_of([&] { running.update(kStep_s).expect(); });
+    const double remove = milliseconds_of([&] { running.remove_group(group).expect(); });
+    const double next = milliseconds_of([&] { running.update(kStep_s).expect(); });
+    std::printf("the last in one crowd with them: add %.2f ms, update %.2f ms; remove %.2f ms, update %.2f ms\n", add,
+                first, remove, next);
 }

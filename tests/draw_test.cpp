@@ -291,7 +291,8 @@ TEST(Draw, AFailedUploadIsNotBlamedOnTheNextTexture) {
     });
     const AssetImage next{.name = "next", .encoded = png_bytes(gradient(8, 8))};
     std::vector<std::string> warnings;
-    TextureAccount account{warnings};
+    uint64_t room_bytes = kTexturesLimit_bytes;
+    TextureAccount account{warnings, room_bytes};
     const Result<void> made = as_result([&] { make_texture(uploads, next, kColorTexture, account); });
     ASSERT_FALSE(made);
     EXPECT_EQ(made.error().code, ErrorCode::kOutOfMemory);

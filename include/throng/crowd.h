@@ -185,6 +185,23 @@ public:
     // Errors: kInvalidArgument (no such group).
     Result<GroupPath> path(uint32_t group) const;
 
+    // Takes in the groups of another crowd of the same device, which has not been updated: of a character that a game
+    // streams in, or of more instances of one. A thread makes that crowd while this one goes on (create(),
+    // record_uploads()), and sets what its instances begin with; then they are this crowd's, steer around its agents
+    // and hang on its sockets, and the other is none any more. Returns the numbers that its groups have here, in their
+    // order: the lowest that are free. Instances get the lowest numbers of which enough are free one after another,
+    // and new handles (instances(group), handle()); whom the other crowd watches, its wind and its terrain are left
+    // behind. What stages share is made anew, some tenths of a millisecond, and what updates under way still use is
+    // freed when five more have run. Nothing waits or is submitted. outputs() change for the groups that come, and
+    // spans of them end. Both crowds need the same CrowdSettings, but for groups, path, scan, terrain and capacities
+    // of feedback. Where there is an error nothing has changed. Errors: kInvalidArgument (other settings, device; it
+    // has been updated; the second half of an update for a view with occlusion is to come), kUnsupported (on a software
+    // device, of which one crowd is updated natively and the other cannot be), kLimit, kOutOfMemory.
+    Result<std::vector<uint32_t>> add_groups(Crowd&& other);
+    // Takes a group away with all of its instances; what hangs on them stays where it is. The other groups and their
+    // instances keep their numbers. Errors: kInvalidArgument (no such group, the last one, or as above).
+    Result<void> remove_group(uint32_t group);
+
     // Adds instances to a group with CrowdGroup::capacity, one for each placement, or takes some away; taken up by the
     // next record(). They get the lowest numbers that are free. A new one is as it would be in a new crowd: it plays
     // the rest pose, or its controller begins; it has no pose of set_pose(), target, destination or speed, and nobody
@@ -319,10 +336,11 @@ public:
     // Says that the commands of the last record(), and of its record_disoccluded(), will never be submitted: of a
     // minimised window, or a swapchain that is out of date. The crowd is as if they had not been recorded: time has not
     // gone on, and what was set before is taken up by the next record(), together with what has been set since.
-    // outputs() change back too. (A pose whose fade ended in that update is not back where CrowdGroup::pose_capacity
-    // was exhausted and its room has been given to another.) Of a dropped update that nobody tells of, the changes are
-    // lost, of the first one also what the buffers begin with, and after four in a row record() fails where there is
-    // feedback(). Errors: kInvalidArgument (nothing has been recorded since the last discard or update()).
+    // outputs() change back too. Not after groups have been added or removed since. (A pose whose fade ended in that
+    // update is not back where CrowdGroup::pose_capacity was exhausted and its room has been given to another.) Of a
+    // dropped update that nobody tells of, the changes are lost, of the first one also what the buffers begin with, and
+    // after four in a row record() fails where there is feedback(). Errors: kInvalidArgument (nothing has been recorded
+    // since the last discard or update()).
     Result<void> discard_last_record();
     // record(), submit to the device's queue, and wait; a native device computes here.
     Result<void> update(float time_step_s, const CrowdView* view = nullptr);

@@ -10,7 +10,8 @@
 namespace throng {
 
 // An instance from its Crowd::spawn() to its Crowd::despawn(). Its number in the crowd, by which outputs name it, is
-// given to others later, which have another generation. In groups without CrowdGroup::capacity the generation is 0.
+// given to others later, which have another generation. In groups without CrowdGroup::capacity that were made with the
+// crowd the generation is 0.
 struct InstanceHandle {
     uint32_t instance = kNone;
     uint32_t generation = 0;  // how many had the number before; modulo 2^32

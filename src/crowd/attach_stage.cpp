@@ -125,18 +125,35 @@ void AttachStage::record(const Update& update) {
     update.end_stage("attach");
 }
 
-// All are handed to the device with the next update.
-void AttachStage::exchange(StateArchive& archive) {
-    archive.values(std::span(attachments_));
-    if (!archive.reads()) return;
-    for (auto& [which, pair] : pairs_) pair.count = 0;
-    for (uint32_t i = 0; i < attachments_.size(); ++i) {
-        if (attachments_[i].carrier_batch == kNone) continue;
-        StateArchive::require(group_at(i).is_carried && is_possible(attachments_[i]),
-                              "somebody hangs where nothing is");
-        ++pairs_.at({batch_index_of(batches_, i), attachments_[i].carrier_batch}).count;
-    }
-    dirty_.add(0, static_cast<uint32_t>(attachments_.size()));
+// Carriers by their numbers in the crowd. All are handed to the device with the next update.
+void AttachStage::exchange_group(StateArchive& archive, uint32_t group) {
+    for_each_batch_of(group, [&](const Batch& batch, uint32_t index) {
+        if (!group_of(batch).is_carried) return;
+        const auto attachments = std::span(attachments_).subspan(batch.first_instance, batch.instance_count);
+        std::vector<io::InstanceAttachment> by_number(attachments.begin(), attachments.end());
+        for (io::InstanceAttachment& one : by_number)
+            if (one.carrier_batch != kNone) one.carrier += batches_[one.carrier_batch].first_instance;
+        archive.values(std::span(by_number));
+        if (!archive.reads()) return;
+        for (auto& [which, pair] : pairs_)
+            if (which.first == index) pair.count = 0;
+        for (io::InstanceAttachment& one : by_number) {
+            if (one.carrier_batch == kNone) continue;
+            one.carrier = archive.renumbered(one.carrier);
+            if (one.carrier == kNone) {
+                one = kOnNobody;
+                continue;
+            }
+            const Batch* const carrier = batch_at(batches_, one.carrier);
+            StateArchive::require(carrier, "somebody hangs where nothing is");
+            one.carrier_batch = static_cast<uint32_t>(carrier - batches_.data());
+            one.carrier -= carrier->first_instance;
+            StateArchive::require(is_possible(one), "somebody hangs where nothing is");
+            ++pairs_.at({index, one.carrier_batch}).count;
+        }
+        std::ranges::copy(by_number, attachments.begin());
+        dirty_.add(batch.first_instance, batch.instance_count);
+    });
 }
 
 }  // namespace throng

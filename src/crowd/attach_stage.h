@@ -33,7 +33,7 @@ public:
     // Behind all that moves sockets.
     void record(const Update& update) override;
     void discard() override { dirty_.put_back(); }
-    void exchange(StateArchive& archive) override;
+    void exchange_group(StateArchive& archive, uint32_t group) override;
 
 private:
     bool is_possible(const io::InstanceAttachment& attachment) const;

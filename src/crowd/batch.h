@@ -15,7 +15,7 @@ inline constexpr std::array kShownBuffers{io::kPlacementsBuffer,   io::kRootsBuf
                                           io::kDrawsBuffer,        io::kSkinRowsBuffer, io::kInstanceLooksBuffer};
 
 struct Batch {
-    uint32_t group = 0;
+    uint32_t group = 0, of_group = 0;  // and which of the group's batches it is
     uint32_t first_instance = 0, instance_count = 0;
     uint32_t used_count = 0;  // of them, up to the last one that is there in the update that is under way
     // What `births` has of those born in that update; 0: all are there, always
@@ -29,9 +29,19 @@ struct Batch {
     std::vector<Buffer> skins;   // [slot]
     std::vector<Buffers> shown;  // [slot], or none
     uint32_t slot = 0;           // of the last update
+    // What inertial transitions keep between native updates (NativeRig::inertia_floats())
+    native::AlignedBytes inertia_states;
+    uint64_t inertia_bytes = 0;
+    bool has_updated = false, had_updated = false;  // ever; and before the last record()
 
     Buffer& operator[](uint32_t number) { return buffers[number]; }
     const Buffer& operator[](uint32_t number) const { return buffers[number]; }
+    uint64_t size_bytes() const {
+        uint64_t sum = buffers.size_bytes() + inertia_bytes;
+        for (const Buffer& of_slot : skins) sum += of_slot.size_bytes();
+        for (const Buffers& of_slot : shown) sum += of_slot.size_bytes();
+        return sum;
+    }
     const Buffer& skin() const { return skins[slot]; }
     uint32_t slot_before(uint32_t of) const { return (of == 0 ? static_cast<uint32_t>(skins.size()) : of) - 1; }
     // An output in its slot, for those who read it.
@@ -70,6 +80,13 @@ inline uint32_t batch_index_of(const std::vector<Batch>& batches, uint32_t insta
     return static_cast<uint32_t>(after - batches.begin()) - 1;
 }
 
+// The batch of this number of an instance; null where no group has it.
+inline const Batch* batch_at(const std::vector<Batch>& batches, uint32_t instance) {
+    if (batches.empty() || instance < batches.front().first_instance) return nullptr;
+    const Batch& batch = batches[batch_index_of(batches, instance)];
+    return instance - batch.first_instance < batch.instance_count ? &batch : nullptr;
+}
+
 // An instance of the crowd, in its batch.
 struct InBatch {
     uint32_t batch = 0, instance = 0;
@@ -79,17 +96,20 @@ inline InBatch in_batch(const std::vector<Batch>& batches, uint32_t instance) {
     return {batch, instance - batches[batch].first_instance};
 }
 
-// Cuts ranges of the crowd's instances where batches end: apply(batch, first_instance, count).
+// Cuts ranges of the crowd's instances where batches end: apply(batch, first_instance, count). Numbers that no group
+// has are left out.
 template <class Ranges, class Apply>
 void for_each_part(const std::vector<Batch>& batches, const Ranges& ranges, const Apply& apply) {
-    for (auto [first, count] : ranges)
-        while (count > 0) {
-            const Batch& batch = batches[batch_index_of(batches, first)];
-            const uint32_t n = std::min(count, batch.first_instance + batch.instance_count - first);
-            apply(batch, first, n);
-            first += n;
-            count -= n;
+    for (const auto& [first, count] : ranges) {
+        const uint32_t end = first + count;
+        const auto after = std::ranges::upper_bound(batches, first, {}, &Batch::first_instance);
+        for (auto batch = after == batches.begin() ? after : after - 1;
+             batch != batches.end() && batch->first_instance < end; ++batch) {
+            const uint32_t from = std::max(first, batch->first_instance),
+                           until = std::min(end, batch->first_instance + batch->instance_count);
+            if (from < until) apply(*batch, from, until - from);
         }
+    }
 }
 
 }  // namespace throng

@@ -1,9 +1,19 @@
 #include "crowd/batch_plan.h"
 
 #include <algorithm>
+#include <cstring>
 #include <utility>
 
 namespace throng {
+namespace {
+
+// Of an instance: what inertial transitions keep between native updates.
+uint64_t inertia_bytes(const Group& group) {
+    const bool is_inertial = group.native_rig() && group.controller && group.controller->is_inertial;
+    return is_inertial ? group.native_rig()->inertia_floats() * sizeof(float) : 0;
+}
+
+}  // namespace
 
 void BatchPlan::add(uint32_t number, uint64_t instance_bytes, Make make) {
     limit(instance_bytes);
@@ -22,7 +32,7 @@ void BatchPlan::add_storage(uint32_t number, uint64_t instance_bytes) {
 }
 
 uint64_t BatchPlan::instance_bytes() const {
-    uint64_t sum = unbuffered_bytes_;
+    uint64_t sum = inertia_bytes(group_);
     for (const Entry& entry : entries_) sum += entry.instance_bytes * buffer_count(entry.number);
     return sum;
 }
@@ -41,6 +51,10 @@ uint64_t BatchPlan::buffer_count(uint32_t number) const {
 }
 
 void BatchPlan::make(Uploads& uploads, Batch& batch) const {
+    if (batch.inertia_bytes = batch.instance_count * inertia_bytes(group_); batch.inertia_bytes > 0) {
+        batch.inertia_states = native::aligned_bytes(batch.inertia_bytes);
+        std::memset(batch.inertia_states.get(), 0, batch.inertia_bytes);
+    }
     batch.skins.resize(frame_slot_count(settings_));
     if (settings_.frames_in_flight > 1) batch.shown.resize(batch.skins.size());
     for (const Entry& entry : entries_) {

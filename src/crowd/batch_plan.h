@@ -45,9 +45,6 @@ public:
     // Keeps batches small enough for a buffer that they do not own but share, as the arena of the staged update: of
     // such a buffer, an instance takes this much.
     void limit(uint64_t instance_bytes) { largest_bytes_ = std::max(largest_bytes_, instance_bytes); }
-    // What an instance takes of memory that is no buffer, as native updates do.
-    void count(uint64_t instance_bytes) { unbuffered_bytes_ += instance_bytes; }
-
     const Group& group() const { return group_; }
     const CrowdSettings& settings() const { return settings_; }
     // What an instance takes of everything together.
@@ -74,7 +71,7 @@ private:
     const Group& group_;
     const CrowdSettings& settings_;
     std::vector<Entry> entries_;
-    uint64_t largest_bytes_ = 0, unbuffered_bytes_ = 0, batch_bytes_ = 0;
+    uint64_t largest_bytes_ = 0, batch_bytes_ = 0;
 };
 
 // Skin matrices of so many updates are there at a time.

@@ -32,11 +32,11 @@ void ControlStage::plan(BatchPlan& plan) {
 }
 
 ControlStage::ControlStage(const StageContext& context) : Stage(context), member_of_batch_(batches_.size(), kNone) {
-    playbacks_.reserve(context.instance_count);
+    playbacks_.resize(context.instance_count);
     for (uint32_t i = 0; i < batches_.size(); ++i) {
         const Batch& batch = batches_[i];
         const Group& group = group_of(batch);
-        playbacks_.insert(playbacks_.end(), batch.instance_count, rest_of(group));
+        std::ranges::fill(std::span(playbacks_).subspan(batch.first_instance, batch.instance_count), rest_of(group));
         if (group.controller) continue;
         if (!kernel_) kernel_ = control_kernel(gpu_);
         member_of_batch_[i] = static_cast<uint32_t>(members_.size());
@@ -104,17 +104,16 @@ void ControlStage::record(const Update& update) {
     update.end_stage("control");
 }
 
-void ControlStage::exchange(StateArchive& archive) {
-    archive.values(std::span(playbacks_));
-    archive.changes(dirty_, static_cast<uint32_t>(playbacks_.size()));
-    if (!archive.reads()) return;
-    for (const Batch& batch : batches_)
-        check_playbacks(std::span(playbacks_).subspan(batch.first_instance, batch.instance_count), group_of(batch));
-    for (Member& member : members_) {
-        const Batch& batch = batches_[member.batch];
-        const auto of_batch = std::span(playbacks_).subspan(batch.first_instance, batch.instance_count);
-        member.blending_count = static_cast<uint32_t>(std::ranges::count_if(of_batch, blends));
-    }
+void ControlStage::exchange_group(StateArchive& archive, uint32_t group) {
+    for_each_batch_of(group, [&](const Batch& batch, uint32_t index) {
+        const auto playbacks = std::span(playbacks_).subspan(batch.first_instance, batch.instance_count);
+        archive.values(playbacks);
+        archive.changes(dirty_, batch.first_instance, batch.instance_count);
+        if (!archive.reads()) return;
+        check_playbacks(playbacks, group_of(batch));
+        if (const uint32_t member = member_of_batch_[index]; member != kNone)
+            members_[member].blending_count = static_cast<uint32_t>(std::ranges::count_if(playbacks, blends));
+    });
 }
 
 }  // namespace throng

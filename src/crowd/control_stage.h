@@ -21,7 +21,7 @@ public:
     void begin(const Update& update) override;
     void record(const Update& update) override;
     void discard() override { dirty_.put_back(); }
-    void exchange(StateArchive& archive) override;
+    void exchange_group(StateArchive& archive, uint32_t group) override;
 
 private:
     struct Member {

@@ -167,11 +167,12 @@ uint64_t ControllerStage::size_bytes() const {
     return sum;
 }
 
-void ControllerStage::exchange(StateArchive& archive) {
+void ControllerStage::exchange_group(StateArchive& archive, uint32_t group) {
     for (Member& member : members_) {
+        const Batch& batch = batches_[member.batch];
+        if (batch.group != group) continue;
         archive.list(member.pending, UINT32_MAX);
         if (!archive.reads()) continue;
-        const Batch& batch = batches_[member.batch];
         check_commands(member.pending, batch.instance_count, group_of(batch));
         member.recorded.clear();
         if (!member.pending.empty() && !member.uploaded) make_uploads(member);

@@ -23,7 +23,7 @@ public:
     void record(const Update& update) override;
     // Before what was added since.
     void discard() override;
-    void exchange(StateArchive& archive) override;
+    void exchange_group(StateArchive& archive, uint32_t group) override;
     uint64_t size_bytes() const override;
 
 private:

@@ -52,6 +52,18 @@ Result<GroupPath> Crowd::path(uint32_t group) const {
     });
 }
 
+Result<std::vector<uint32_t>> Crowd::add_groups(Crowd&& other) {
+    return as_result([&] {
+        std::vector<uint32_t> numbers = state().add_groups(other.state());
+        other.state_.reset();
+        return numbers;
+    });
+}
+
+Result<void> Crowd::remove_group(uint32_t group) {
+    return as_result([&] { state().remove_group(group); });
+}
+
 Result<std::vector<InstanceHandle>> Crowd::spawn(uint32_t group, std::span<const Affine> world_from_model) {
     return as_result([&] { return state().spawn(group, world_from_model); });
 }

@@ -51,7 +51,6 @@ void CrowdState::check_groups(const CrowdSettings& settings) const {
 }
 
 void CrowdState::make_groups(Uploads& uploads, const CrowdSettings& settings) {
-    groups.reserve(settings.groups.size());
     NativeRigs rigs;
     for (const CrowdGroup& group : settings.groups) {
         if (const std::string unsupported_reason = skin_format_unsupported_reason(skin_format, *group.character);
@@ -66,7 +65,8 @@ void CrowdState::make_groups(Uploads& uploads, const CrowdSettings& settings) {
                           "not together with keep_previous_matrices where a group has sockets or inertial transitions, "
                           "or is updated stage by stage");
     }
-    if (gpu->is_native() || std::ranges::all_of(groups, &Group::native)) return;
+    natively_ = gpu->is_native() || std::ranges::all_of(groups, &Group::native);
+    if (natively_) return;
     for (Group& group : groups) group.leave_native("another group of the crowd cannot be updated natively");
 }
 
@@ -100,6 +100,7 @@ void CrowdState::make_batches(Uploads& uploads, const BatchPlan& plan, uint32_t 
                    end = static_cast<uint32_t>(count * (i + 1) / batch_count);
         Batch& batch = batches.emplace_back();
         batch.group = group;
+        batch.of_group = static_cast<uint32_t>(i);
         batch.first_instance = instance_count + first;
         batch.instance_count = batch.used_count = end - first;
         plan.make(uploads, batch);
@@ -206,9 +207,10 @@ OutputBlock CrowdState::output_of(const Batch& batch, uint32_t of_slot) const {
             .host = host_outputs(batch, of_slot)};
 }
 
-void CrowdState::make_feedback(const CrowdSettings& settings) {
-    watch_capacity_ = settings.watch_capacity;
-    pose_request_capacity_ = settings.pose_request_capacity;
+// What there is of it stays.
+void CrowdState::make_feedback() {
+    watch_capacity_ = settings_.watch_capacity;
+    pose_request_capacity_ = settings_.pose_request_capacity;
     bool any = pose_request_capacity_ > 0;
     uint64_t most_bytes = 0, most_skin_bytes = 0;  // of one that is watched, or whose pose is requested
     for (const Group& group : groups) {
@@ -221,9 +223,11 @@ void CrowdState::make_feedback(const CrowdSettings& settings) {
         if (group.pose_of_skin)
             most_skin_bytes = std::max(most_skin_bytes, group.palette_count * uint64_t{skin_format_bytes(skin_format)});
     }
-    if (any)
-        feedback.emplace(gpu, settings.event_capacity,
-                         watch_capacity_ * most_bytes + pose_request_capacity_ * most_skin_bytes);
+    if (!any) return;
+    const uint64_t instance_bytes = watch_capacity_ * most_bytes + pose_request_capacity_ * most_skin_bytes;
+    if (feedback) return feedback->make_room(instance_bytes);
+    feedback.emplace(gpu, settings_.event_capacity, instance_bytes);
+    if (population) feedback->restart(population->update_count());
 }
 
 }  // namespace throng

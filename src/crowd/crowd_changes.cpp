@@ -28,19 +28,31 @@ void CrowdState::check_range(uint32_t first_instance, uint32_t count, const char
 }
 
 void CrowdState::check_there(const Instances& instances, const char* what) const {
-    if (!instances.handles()) check_range(instances.first(), instances.size(), what);
-    for (uint32_t i = 0; i < instances.size(); ++i) {
-        if (!instances.handles()) {
-            if (!population) return;
-            refuse_if_shaders_populate(group_of(instances.number(i)), what);
-            if (population->is_alive(instances.number(i))) continue;
-            throw Failure(ErrorCode::kInvalidArgument, what, "instance ", instances.number(i),
-                          " is not there: it has not been spawned, or has gone");
-        }
-        const InstanceHandle& handle = instances.handles()[i];
+    if (!instances.handles()) return check_there(instances.first(), instances.size(), what);
+    for (const InstanceHandle& handle : std::span(instances.handles(), instances.size())) {
         check_range(handle.instance, 1, what);
-        refuse_if_shaders_populate(group_of(handle.instance), what);
+        if (const Batch* const batch = batch_at(batches, handle.instance))
+            refuse_if_shaders_populate(groups[batch->group], what);
         if (!is_alive(handle)) throw Failure(ErrorCode::kInvalidArgument, what, name_of(handle), " is not there");
+    }
+}
+
+void CrowdState::check_there(uint32_t first_instance, uint32_t count, const char* what) const {
+    check_range(first_instance, count, what);
+    const uint32_t end = first_instance + count;
+    for (uint32_t instance = first_instance; instance < end;) {
+        const Batch* const batch = batch_at(batches, instance);
+        if (!batch)
+            throw Failure(ErrorCode::kInvalidArgument, what, "instance ", instance,
+                          " is not there: its group has been removed");
+        const Group& group = groups[batch->group];
+        refuse_if_shaders_populate(group, what);
+        const uint32_t end_of_part = std::min(end, batch->first_instance + batch->instance_count);
+        if (!group.varies) instance = end_of_part;
+        for (; instance < end_of_part; ++instance)
+            if (!population->is_alive(instance))
+                throw Failure(ErrorCode::kInvalidArgument, what, "instance ", instance,
+                              " is not there: it has not been spawned, or has gone");
     }
 }
 
@@ -50,8 +62,9 @@ Instances CrowdState::instances(uint32_t group) const {
     group_at(group);
     uint32_t first = 0, count = 0;
     for (const Batch& batch : batches) {
-        if (batch.group < group) first += batch.instance_count;
-        if (batch.group == group) count += batch.instance_count;
+        if (batch.group != group) continue;
+        if (count == 0) first = batch.first_instance;
+        count += batch.instance_count;
     }
     return Instances::numbered(first, count);
 }
@@ -112,13 +125,13 @@ void CrowdState::detach(const Instances& instances) {
 
 void CrowdState::play(const Instances& instances, uint32_t layer, const Each<LayerPlayback>& playback) {
     send_each(instances, "play", [&](uint32_t i, const Group& group, const std::string& place) {
-        return play_command(group.controller->layer_kinds, group.clip_durations_s, layer, playback[i], place);
+        return play_command(*group.controller->layer_kinds, group.clip_durations_s, layer, playback[i], place);
     });
 }
 
 void CrowdState::set_layer(const Instances& instances, uint32_t layer, const Each<LayerBlend>& blend) {
     send_each(instances, "layer", [&](uint32_t i, const Group& group, const std::string& place) {
-        return layer_command(group.controller->layer_kinds, group.controller->mask_count, layer, blend[i], place);
+        return layer_command(*group.controller->layer_kinds, group.controller->mask_count, layer, blend[i], place);
     });
 }
 

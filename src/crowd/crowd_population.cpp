@@ -9,6 +9,8 @@ const Group& CrowdState::group_at(uint32_t group) const {
     if (group >= groups.size())
         throw Failure(ErrorCode::kInvalidArgument, "crowd",
                       "group " + std::to_string(group) + " of a crowd of " + std::to_string(groups.size()));
+    if (groups[group].is_gone())
+        throw Failure(ErrorCode::kInvalidArgument, "crowd", "group " + std::to_string(group) + " has been removed");
     return groups[group];
 }
 
@@ -74,15 +76,14 @@ void CrowdState::despawn(std::span<const InstanceHandle> instances) {
 }
 
 bool CrowdState::is_alive(const InstanceHandle& instance) const {
-    if (instance.instance >= instance_count) return false;
-    if (!population) return instance.generation == 0;
-    if (group_of(instance.instance).shaders_populate) return false;  // for all that the CPU knows
+    const Batch* const batch = batch_at(batches, instance.instance);
+    if (!batch || groups[batch->group].shaders_populate) return false;  // for all that the CPU knows
     return population->is_alive(instance.instance) && population->generation(instance.instance) == instance.generation;
 }
 
 InstanceHandle CrowdState::handle(uint32_t instance) const {
     check_there(Instances::numbered(instance), "handle");
-    return {instance, population ? population->generation(instance) : 0};
+    return {instance, population->generation(instance)};
 }
 
 uint32_t CrowdState::alive_count(uint32_t group) const {

@@ -83,7 +83,7 @@ std::vector<RequestedPose> CrowdState::take_pose_requests() {
         taken.push_back({.instance = instance,
                          .skin = {batches[of.batch].skin(), of.instance * size_bytes, size_bytes},
                          .skin_format = skin_format,
-                         .pose_of_skin = &*group.pose_of_skin});
+                         .pose_of_skin = group.pose_of_skin});
     }
     return taken;
 }
@@ -91,7 +91,6 @@ std::vector<RequestedPose> CrowdState::take_pose_requests() {
 std::vector<Feedback> CrowdState::take_feedback() {
     if (!feedback) return {};
     std::vector<Feedback> taken = feedback->take();
-    if (!population) return taken;
     for (Feedback& one : taken) {
         const auto tell_generation = [&](auto& of) {
             of.instance.generation = population->generation_at(of.instance.instance, one.update);
@@ -181,19 +180,16 @@ std::vector<DrawnInstance> CrowdState::read_drawn() {
 }
 
 uint64_t CrowdState::size_bytes() const {
-    uint64_t sum = feedback ? feedback->size_bytes() : 0;
+    uint64_t sum = terrain_heights_.size_bytes() + (feedback ? feedback->size_bytes() : 0);
     for (const auto& stage : stages) sum += stage->size_bytes();
+    for (const Retired& retired : retired_) sum += retired.size_bytes();
     std::set<const NativeRig*> rigs;
     for (const Group& group : groups) {
         sum += group.size_bytes();
         for (const FusedJoints& joints : group.fused)
             if (joints.native && rigs.insert(joints.native.get()).second) sum += joints.native->size_bytes();
     }
-    for (const Batch& batch : batches) {
-        sum += batch.buffers.size_bytes();
-        for (const Buffer& skin : batch.skins) sum += skin.size_bytes();
-        for (const Buffers& shown : batch.shown) sum += shown.size_bytes();
-    }
+    for (const Batch& batch : batches) sum += batch.size_bytes();
     return sum;
 }
 

@@ -13,7 +13,7 @@ namespace throng {
 namespace {
 
 constexpr uint64_t kMagic = 0x6574617473676874;  // "thgstate"
-constexpr uint32_t kVersion = 3;
+constexpr uint32_t kVersion = 4;
 
 struct Head {
     uint64_t magic = kMagic;
@@ -57,7 +57,7 @@ void add_controller(Checksum& made_of, const GroupController& controller) {
     made_of.add_all(controller.initial_layers);
     made_of.add_all(controller.initial_parameters);
     made_of.add_all(controller.masks);
-    for (const LayerKind& kind : controller.layer_kinds) made_of.add(kind.state_count);
+    for (const LayerKind& kind : *controller.layer_kinds) made_of.add(kind.state_count);
 }
 
 void add_group(Checksum& made_of, const Group& group) {
@@ -93,8 +93,15 @@ uint64_t CrowdState::fingerprint() const {
     made_of.add(static_cast<uint32_t>(skin_format));
     made_of.add(uint32_t{keeps_previous_});
     made_of.add(uint32_t{cull != nullptr});
-    for (const Group& group : groups) add_group(made_of, group);
-    for (const Batch& batch : batches) made_of.add(batch.instance_count);
+    for (uint32_t group = 0; group < groups.size(); ++group) {
+        if (groups[group].is_gone()) continue;
+        made_of.add(group);
+        add_group(made_of, groups[group]);
+    }
+    for (const Batch& batch : batches) {
+        made_of.add(batch.first_instance);
+        made_of.add(batch.instance_count);
+    }
     for (const KeptBuffer& kept : kept_buffers()) {
         made_of.add(kept.number);
         made_of.add(kept.buffer->size_bytes());
@@ -117,6 +124,10 @@ std::vector<CrowdState::KeptBuffer> CrowdState::kept_buffers() const {
 void CrowdState::exchange(StateArchive& archive) {
     archive.value(full_rate_factor_);
     for (const auto& stage : stages) stage->exchange(archive);
+    for (uint32_t group = 0; group < groups.size(); ++group)
+        for (const auto& stage : stages)
+            if (!groups[group].is_gone()) stage->exchange_group(archive, group);
+    for (Batch& batch : batches) archive.values(std::span(batch.inertia_states.get(), batch.inertia_bytes));
     std::vector<uint32_t> watched;
     for (const Watched& one : watched_) watched.push_back(one.instance);
     archive.list(watched, watch_capacity_);

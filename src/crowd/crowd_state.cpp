@@ -38,12 +38,11 @@ CrowdState::CrowdState(std::shared_ptr<Gpu> gpu_in, const CrowdSettings& asked)
       skin_format(asked.skin_format),
       skin_blend(asked.skin_blend),
       skins_once(asked.skins_once),
-      first_uploads_(gpu),
       keeps_previous_(asked.keep_previous_matrices),
       is_in_flight_(asked.frames_in_flight > 1) {
     const CrowdSettings settings = with_capacity(asked);
     check_groups(settings);
-    Uploads& uploads = first_uploads_.uploads;
+    Uploads& uploads = first_uploads_.emplace_back(std::make_unique<FirstUploads>(gpu))->uploads;
     uploads.shares = true;  // what groups have does not change
     make_groups(uploads, settings);
     uploads.shares = false;
@@ -58,19 +57,23 @@ CrowdState::CrowdState(std::shared_ptr<Gpu> gpu_in, const CrowdSettings& asked)
     }
     check_memory(needed_bytes);
     for (uint32_t i = 0; i < groups.size(); ++i) make_batches(uploads, plans[i], i, settings.groups[i].instance_count);
-    for (uint32_t of = 0; of < frame_slot_count(settings); ++of) {
-        outputs.emplace_back();
-        for (const Batch& batch : batches) outputs.back().push_back(output_of(batch, of));
-    }
+    outputs.resize(frame_slot_count(settings));
+    make_outputs();
     for (Group& group : groups)
         if (group.skin_pool) group.skin_pool->shared_skin = {};
-    make_feedback(settings);
-    make_stages(uploads, settings);
-    if (gpu->is_native()) first_uploads_.finish();
-    if (!settings.timestamps || !gpu->has_timestamps()) return;
-    uint32_t end_count = 0;
-    for (const auto& stage : stages) end_count += stage->end_count();
-    timer = std::make_unique<StageTimer>(gpu, end_count);
+    if (settings.terrain) terrain_heights_ = upload(uploads, "heights of the terrain", settings.terrain->heights);
+    settings_ = settings;
+    if (settings_.terrain) settings_.terrain->heights = {};
+    for (CrowdGroup& group : settings_.groups) {
+        group.character = nullptr;
+        group.controller = nullptr;
+        group.procedural = nullptr;
+    }
+    make_feedback();
+    use_stages(make_stages(uploads));
+    for (uint32_t i = 0; i < groups.size(); ++i) population->begin_group(i);
+    if (gpu->is_native()) finish_uploads();
+    make_timer();
 }
 
 BatchPlan CrowdState::plan_batches(const Group& group, const CrowdSettings& settings) const {
@@ -80,16 +83,23 @@ BatchPlan CrowdState::plan_batches(const Group& group, const CrowdSettings& sett
     return plan;
 }
 
-void CrowdState::make_stages(Uploads& uploads, const CrowdSettings& settings) {
+CrowdState::Stages CrowdState::make_stages(Uploads& uploads) {
+    Stages made;
     const StageContext context{.uploads = uploads,
-                               .settings = settings,
+                               .settings = settings_,
                                .groups = groups,
                                .batches = batches,
                                .instance_count = instance_count,
                                .feedback = feedback ? &*feedback : nullptr,
-                               .before = stages};
+                               .terrain_heights = terrain_heights_,
+                               .before = made};
     for (const StageKind& kind : kStages)
-        if (kind.is_needed(settings)) stages.push_back(kind.make(context));
+        if (kind.is_needed(settings_)) made.push_back(kind.make(context));
+    return made;
+}
+
+void CrowdState::use_stages(Stages made) {
+    stages = std::move(made);
     population = find_stage<PopulationStage>(stages);
     placements = find_stage<PlacementStage>(stages);
     looks = find_stage<LookStage>(stages);
@@ -104,19 +114,50 @@ void CrowdState::make_stages(Uploads& uploads, const CrowdSettings& settings) {
     instance_commands = find_stage<InstanceCommandStage>(stages);
 }
 
+// With room for stages that groups bring along later.
+void CrowdState::make_timer() {
+    if (!settings_.timestamps || !gpu->has_timestamps()) return;
+    constexpr uint32_t kMore = 16;
+    timer_room_ = end_count() + kMore;
+    timer = std::make_unique<StageTimer>(gpu, timer_room_);
+}
+
+uint32_t CrowdState::end_count() const {
+    uint32_t sum = 0;
+    for (const auto& stage : stages) sum += stage->end_count();
+    return sum;
+}
+
+void CrowdState::make_outputs() {
+    for (uint32_t of = 0; of < outputs.size(); ++of) {
+        outputs[of].clear();
+        for (const Batch& batch : batches) outputs[of].push_back(output_of(batch, of));
+    }
+}
+
+void CrowdState::record_uploads(VkCommandBuffer commands) {
+    for (const auto& uploads : first_uploads_) uploads->record(commands);
+}
+
+void CrowdState::finish_uploads() {
+    for (const auto& uploads : first_uploads_) uploads->finish();
+}
+
+void CrowdState::follow_placements() {
+    placements->follow(has_updated_ && (!awaits_commands_ || first_uploads_.front()->first_update_has_run()));
+}
+
 Update CrowdState::update_of(VkCommandBuffer commands, float time_step_s, const io::CullView& view) const {
     return {.commands = commands, .time_step_s = time_step_s, .view = view, .timer = timer.get()};
 }
 
-bool CrowdState::is_native(bool occlusion) const {
-    return gpu->is_native() || (std::ranges::all_of(groups, &Group::native) && !occlusion);
-}
+bool CrowdState::is_native(bool occlusion) const { return gpu->is_native() || (natively_ && !occlusion); }
 
 void CrowdState::update(float time_step_s, const CrowdView* view) {
     if (!is_native(view && view->occlusion)) {
         gpu->submit_and_wait([&](VkCommandBuffer commands) { record(commands, time_step_s, view); });
         can_discard_ = false;
-        first_uploads_.poll();
+        free_what_may_go();
         return;
     }
     if (!gpu->is_native()) gpu->wait_idle();  // what was submitted may still read what is written now
@@ -153,7 +194,8 @@ void CrowdState::record(VkCommandBuffer commands, float time_step_s, const Crowd
                    kShaderRead | kShaderWrite | kTransferWrite);
     check_runs(commands == VK_NULL_HANDLE);
     if (feedback) feedback->begin(commands);  // before anything is taken up, since it may refuse
-    first_uploads_.begin_update(commands);
+    for (const auto& uploads : first_uploads_) uploads->begin_update(commands);
+    free_what_may_go();
     awaits_commands_ = can_discard_ = commands != VK_NULL_HANDLE;  // a native update has run when this returns
     const Update update = update_of(commands, time_step_s, seen);
     for (const auto& stage : stages) stage->begin(update);
@@ -164,9 +206,11 @@ void CrowdState::record(VkCommandBuffer commands, float time_step_s, const Crowd
     if (timer) timer->publish(commands);
     if (feedback) feedback->end(commands, watched_, take_pose_requests());
     placements->end(commands);
-    if (!has_updated_) copy_to_previous(commands);
+    copy_to_previous(commands);
     had_updated_ = std::exchange(has_updated_, true);
+    for (Batch& batch : batches) batch.had_updated = std::exchange(batch.has_updated, true);
     copy_shown(commands);
+    for (Retired& retired : retired_) retired.record(commands);
     // The application's shaders may write commands for the next one as soon as those of this one are done
     memory_barrier(*gpu, commands, kShaderWrite | kTransferWrite,
                    instance_commands ? consumers() | kShaderWrite | kTransferWrite : consumers());
@@ -201,7 +245,9 @@ void CrowdState::discard_last_record() {
                       "there is no record() to discard, or it has been discarded, or an update() has run since");
     can_discard_ = false;
     has_updated_ = had_updated_;
-    first_uploads_.discard_update();
+    for (Batch& batch : batches) batch.has_updated = batch.had_updated;
+    for (const auto& uploads : first_uploads_) uploads->discard_update();
+    for (Retired& retired : retired_) retired.discard();
     for (const auto& stage : stages) stage->discard();
     if (feedback) feedback->discard();
     pose_requests_.insert(pose_requests_.begin(), recorded_pose_requests_.begin(), recorded_pose_requests_.end());
@@ -225,17 +271,26 @@ float CrowdState::budgeted_full_rate_pixels(const CrowdView* view) {
     return full_rate_factor_ > 1 ? std::max(view->full_rate_pixels, 1.0f) * full_rate_factor_ : view->full_rate_pixels;
 }
 
+void CrowdState::free_what_may_go() {
+    for (const auto& uploads : first_uploads_) uploads->poll();
+    // The first knows whether an update has run
+    const auto is_over = [](const auto& uploads) { return uploads->is_done(); };
+    first_uploads_.erase(std::remove_if(first_uploads_.begin() + 1, first_uploads_.end(), is_over),
+                         first_uploads_.end());
+    std::erase_if(retired_, [](const Retired& retired) { return retired.may_go(); });
+}
+
 void CrowdState::go_to_slot(uint32_t next) {
     slot = next;
     for (Batch& batch : batches) batch.slot = next;
 }
 
-// The first update has none before it: nothing has moved.
+// The first update of a group has none before it: nothing has moved.
 void CrowdState::copy_to_previous(VkCommandBuffer commands) const {
-    if (!keeps_previous_) return;
+    if (!keeps_previous_ || std::ranges::all_of(batches, &Batch::has_updated)) return;
     memory_barrier(*gpu, commands, kShaderRead | kShaderWrite, kTransferRead | kTransferWrite);
     for (const Batch& batch : batches)
-        record_copy(*gpu, commands, batch.skin(), batch.skins[batch.slot_before(batch.slot)]);
+        if (!batch.has_updated) record_copy(*gpu, commands, batch.skin(), batch.skins[batch.slot_before(batch.slot)]);
 }
 
 void CrowdState::copy_shown(VkCommandBuffer commands) const {

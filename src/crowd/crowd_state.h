@@ -18,27 +18,30 @@
 #include "crowd/population_stage.h"
 #include "crowd/pose_stage.h"
 #include "crowd/procedural_stage.h"
+#include "crowd/retired.h"
 #include "crowd/skin_stage.h"
 #include "crowd/staged_update.h"
 #include "crowd/steer_stage.h"
 
 #include <throng/crowd.h>
 
+#include <map>
 #include <memory>
 #include <optional>
 
 namespace throng {
 
-struct CrowdLife {};
-
 struct CrowdState {
     CrowdState(std::shared_ptr<Gpu> gpu, const CrowdSettings& settings);
 
     const Group& group_at(uint32_t group) const;  // throws kInvalidArgument
+    // Takes over all groups of another crowd, which then has none; the numbers that they have here.
+    std::vector<uint32_t> add_groups(CrowdState& from);
+    void remove_group(uint32_t group);
     std::vector<InstanceHandle> spawn(uint32_t group, std::span<const Affine> world_from_model);
     void despawn(std::span<const InstanceHandle> instances);
     bool is_alive(const InstanceHandle& instance) const;
-    bool is_there(uint32_t instance) const { return !population || population->is_alive(instance); }
+    bool is_there(uint32_t instance) const { return batch_at(batches, instance) && population->is_alive(instance); }
     InstanceHandle handle(uint32_t instance) const;
     uint32_t alive_count(uint32_t group) const;
     Instances instances(uint32_t group) const;
@@ -61,11 +64,9 @@ struct CrowdState {
     // Whether update() computes natively; with occlusion it does not.
     bool is_native(bool occlusion) const;
     // What the buffers begin with, where no update and neither of these has brought it there; the second waits for it.
-    void record_uploads(VkCommandBuffer commands) { first_uploads_.record(commands); }
-    void finish_uploads() { first_uploads_.finish(); }
-    void follow_placements() {
-        placements->follow(has_updated_ && (!awaits_commands_ || first_uploads_.first_update_has_run()));
-    }
+    void record_uploads(VkCommandBuffer commands);
+    void finish_uploads();
+    void follow_placements();
     void update(float time_step_s, const CrowdView* view);
     // A command buffer of VK_NULL_HANDLE: natively, at once.
     void record(VkCommandBuffer commands, float time_step_s, const CrowdView* view);
@@ -81,14 +82,12 @@ struct CrowdState {
     uint64_t size_bytes() const;
 
     std::shared_ptr<Gpu> gpu;
-    // By it others know this crowd from one that is made later at the same place, and when it is gone.
-    std::shared_ptr<const CrowdLife> life = std::make_shared<const CrowdLife>();
     uint32_t instance_count = 0;
     SkinFormat skin_format = SkinFormat::kAffine;
     SkinBlend skin_blend = SkinBlend::kLinear;
     bool skins_once = false;
-    std::vector<Group> groups;
-    std::vector<Batch> batches;
+    std::deque<Group> groups;    // with gaps, Group::is_gone(), which groups that come later fill
+    std::vector<Batch> batches;  // in ascending order of their instances; numbers between them belong to nobody
     std::vector<std::vector<OutputBlock>> outputs;  // [frame slot][batch]
     uint32_t slot = 0;                              // of the last update
     std::unique_ptr<StageTimer> timer;
@@ -96,7 +95,7 @@ struct CrowdState {
 
     // In the order of an update; those below are among them, null where the crowd does not need them.
     std::vector<std::unique_ptr<Stage>> stages;
-    PopulationStage* population = nullptr;
+    PopulationStage* population = nullptr;  // this and the next are always there
     PlacementStage* placements = nullptr;
     LookStage* looks = nullptr;
     ControlStage* control = nullptr;
@@ -126,11 +125,16 @@ private:
     OutputBlock output_of(const Batch& batch, uint32_t slot) const;
     uint64_t skin_row_count(const Batch& batch) const;
     HostOutputs host_outputs(const Batch& batch, uint32_t slot) const;
-    void make_feedback(const CrowdSettings& settings);
+    void make_feedback();
     std::vector<RequestedPose> take_pose_requests();
-    void make_stages(Uploads& uploads, const CrowdSettings& settings);
+    using Stages = std::vector<std::unique_ptr<Stage>>;
+    Stages make_stages(Uploads& uploads);
+    void use_stages(Stages made);
+    void make_timer();
+    void make_outputs();
     Update update_of(VkCommandBuffer commands, float time_step_s, const io::CullView& view) const;
     void check_runs(bool natively);
+    void free_what_may_go();
     void go_to_slot(uint32_t next);
     Access consumers() const;
     void copy_shown(VkCommandBuffer commands) const;
@@ -148,6 +152,7 @@ private:
     void copy_to_previous(VkCommandBuffer commands) const;
     // Of a call that names instances: throws kInvalidArgument where one is not there.
     void check_there(const Instances& instances, const char* what) const;
+    void check_there(uint32_t first_instance, uint32_t count, const char* what) const;
     void check_readable(const InstanceHandle& handle) const;
     static void refuse_if_shaders_populate(const Group& group, const char* what);
     void check_range(uint32_t first_instance, uint32_t count, const char* what) const;
@@ -158,7 +163,41 @@ private:
     uint32_t read_skin_row(const Group& group, const Batch& batch, uint32_t instance) const;
     uint32_t joint_set_of(const Batch& batch, uint32_t instance) const;
 
-    FirstUploads first_uploads_;
+    // Groups that come and go: crowd_groups.cpp
+    struct StageState {
+        const Stage* stage = nullptr;
+        std::vector<std::byte> of_crowd;
+        std::map<uint32_t, std::vector<std::byte>> of_groups;
+    };
+    // A group that joins the crowd, or leaves it.
+    struct Move {
+        uint32_t from = 0, to = 0;                         // groups; to none: kNone
+        uint32_t first_from = 0, first_to = 0, count = 0;  // its instances
+    };
+    struct Part {
+        Group group;
+        CrowdGroup settings;
+        std::vector<Batch> batches;
+    };
+    void check_may_change(const char* what) const;
+    void check_goes_with(const CrowdState& other) const;
+    std::vector<StageState> stage_states() const;
+    Move plan_move(const CrowdState& from, uint32_t group, std::span<const Move> others) const;
+    Part take_out(uint32_t group);
+    void put_in(Part part, uint32_t group, uint32_t first_instance);
+    void count_instances();
+    Stages remade_stages(std::span<const StageState> before, std::span<const StageState> joining,
+                         std::span<const Move> moves);
+    void go_on_with(Stages made, std::optional<Part> gone);
+    void retire(Retired::Things things);
+    uint32_t end_count() const;
+
+    CrowdSettings settings_;                                    // without what the application owns
+    std::vector<std::unique_ptr<FirstUploads>> first_uploads_;  // of the crowd, and of what has come later
+    std::vector<Retired> retired_;
+    Buffer terrain_heights_;
+    uint32_t timer_room_ = 0;  // StageTimer's most_stages
+    bool natively_ = false;    // all groups are updated natively, where that is possible
     bool keeps_previous_ = false;
     bool is_in_flight_ = false;          // drawing may read the outputs of one update while the next one runs
     std::optional<Kernel> skin_kernel_;  // made when positions are first read back

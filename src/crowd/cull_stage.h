@@ -29,6 +29,8 @@ public:
     // Throws kInvalidArgument where the last begin() was for no view with occlusion, or its second half is recorded
     // already.
     void record_disoccluded(const Update& update, const DepthImage& depths) override;
+    // Whether record_disoccluded() is to come.
+    bool is_half_done() const { return is_half_done_; }
     uint32_t end_count() const override { return 3; }
     // What a batch has listed, after the last update that has finished.
     std::vector<DrawnInstance> read(uint32_t batch) const;

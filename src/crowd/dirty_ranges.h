@@ -25,6 +25,20 @@ public:
             ranges_.push_back({first, count});
     }
 
+    // These have not changed.
+    void remove(uint32_t first, uint32_t count) {
+        std::vector<Range> others;
+        for (const Range& range : pending()) {
+            const uint32_t end = range.first + range.count, removed_end = first + count;
+            if (range.first < first) others.push_back({range.first, std::min(end, first) - range.first});
+            if (end > removed_end) {
+                const uint32_t begin = std::max(range.first, removed_end);
+                others.push_back({begin, end - begin});
+            }
+        }
+        ranges_ = std::move(others);
+    }
+
     // The changed instances in ascending order, each once.
     std::vector<Range> pending() const {
         std::vector<Range> ranges = ranges_, merged;

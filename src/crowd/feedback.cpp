@@ -25,14 +25,18 @@ Affine over_the_ground(const std::array<float, 4>& move) {
 }  // namespace
 
 FeedbackRing::FeedbackRing(std::shared_ptr<Gpu> gpu, uint32_t event_capacity, uint64_t instance_bytes)
-    : gpu_(std::move(gpu)), event_capacity_(event_capacity) {
+    : gpu_(std::move(gpu)), event_capacity_(event_capacity), instance_bytes_(instance_bytes) {
     const uint64_t size_bytes = sizeof(io::EventHead) + event_capacity * uint64_t{sizeof(io::EventRecord)};
     events_ = Buffer(gpu_, "events", size_bytes, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT);
     for (Slot& slot : slots_) {
-        slot.copy = Buffer(gpu_, "feedback", size_bytes + instance_bytes, VK_BUFFER_USAGE_TRANSFER_DST_BIT,
-                           MemoryKind::kReadback);
+        slot.copy = make_copy();
         slot.done = DeviceEvent(gpu_);
     }
+}
+
+Buffer FeedbackRing::make_copy() const {
+    return {gpu_, "feedback", events_.size_bytes() + instance_bytes_, VK_BUFFER_USAGE_TRANSFER_DST_BIT,
+            MemoryKind::kReadback};
 }
 
 // Never submitted, and nobody said so: a later update has run, and updates run in the order in which they were
@@ -52,6 +56,10 @@ void FeedbackRing::begin(VkCommandBuffer commands) {
                           " may be in flight; of one that will never be submitted, tell by discard_last_record()");
     }
     if (!is_free) slot.update.is_read = true;  // there is nothing to read
+    if (slot.copy.size_bytes() < events_.size_bytes() + instance_bytes_) {
+        slot.copy = make_copy();
+        slot.update.is_read = true;  // what it told has gone
+    }
     slot.done.reset();
     slot.before = std::exchange(slot.update, {.number = ++update_count_, .is_read = false, .watched = {}, .poses = {}});
     record_fill(*gpu_, commands, BufferRange(events_, 0, sizeof(io::EventHead)), 0);
@@ -146,7 +154,7 @@ void FeedbackRing::read_watched(const Slot& slot, const std::byte*& at, Feedback
         append(layers, one.layers.size_bytes);
         watched.move = over_the_ground(move);
         for (size_t layer = 0; layer < layers.size(); ++layer) {
-            append_played(arrays.motions, layers[layer], one.layer_kinds[layer], one.clip_count);
+            append_played(arrays.motions, layers[layer], (*one.layer_kinds)[layer], one.clip_count);
             motion_counts.push_back(layers[layer].play_count);
         }
     }
@@ -163,7 +171,7 @@ void FeedbackRing::read_watched(const Slot& slot, const std::byte*& at, Feedback
         };
         watched.sockets = next(arrays.sockets, socket, one.sockets.size_bytes / sizeof(Affine));
         watched.parameters = next(arrays.parameters, parameter, one.parameters.size_bytes / sizeof(float));
-        watched.layers = next(arrays.layers, layer, one.layer_kinds.size());
+        watched.layers = next(arrays.layers, layer, one.layer_kinds ? one.layer_kinds->size() : 0);
     }
 }
 

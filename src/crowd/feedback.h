@@ -9,6 +9,7 @@
 
 #include <throng/crowd.h>
 
+#include <algorithm>
 #include <array>
 #include <span>
 
@@ -16,14 +17,14 @@ namespace throng {
 
 // What is read of an instance, where it lies on the device.
 struct Watched {
-    uint32_t instance = 0;                   // of the crowd
-    BufferRange placement;                   // Affine
-    BufferRange move;                        // float4: x, z, cosine, sine; none where there is no root motion
-    BufferRange sockets;                     // Affine[]; likewise
-    BufferRange parameters;                  // float[]; none where there is no controller
-    BufferRange layers;                      // io::LayerState[layer_kinds]; likewise
-    std::span<const LayerKind> layer_kinds;  // of the group
-    uint32_t clip_count = 0;                 // of the character
+    uint32_t instance = 0;   // of the crowd
+    BufferRange placement;   // Affine
+    BufferRange move;        // float4: x, z, cosine, sine; none where there is no root motion
+    BufferRange sockets;     // Affine[]; likewise
+    BufferRange parameters;  // float[]; none where there is no controller
+    BufferRange layers;      // io::LayerState[layers]; likewise
+    std::shared_ptr<const std::vector<LayerKind>> layer_kinds;  // of the group; none where there is no controller
+    uint32_t clip_count = 0;                                    // of the character
 
     std::array<BufferRange, 5> parts() const { return {placement, move, sockets, parameters, layers}; }
 };
@@ -33,7 +34,7 @@ struct RequestedPose {
     uint32_t instance = 0;  // of the crowd
     BufferRange skin;       // [palette_count]
     SkinFormat skin_format = SkinFormat::kAffine;
-    const PoseOfSkin* pose_of_skin = nullptr;  // of the group
+    std::shared_ptr<const PoseOfSkin> pose_of_skin{};  // of the group
 };
 
 class FeedbackRing {
@@ -45,6 +46,9 @@ public:
 
     const Buffer& events() const { return events_; }  // io::EventHead, then io::EventRecord[event_capacity]
     uint32_t event_capacity() const { return event_capacity_; }
+
+    // From the next update on there is room for so much, as in the constructor.
+    void make_room(uint64_t instance_bytes) { instance_bytes_ = std::max(instance_bytes_, instance_bytes); }
 
     uint64_t update_count() const { return update_count_; }
     // Goes on behind so many updates, as if nothing of them were left to report. None is under way.
@@ -72,6 +76,7 @@ private:
         DeviceEvent done;
         Update update, before;  // what the slot had before the update, which may be discarded
     };
+    Buffer make_copy() const;
     Slot& last_slot() { return slots_[(update_count_ - 1) % slots_.size()]; }
     bool was_dropped(const Slot& slot) const;
     Feedback read(const Slot& slot) const;
@@ -81,6 +86,7 @@ private:
 
     std::shared_ptr<Gpu> gpu_;
     uint32_t event_capacity_;
+    uint64_t instance_bytes_;
     Buffer events_;
     std::array<Slot, 4> slots_;
     uint64_t update_count_ = 0;

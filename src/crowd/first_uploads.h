@@ -22,6 +22,7 @@ public:
     void discard_update();
     // Frees the staging memory once they have run.
     void poll();
+    bool is_done() const { return state_ == State::kDone; }
     // Whether the commands of a first update that was recorded are known to have run.
     bool first_update_has_run() const { return has_event_ && have_run_.is_set(); }
     // Before something is read, where they have not been recorded: submits them and waits; on a software device the

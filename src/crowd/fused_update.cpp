@@ -2,12 +2,10 @@
 
 #include "bind/sockets.h"
 #include "crowd/group_skin_pool.h"
-#include "crowd/state_archive.h"
 #include "cull/cull_io.h"
 #include "native/native.h"
 
 #include <algorithm>
-#include <cstring>
 
 namespace throng {
 namespace {
@@ -15,12 +13,6 @@ namespace {
 template <class T>
 T* in_memory(const Buffer& buffer) {
     return reinterpret_cast<T*>(buffer.mapped());
-}
-
-// What an instance's inertial transitions keep between native updates.
-uint64_t inertia_bytes(const Group& group) {
-    const bool is_inertial = group.native_rig() && group.controller && group.controller->is_inertial;
-    return is_inertial ? group.native_rig()->inertia_floats() * sizeof(float) : 0;
 }
 
 }  // namespace
@@ -42,7 +34,6 @@ void FusedUpdate::plan(BatchPlan& plan) {
     if (group.sockets) plan.add_storage(io::kSocketsBuffer, group.socket_count() * sizeof(Affine));
     if (settings.keep_model_matrices && !group.sockets_only)
         plan.add_storage(io::kModelBuffer, group.joint_count * sizeof(Affine));
-    plan.count(inertia_bytes(group));
 }
 
 FusedUpdate::FusedUpdate(const StageContext& context)
@@ -60,31 +51,11 @@ FusedUpdate::FusedUpdate(const StageContext& context)
         const Batch& batch = batches_[i];
         const Group& group = group_of(batch);
         if (group.fused.empty()) continue;
-        Member& member = members_.emplace_back(Member{.batch = i, .sets = {}, .sockets = {}, .inertia_states = {}});
-        if (const uint64_t size_bytes = batch.instance_count * inertia_bytes(group); size_bytes > 0) {
-            member.inertia_states = native::aligned_bytes(size_bytes);
-            std::memset(member.inertia_states.get(), 0, size_bytes);
-        }
+        Member& member = members_.emplace_back(Member{.batch = i, .sets = {}, .sockets = {}});
         if (!gpu_->is_native()) bind(member);
         if (!group.sockets || group.socket_space != SocketSpace::kWorld) continue;
         if (!sockets_) sockets_ = socket_kernel(gpu_);
         member.sockets = sockets_->bind(batch.table(group, batch[io::kSocketsBuffer]));
-    }
-}
-
-uint64_t FusedUpdate::size_bytes() const {
-    uint64_t sum = 0;
-    for (const Member& member : members_) {
-        const Batch& batch = batches_[member.batch];
-        sum += batch.instance_count * inertia_bytes(group_of(batch));
-    }
-    return sum;
-}
-
-void FusedUpdate::exchange(StateArchive& archive) {
-    for (Member& member : members_) {
-        const Batch& batch = batches_[member.batch];
-        archive.values(std::span(member.inertia_states.get(), batch.instance_count * inertia_bytes(group_of(batch))));
     }
 }
 
@@ -190,7 +161,7 @@ void FusedUpdate::update_natively(const Member& member, uint32_t set, const Buff
                           .active_clip_limit = group.controller ? group.controller->active_clip_limit : 0,
                           .masks = reinterpret_cast<const float*>(joints.native_masks.get()),
                           .inertias = in_memory<const io::InstanceInertia>(batch[io::kInertiasBuffer]),
-                          .inertia_states = reinterpret_cast<float*>(member.inertia_states.get()),
+                          .inertia_states = reinterpret_cast<float*>(batch.inertia_states.get()),
                           .pose_overrides = in_memory<const io::InstancePose>(batch[io::kPoseOverridesBuffer]),
                           .set_poses = poses_.native_poses(batch.group),
                           .skin_format = skin_format_,

@@ -17,9 +17,7 @@ public:
     void record(const Update& update) override;
     // Animates the groups that are animated only where drawn.
     void record_disoccluded(const Update& update, const DepthImage& depths) override;
-    void exchange(StateArchive& archive) override;
     uint32_t end_count() const override { return 2; }
-    uint64_t size_bytes() const override;
 
 private:
     // One clip an instance costs about half of two, so a batch in which none blends has a kernel that does not look for
@@ -33,9 +31,8 @@ private:
     };
     struct Member {
         uint32_t batch = 0;
-        std::vector<SetBindings> sets;        // of joints
-        Bindings sockets;                     // where they go to world space
-        native::AlignedBytes inertia_states;  // of native updates, where there are inertial transitions
+        std::vector<SetBindings> sets;  // of joints
+        Bindings sockets;               // where they go to world space
     };
     Kernels make_kernels(const Group& group, size_t set, const CrowdSettings& settings) const;
     void bind(Member& member) const;

@@ -39,9 +39,9 @@ struct GroupController {
 
     uint32_t layer_count = 0, parameter_count = 0, mask_count = 0, active_clip_limit = 0;
     bool moves_placements = false;
-    bool is_inertial = false;            // has inertial transitions or plays
-    uint32_t model_layer_count = 0;      // layers that blend rotations in model space
-    std::vector<LayerKind> layer_kinds;  // [layer_count]
+    bool is_inertial = false;                                   // has inertial transitions or plays
+    uint32_t model_layer_count = 0;                             // layers that blend rotations in model space
+    std::shared_ptr<const std::vector<LayerKind>> layer_kinds;  // [layer_count]; feedback keeps it longer
     std::vector<io::LayerState> initial_layers;
     std::vector<float> initial_parameters;
     std::vector<float> masks;  // [mask][joint]
@@ -69,10 +69,15 @@ struct GroupSkinPool {
     uint32_t row_count(uint32_t instance_count) const { return std::min(capacity, instance_count); }
 };
 
+struct GroupLife {};
+
 struct Group {
+    Group() = default;  // is_gone()
     Group(Uploads& uploads, NativeRigs& rigs, const CrowdGroup& group, const PathChoice& choice,
           const CrowdSettings& settings);
 
+    // By it others know this group from one that is made later at the same place, and when it is gone.
+    std::shared_ptr<const GroupLife> life = std::make_shared<const GroupLife>();
     std::string name;
     bool varies = false;         // instances come and go: CrowdGroup::capacity
     uint32_t initial_count = 0;  // of instances, where it does
@@ -112,7 +117,7 @@ struct Group {
     std::array<uint32_t, io::kLodCount> set_entry_counts{};  // [fused], palette entries of each set of joints
     bool uniform_scale = false;                              // Rig::uniform_scale
     uint32_t pose_capacity = 0;
-    std::optional<PoseOfSkin> pose_of_skin;  // where poses may be requested
+    std::shared_ptr<const PoseOfSkin> pose_of_skin;  // where poses may be requested
     std::optional<GroupSkinPool> skin_pool;
     uint32_t influence_count = 0;  // of one set of joints; those of each set lie one after another
     uint32_t morph_count = 0;
@@ -121,6 +126,7 @@ struct Group {
     std::vector<std::vector<uint32_t>> section_materials;  // [section], as io::SectionLook has them, that some outfit
                                                            // shows it in
 
+    bool is_gone() const { return joint_count == 0; }
     const Buffer& operator[](uint32_t number) const { return buffers[number]; }
     // It is not updated natively, though it was chosen. Throws kUnsupported where it must be.
     void leave_native(const std::string& reason);

@@ -79,11 +79,13 @@ void LookStage::begin(const Update& update) {
     });
 }
 
-void LookStage::exchange(StateArchive& archive) {
-    archive.values(std::span(looks_));
-    archive.changes(dirty_, static_cast<uint32_t>(looks_.size()));
-    if (!archive.reads()) return;
-    for (uint32_t i = 0; i < looks_.size(); ++i) check_looks(std::span(looks_).subspan(i, 1), group_at(i).outfit_count);
+void LookStage::exchange_group(StateArchive& archive, uint32_t group) {
+    for_each_batch_of(group, [&](const Batch& batch, uint32_t) {
+        const auto looks = std::span(looks_).subspan(batch.first_instance, batch.instance_count);
+        archive.values(looks);
+        archive.changes(dirty_, batch.first_instance, batch.instance_count);
+        if (archive.reads()) check_looks(looks, group_of(batch).outfit_count);
+    });
 }
 
 }  // namespace throng

@@ -28,7 +28,7 @@ public:
 
     void begin(const Update& update) override;
     void discard() override { dirty_.put_back(); }
-    void exchange(StateArchive& archive) override;
+    void exchange_group(StateArchive& archive, uint32_t group) override;
     uint32_t end_count() const override { return 0; }
 
 private:

@@ -101,13 +101,16 @@ void PlacementStage::discard() {
     if (followed_) followed_->discard();
 }
 
-void PlacementStage::exchange(StateArchive& archive) {
-    archive.values(std::span(placements_));
-    archive.changes(dirty_, static_cast<uint32_t>(placements_.size()));
-    if (!archive.reads()) return;
-    StateArchive::require(std::ranges::all_of(placements_, is_finite), "a placement is not finite");
-    for (Batch& batch : batches_) ++batch.move_count;
-    std::ranges::fill(set_for_, update_count_ + 1);
+void PlacementStage::exchange_group(StateArchive& archive, uint32_t group) {
+    for_each_batch_of(group, [&](Batch& batch, uint32_t) {
+        const auto placements = std::span(placements_).subspan(batch.first_instance, batch.instance_count);
+        archive.values(placements);
+        archive.changes(dirty_, batch.first_instance, batch.instance_count);
+        if (!archive.reads()) return;
+        StateArchive::require(std::ranges::all_of(placements, is_finite), "a placement is not finite");
+        ++batch.move_count;
+        std::ranges::fill(std::span(set_for_).subspan(batch.first_instance, batch.instance_count), update_count_ + 1);
+    });
 }
 
 }  // namespace throng

@@ -24,6 +24,7 @@ public:
     // From now on known() has what updates do. Where the buffers `are_filled`, it waits for those that have been
     // submitted and takes over what they have done.
     void follow(bool are_filled);
+    bool is_followed() const { return followed_.has_value(); }
     // [instance_count], as the CPU knows them: as last set or, where they are followed, as an update has left them of
     // which it has heard since.
     const std::vector<Affine>& known();
@@ -31,7 +32,7 @@ public:
     void begin(const Update& update) override;
     void end(VkCommandBuffer commands);  // behind the last kernel of an update
     void discard() override;
-    void exchange(StateArchive& archive) override;
+    void exchange_group(StateArchive& archive, uint32_t group) override;
     uint32_t end_count() const override { return 0; }
     uint64_t size_bytes() const override { return followed_ ? followed_->size_bytes() : 0; }
 

@@ -36,33 +36,55 @@ CrowdSettings with_capacity(CrowdSettings settings) {
     return settings;
 }
 
-bool PopulationStage::is_needed(const CrowdSettings& settings) {
-    return std::ranges::any_of(settings.groups, [](const CrowdGroup& group) { return group.capacity > 0; });
-}
-
 void PopulationStage::plan(BatchPlan& plan) {
     if (plan.group().varies) plan.add_filled_table(io::kBirthsBuffer, std::vector<uint32_t>(1));
 }
 
 PopulationStage::PopulationStage(const StageContext& context)
     : Stage(context), has_feedback_(context.feedback), populations_(groups_.size()) {
+    std::vector<uint32_t> counts(groups_.size());
     for (const Batch& batch : batches_) {
-        const Group& group = group_of(batch);
-        Population& population = populations_[batch.group];
-        if (!group.varies || population.slots.capacity() > 0) continue;
-        const uint32_t capacity = context.settings.groups[batch.group].instance_count;
-        population = {.first_instance = batch.first_instance,
-                      .slots = Slots(capacity),
-                      .births = std::vector<uint32_t>(capacity),
-                      .generations = std::vector<uint32_t>(capacity),
-                      .is_of_shaders = group.shaders_populate};
-        spawn(batch.group, group.initial_count);
+        if (counts[batch.group] == 0) populations_[batch.group].first_instance = batch.first_instance;
+        counts[batch.group] += batch.instance_count;
+    }
+    for (size_t i = 0; i < groups_.size(); ++i) {
+        if (!groups_[i].varies) continue;
+        Population& population = populations_[i];
+        population.slots = Slots(counts[i]);
+        population.births.resize(counts[i]);
+        population.generations.resize(counts[i]);
+        population.is_of_shaders = groups_[i].shaders_populate;
     }
 }
 
-const PopulationStage::Population* PopulationStage::population_of(uint32_t instance) const {
-    const Population& population = populations_[batches_[batch_index_of(batches_, instance)].group];
-    return population.slots.capacity() > 0 ? &population : nullptr;
+void PopulationStage::begin_group(uint32_t group) {
+    if (groups_[group].varies) spawn(group, groups_[group].initial_count);
+}
+
+void PopulationStage::join_group(uint32_t group) {
+    Population& population = populations_[group];
+    population.generation += next_generation_;
+    for (uint32_t& generation : population.generations) generation += next_generation_;
+    for (uint32_t& birth : population.births)
+        if (birth != 0) birth = birth_of(update_number_ + 1);
+}
+
+// Feedback of updates that are under way may name them.
+void PopulationStage::end_group(uint32_t group) {
+    const Population& population = populations_[group];
+    next_generation_ = std::max(next_generation_, population.generation + 1);
+    for (const uint32_t generation : population.generations)
+        next_generation_ = std::max(next_generation_, generation + 1);
+    if (!has_feedback_) return;
+    std::unordered_map<uint32_t, uint32_t>& gone = deaths_after_last_update().generations;
+    for_each_batch_of(group, [&](const Batch& batch, uint32_t) {
+        for (uint32_t i = batch.first_instance; i < batch.first_instance + batch.instance_count; ++i)
+            gone.try_emplace(i, generation(i));
+    });
+}
+
+const PopulationStage::Population& PopulationStage::population_of(uint32_t instance) const {
+    return populations_[batches_[batch_index_of(batches_, instance)].group];
 }
 
 std::vector<uint32_t> PopulationStage::spawn(uint32_t group, uint32_t count) {
@@ -101,13 +123,14 @@ void PopulationStage::despawn(uint32_t instance) {
 }
 
 bool PopulationStage::is_alive(uint32_t instance) const {
-    const Population* const population = population_of(instance);
-    return !population || population->births[instance - population->first_instance] != 0;
+    const Population& population = population_of(instance);
+    return population.births.empty() || population.births[instance - population.first_instance] != 0;
 }
 
 uint32_t PopulationStage::generation(uint32_t instance) const {
-    const Population* const population = population_of(instance);
-    return population ? population->generations[instance - population->first_instance] : 0;
+    const Population& population = population_of(instance);
+    return population.generations.empty() ? population.generation
+                                          : population.generations[instance - population.first_instance];
 }
 
 uint32_t PopulationStage::generation_at(uint32_t instance, uint64_t update) const {
@@ -116,7 +139,7 @@ uint32_t PopulationStage::generation_at(uint32_t instance, uint64_t update) cons
         const auto found = deaths.generations.find(instance);
         if (found != deaths.generations.end()) return found->second;
     }
-    return generation(instance);
+    return batch_at(batches_, instance) ? generation(instance) : 0;
 }
 
 uint32_t PopulationStage::alive_count(uint32_t group) const {
@@ -162,21 +185,39 @@ void PopulationStage::discard() {
     deaths_after_last_update().generations.merge(generations);
 }
 
-// All births are told to the device with the next update, but for those of shaders, which it knows.
 void PopulationStage::exchange(StateArchive& archive) {
     archive.value(update_number_);
-    for (Population& population : populations_) {
-        if (population.is_of_shaders) continue;
-        archive.values(std::span(population.births));
-        archive.values(std::span(population.generations));
-        if (!archive.reads()) continue;
-        const auto capacity = static_cast<uint32_t>(population.births.size());
-        population.slots = Slots(capacity);
-        for (uint32_t slot = 0; slot < capacity; ++slot)
-            if (population.births[slot] != 0) population.slots.take(slot);
-        dirty_.add(population.first_instance, capacity);
+    archive.value(next_generation_);
+    auto death_count = static_cast<uint64_t>(deaths_.size());
+    archive.value(death_count);
+    if (archive.reads()) {
+        StateArchive::require(death_count <= kUpdatesRemembered + 1, "too many updates are remembered");
+        deaths_.resize(death_count);
     }
-    if (archive.reads()) deaths_.clear();
+    for (auto& [update, generations] : deaths_) {
+        std::vector<InstanceHandle> all;
+        for (const auto& [instance, generation] : generations) all.push_back({instance, generation});
+        std::ranges::sort(all, {}, &InstanceHandle::instance);
+        archive.value(update);
+        archive.list(all, UINT32_MAX);
+        generations.clear();
+        for (const auto& [instance, generation] : all) generations.emplace(instance, generation);
+    }
+}
+
+// All births are told to the device with the next update, but for those of shaders, which it knows.
+void PopulationStage::exchange_group(StateArchive& archive, uint32_t group) {
+    Population& population = populations_[group];
+    archive.value(population.generation);
+    if (population.is_of_shaders) return;
+    archive.values(std::span(population.births));
+    archive.values(std::span(population.generations));
+    if (!archive.reads() || population.births.empty()) return;
+    const auto capacity = static_cast<uint32_t>(population.births.size());
+    population.slots = Slots(capacity);
+    for (uint32_t slot = 0; slot < capacity; ++slot)
+        if (population.births[slot] != 0) population.slots.take(slot);
+    dirty_.add(population.first_instance, capacity);
 }
 
 }  // namespace throng

@@ -1,5 +1,5 @@
-// Which instances are there, of groups with CrowdGroup::capacity. It numbers updates, and tells kernels in which of
-// them an instance was born, so that they begin anew with it.
+// Which instances are there. It numbers updates, and tells kernels in which of them an instance of a group with
+// CrowdGroup::capacity was born, so that they begin anew with it.
 #pragma once
 
 #include "crowd/batch_plan.h"
@@ -22,30 +22,40 @@ std::string name_of(const InstanceHandle& handle);
 
 class PopulationStage : public Stage {
 public:
-    static bool is_needed(const CrowdSettings& settings);
     static void plan(BatchPlan& plan);
     explicit PopulationStage(const StageContext& context);
 
+    // Of a group that is made with the crowd: those are there with which it begins.
+    void begin_group(uint32_t group);
+    // Of one that comes from another crowd: it is born now, and no handle of before is its.
+    void join_group(uint32_t group);
+    // Its instances go, all of them.
+    void end_group(uint32_t group);
     // The numbers of new instances of a group, in the crowd. Throws kLimit where there is no room for all.
     std::vector<uint32_t> spawn(uint32_t group, uint32_t count);
     void despawn(uint32_t instance);
 
+    // `instance`: of some group.
     bool is_alive(uint32_t instance) const;
     uint32_t generation(uint32_t instance) const;
     // Of whoever had the number in an update of the last few, counted from 1.
     uint32_t generation_at(uint32_t instance, uint64_t update) const;
     uint32_t alive_count(uint32_t group) const;
+    uint64_t update_count() const { return update_number_; }
     // Of a batch that shaders populate, in an update that has run.
     void take_over(const Batch& batch, std::span<const uint32_t> births);
 
     void begin(const Update& update) override;
     void discard() override;
     void exchange(StateArchive& archive) override;
+    void exchange_group(StateArchive& archive, uint32_t group) override;
     uint32_t end_count() const override { return 0; }
 
 private:
     struct Population {
         uint32_t first_instance = 0;
+        uint32_t generation = 0;  // of the first that have a number
+        // Where they come and go
         Slots slots;
         // Of each slot: the number of the update that it was born in, as kernels know it, or 0 where it is free
         std::vector<uint32_t> births;
@@ -58,12 +68,12 @@ private:
         std::unordered_map<uint32_t, uint32_t> generations;  // by their numbers in the crowd
     };
     Deaths& deaths_after_last_update();
-    // Null where the group's instances neither come nor go.
-    const Population* population_of(uint32_t instance) const;
+    const Population& population_of(uint32_t instance) const;
     void tell_batches() const;
 
     bool has_feedback_;
-    std::vector<Population> populations_;  // [group]; without slots where they neither come nor go
+    std::vector<Population> populations_;  // [group]
+    uint32_t next_generation_ = 0;         // of groups to come: above those of groups that have gone
     std::deque<Deaths> deaths_;            // where there is feedback: of the last few updates, oldest first
     uint64_t update_number_ = 0;           // of the last update
     DirtyRanges dirty_;

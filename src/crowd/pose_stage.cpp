@@ -31,8 +31,10 @@ void PoseStage::plan(BatchPlan& plan) {
 PoseStage::PoseStage(const StageContext& context)
     : Stage(context), of_batches_(batches_.size()), of_groups_(groups_.size()) {
     for (size_t i = 0; i < groups_.size(); ++i)
-        if (const uint64_t size_bytes = native_bytes(groups_[i]); size_bytes > 0)
+        if (const uint64_t size_bytes = native_bytes(groups_[i]); size_bytes > 0) {
             of_groups_[i].native_poses = native::aligned_bytes(size_bytes);
+            of_groups_[i].native_poses_bytes = size_bytes;
+        }
     for (size_t i = 0; i < batches_.size(); ++i)
         if (group_of(batches_[i]).pose_capacity > 0) of_batches_[i].instances.resize(batches_[i].instance_count);
 }
@@ -43,7 +45,7 @@ uint64_t PoseStage::native_bytes(const Group& group) {
 
 uint64_t PoseStage::size_bytes() const {
     uint64_t sum = 0;
-    for (const Group& group : groups_) sum += native_bytes(group);
+    for (const GroupPoses& of_group : of_groups_) sum += of_group.native_poses_bytes;
     return sum;
 }
 
@@ -193,10 +195,10 @@ void PoseStage::upload_changes(VkCommandBuffer commands, const Buffer& buffer, D
 }
 
 // All is handed to the device with the next update.
-void PoseStage::exchange(StateArchive& archive) {
-    for (uint32_t i = 0; i < of_groups_.size(); ++i) exchange_poses(archive, i);
-    for (uint32_t i = 0; i < of_batches_.size(); ++i) exchange_overrides(archive, i);
-    if (archive.reads()) find_free_slots();
+void PoseStage::exchange_group(StateArchive& archive, uint32_t group) {
+    exchange_poses(archive, group);
+    for_each_batch_of(group, [&](const Batch&, uint32_t index) { exchange_overrides(archive, index); });
+    if (archive.reads()) find_free_slots(group);
 }
 
 void PoseStage::exchange_poses(StateArchive& archive, uint32_t group_index) {
@@ -235,22 +237,19 @@ void PoseStage::exchange_overrides(StateArchive& archive, uint32_t batch) {
     }
 }
 
-void PoseStage::find_free_slots() {
-    std::vector<std::vector<bool>> is_taken;  // [group][slots ever used]
-    for (size_t i = 0; i < groups_.size(); ++i)
-        is_taken.emplace_back(of_groups_[i].poses.size() / std::max(groups_[i].joint_count, 1u));
-    for (size_t i = 0; i < of_batches_.size(); ++i)
-        for (const auto& [instance, pose_override] : of_batches_[i].overrides) {
-            std::vector<bool>& of_group = is_taken[batches_[i].group];
+void PoseStage::find_free_slots(uint32_t group) {
+    GroupPoses& poses = of_groups_[group];
+    std::vector<bool> is_taken(poses.poses.size() / std::max(groups_[group].joint_count, 1u));  // [slots ever used]
+    for_each_batch_of(group, [&](const Batch&, uint32_t index) {
+        for (const auto& [instance, pose_override] : of_batches_[index].overrides) {
             const uint32_t slot = pose_override.slot;
-            StateArchive::require(slot < of_group.size() && !of_group[slot], "two instances have the same pose");
-            of_group[slot] = true;
+            StateArchive::require(slot < is_taken.size() && !is_taken[slot], "two instances have the same pose");
+            is_taken[slot] = true;
         }
-    for (size_t i = 0; i < groups_.size(); ++i) {
-        of_groups_[i].free_slots.clear();
-        for (size_t slot = is_taken[i].size(); slot-- > 0;)
-            if (!is_taken[i][slot]) of_groups_[i].free_slots.push_back(static_cast<uint32_t>(slot));
-    }
+    });
+    poses.free_slots.clear();
+    for (size_t slot = is_taken.size(); slot-- > 0;)
+        if (!is_taken[slot]) poses.free_slots.push_back(static_cast<uint32_t>(slot));
 }
 
 }  // namespace throng

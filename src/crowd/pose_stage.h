@@ -36,7 +36,7 @@ public:
     void begin(const Update& update) override;
     // What was set or cleared since stays so.
     void discard() override;
-    void exchange(StateArchive& archive) override;
+    void exchange_group(StateArchive& archive, uint32_t group) override;
     uint32_t end_count() const override { return 0; }
     uint64_t size_bytes() const override;
 
@@ -59,12 +59,13 @@ private:
         std::vector<io::JointPose> poses;   // [slots ever used][joint_count]
         DirtyRanges changed;                // of slots
         native::AlignedBytes native_poses;  // [pose_capacity], as NativeRig has them
+        uint64_t native_poses_bytes = 0;
     };
     using OverrideAt = std::map<uint32_t, Override>::iterator;
 
     void exchange_overrides(StateArchive& archive, uint32_t batch);
     void exchange_poses(StateArchive& archive, uint32_t group);
-    void find_free_slots();
+    void find_free_slots(uint32_t group);
     void put_native_pose(uint32_t group, uint32_t slot);
     uint32_t take_slot(const InBatch& at);
     bool take_back_slot(uint32_t group);

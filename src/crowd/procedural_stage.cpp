@@ -45,12 +45,14 @@ void ProceduralStage::discard() {
     wind_.step_back();
 }
 
-void ProceduralStage::exchange(StateArchive& archive) {
-    for (Targets& targets : targets_) {
-        archive.values(std::span(targets.last));
-        archive.changes(targets.dirty, static_cast<uint32_t>(targets.last.size()));
-    }
-    wind_.exchange(archive);
+void ProceduralStage::exchange(StateArchive& archive) { wind_.exchange(archive); }
+
+void ProceduralStage::exchange_group(StateArchive& archive, uint32_t group) {
+    for_each_batch_of(group, [&](const Batch&, uint32_t index) {
+        auto& [last, dirty] = targets_[index];
+        archive.values(std::span(last));
+        archive.changes(dirty, 0, static_cast<uint32_t>(last.size()));
+    });
 }
 
 ProceduralStage::KindBindings ProceduralStage::bind(uint32_t batch_index, const BufferRange& local) const {

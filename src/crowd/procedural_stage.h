@@ -25,6 +25,7 @@ public:
     void begin(const Update& update) override;
     void discard() override;
     void exchange(StateArchive& archive) override;
+    void exchange_group(StateArchive& archive, uint32_t group) override;
     uint32_t end_count() const override { return 0; }
     using KindBindings = std::array<Bindings, io::kChainKindCount>;  // by kind of chains
     // `local` is where the staged update has the batch's local transforms.

@@ -8,6 +8,7 @@
 
 #include <throng/crowd.h>
 
+#include <deque>
 #include <memory>
 
 namespace throng {
@@ -33,10 +34,11 @@ class StateArchive;
 struct StageContext {
     Uploads& uploads;
     const CrowdSettings& settings;
-    const std::vector<Group>& groups;
+    const std::deque<Group>& groups;
     std::vector<Batch>& batches;
     uint32_t instance_count = 0;
     const FeedbackRing* feedback = nullptr;             // null where no group has anything to tell
+    const Buffer& terrain_heights;                      // of CrowdSettings::terrain
     const std::vector<std::unique_ptr<Stage>>& before;  // earlier stages of the list
 };
 
@@ -60,13 +62,14 @@ public:
     virtual void record_disoccluded(const Update&, const DepthImage&) {}
     // What the last begin() has taken up is pending again: the update will never be submitted.
     virtual void discard() {}
-    // What it goes on from, beside the buffers that Crowd::save_state() knows of: written, or read. No update is under
-    // way then.
+    // What it goes on from, beside the buffers that Crowd::save_state() knows of: of the crowd, and of a group;
+    // written, or read. No update is being recorded then.
     virtual void exchange(StateArchive&) {}
+    virtual void exchange_group(StateArchive&, uint32_t /*group*/) {}
 
     // How many times at most an update, both halves of it, calls end_stage().
     virtual uint32_t end_count() const { return 1; }
-    // The memory that the stage itself owns, beside the buffers of groups and batches.
+    // The memory that the stage itself owns, beside the buffers of groups and batches; also when these have gone.
     virtual uint64_t size_bytes() const { return 0; }
 
 protected:
@@ -74,13 +77,19 @@ protected:
         : gpu_(context.uploads.gpu()), groups_(context.groups), batches_(context.batches) {}
 
     const Group& group_of(const Batch& batch) const { return groups_[batch.group]; }
+    // apply(batch, its index), in ascending order of their instances.
+    template <class Apply>
+    void for_each_batch_of(uint32_t group, const Apply& apply) {
+        for (uint32_t i = 0; i < batches_.size(); ++i)
+            if (batches_[i].group == group) apply(batches_[i], i);
+    }
     // What earlier kernels wrote is visible to later ones, and later ones wait until earlier ones have read.
     void separate_kernels(VkCommandBuffer commands) const {
         memory_barrier(*gpu_, commands, kShaderRead | kShaderWrite, kShaderRead | kShaderWrite);
     }
 
     std::shared_ptr<Gpu> gpu_;
-    const std::vector<Group>& groups_;
+    const std::deque<Group>& groups_;
     std::vector<Batch>& batches_;
 };
 

@@ -35,7 +35,7 @@ StagedUpdate::StagedUpdate(const StageContext& context)
         if (group_of(batches_[i]).fused.empty()) members_.push_back({.batch = i});
     if (members_.empty()) return;
     for (const Group& group : groups_) {
-        if (!group.fused.empty()) continue;
+        if (!group.fused.empty() || group.is_gone()) continue;
         const BlendOutput output = group.takes_similarities() ? BlendOutput::kSimilarity : BlendOutput::kAffine;
         if (group.controller) {
             const LayeredSettings settings = layered_settings(group);

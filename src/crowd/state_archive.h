@@ -6,6 +6,7 @@
 
 #include <cstddef>
 #include <cstring>
+#include <functional>
 #include <span>
 #include <type_traits>
 #include <vector>
@@ -21,6 +22,11 @@ public:
     bool reads() const { return reads_; }
     bool is_at_end() const { return unread_.empty(); }
     const std::vector<std::byte>& written() const { return written_; }
+
+    // What is read names an instance by `number`, and is to have this one's: where those of the writer have got others.
+    // kNone: it is not there any more.
+    void set_renumber(std::function<uint32_t(uint32_t number)> renumber) { renumber_ = std::move(renumber); }
+    uint32_t renumbered(uint32_t number) const { return renumber_ ? renumber_(number) : number; }
 
     [[noreturn]] static void refuse(std::string_view why) {
         throw Failure(ErrorCode::kInvalidFile, "crowd state", why);
@@ -64,20 +70,27 @@ public:
         }
         values(std::span(all));
     }
-    // What has changed, of `end` things.
-    void changes(DirtyRanges& changed, uint32_t end) {
-        std::vector<DirtyRanges::Range> ranges = changed.pending();
-        list(ranges, end);
+    // What has changed, of `count` things from `first` on.
+    void changes(DirtyRanges& changed, uint32_t first, uint32_t count) {
+        std::vector<DirtyRanges::Range> ranges;
+        for (const auto& [begin, length] : changed.pending()) {
+            const uint32_t from = std::max(begin, first), end = std::min(begin + length, first + count);
+            if (from < end) ranges.push_back({from - first, end - from});
+        }
+        list(ranges, count);
         if (!reads_) return;
-        for (const auto& [first, count] : ranges)
-            require(first <= end && count <= end - first, "a change is of something that is not there");
-        changed = DirtyRanges(std::move(ranges));
+        changed.remove(first, count);
+        for (const auto& [begin, length] : ranges) {
+            require(begin <= count && length <= count - begin, "a change is of something that is not there");
+            changed.add(first + begin, length);
+        }
     }
 
 private:
     std::vector<std::byte> written_;
     std::span<const std::byte> unread_;
     bool reads_ = false;
+    std::function<uint32_t(uint32_t)> renumber_;
 };
 
 }  // namespace throng

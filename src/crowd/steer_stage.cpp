@@ -123,10 +123,11 @@ void SteerStage::record_steps(VkCommandBuffer commands, const Member& member, fl
     kernels_->steer.dispatch_invocations(commands, member.steer, push, batch.used_count);
 }
 
-void SteerStage::exchange(StateArchive& archive) {
+void SteerStage::exchange_group(StateArchive& archive, uint32_t group) {
     for (Member& member : members_) {
+        if (batches_[member.batch].group != group) continue;
         archive.values(std::span(member.destinations));
-        archive.changes(member.dirty, static_cast<uint32_t>(member.destinations.size()));
+        archive.changes(member.dirty, 0, static_cast<uint32_t>(member.destinations.size()));
     }
 }
 

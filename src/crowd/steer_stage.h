@@ -26,7 +26,7 @@ public:
     // Destinations; and the buckets become empty.
     void begin(const Update& update) override;
     void discard() override;
-    void exchange(StateArchive& archive) override;
+    void exchange_group(StateArchive& archive, uint32_t group) override;
     // Behind control: what follows sees where agents stand.
     void record(const Update& update) override;
     uint64_t size_bytes() const override { return places_.size_bytes() + heads_.size_bytes(); }

@@ -29,7 +29,6 @@ void check_terrain(const CrowdSettings& settings) {
 
 TerrainStage::TerrainStage(const StageContext& context) : Stage(context) {
     const Terrain& terrain = *context.settings.terrain;
-    heights_ = upload(context.uploads, "heights of the terrain", terrain.heights);
     kernel_ = kernels::terrain.on(gpu_);
     push_ = {.instance_count = 0,
              .columns = terrain.columns,
@@ -38,9 +37,10 @@ TerrainStage::TerrainStage(const StageContext& context) : Stage(context) {
              .z = terrain.z,
              .inverse_spacing = 1 / terrain.spacing};
     for (uint32_t i = 0; i < batches_.size(); ++i)
-        if (const Batch& batch = batches_[i]; context.settings.groups[batch.group].on_terrain)
+        if (const Batch& batch = batches_[i]; group_of(batch).on_terrain)
             members_.push_back(
-                {i, kernel_.bind(batch.table(group_of(batch), {}).set({{io::kHeightsBuffer, heights_}}))});
+                {i,
+                 kernel_.bind(batch.table(group_of(batch), {}).set({{io::kHeightsBuffer, context.terrain_heights}}))});
 }
 
 void TerrainStage::record(const Update& update) {

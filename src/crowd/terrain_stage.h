@@ -20,7 +20,6 @@ public:
 
     // Behind all that moves placements; what follows sees where instances stand.
     void record(const Update& update) override;
-    uint64_t size_bytes() const override { return heights_.size_bytes(); }
 
 private:
     struct Member {
@@ -28,7 +27,6 @@ private:
         Bindings bindings;
     };
 
-    Buffer heights_;
     Kernel kernel_;
     io::TerrainPush push_{};
     std::vector<Member> members_;

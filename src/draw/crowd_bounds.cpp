@@ -127,11 +127,12 @@ CrowdBounds bounds_of(Crowds crowds, Strays strays) {
     Growing within, beyond;
     for (const CrowdState* crowd : crowds) {
         const std::vector<Affine>& placements = crowd->placements->known();
-        for (const Batch& batch : crowd->batches)
+        for (const Batch& batch : crowd->batches) {
+            const Group& group = crowd->groups[batch.group];
             for (uint32_t i = batch.first_instance; i < batch.first_instance + batch.instance_count; ++i)
-                if (crowd->is_there(i))
-                    (holds(fence, place_of(placements[i])) ? within : beyond)
-                        .add(crowd->groups[batch.group], placements[i]);
+                if (!group.varies || crowd->is_there(i))
+                    (holds(fence, place_of(placements[i])) ? within : beyond).add(group, placements[i]);
+        }
     }
     if (beyond.count > std::max((within.count + beyond.count) / 100, 1u)) within.add(beyond);
     return within.count > 0 ? CrowdBounds{within.rest, within.posed, within.ground} : CrowdBounds();

@@ -49,13 +49,12 @@ void CrowdDrawing::bind(VkCommandBuffer commands, uint32_t set_number, VkDescrip
 }
 
 void CrowdDrawing::draw(VkCommandBuffer commands, DrawPass pass) const {
-    for (uint32_t i = 0; i < crowd.batches.size(); ++i) {
-        const Batch& batch = crowd.batches[i];
+    for (const Batch& batch : crowd.batches) {
         const Group& group = crowd.groups[batch.group];
         // Mirrored, a front face winds the other way: then the fragment shader culls.
         const bool mirrors = has_mirrored_instances(crowd, batch);
         if (mirrors && pass == DrawPass::kOccluders) continue;  // it would take a shader that culls
-        bind(commands, kBatchSet, bindings.set_of(crowd, i));
+        bind(commands, kBatchSet, groups[batch.group]->set_of(batch));
         crowd.gpu->vk.vkCmdBindIndexBuffer(commands, group.indices.handle(), 0, VK_INDEX_TYPE_UINT32);
         for (size_t section = 0; section < group.sections.size(); ++section)
             if (group.sections[section].index_count > 0)
@@ -70,7 +69,7 @@ void CrowdDrawing::draw_section(VkCommandBuffer commands, const Batch& batch, si
     const VolkDeviceTable& vk = crowd.gpu->vk;
     const Group& group = crowd.groups[batch.group];
     const MeshSection& section = group.sections[section_index];
-    const TexturedMaterial<Image>& material = bindings.materials[batch.group][material_index];
+    const TexturedMaterial<Image>& material = groups[batch.group]->materials[material_index];
     const CharacterPipelines& pipelines = group.outfit_count > 0 ? *with_looks : characters;
     const auto mode = static_cast<size_t>(material.factors.alpha_mode);
     const size_t that_culls = std::max(mode, mirrors ? static_cast<size_t>(AlphaMode::kMask) : 0);
@@ -80,7 +79,7 @@ void CrowdDrawing::draw_section(VkCommandBuffer commands, const Batch& batch, si
                                         : pipelines.into_picture[that_culls][material.has_maps];
     const bool shows_back = pass == DrawPass::kShadow || material.factors.double_sided || mirrors;
     vk.vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pipeline.get());
-    bind(commands, kMaterialSet, bindings.materials[batch.group].textures_of(material_index));
+    bind(commands, kMaterialSet, groups[batch.group]->materials.textures_of(material_index));
     vk.vkCmdSetCullMode(commands, shows_back ? VK_CULL_MODE_NONE : VK_CULL_MODE_BACK_BIT);
     io::DrawPush push = push_of(group, section, material);
     push.section = static_cast<uint32_t>(section_index);
@@ -107,11 +106,10 @@ template <class PushOf>
 void CrowdDrawing::draw_lines(VkCommandBuffer commands, const OwnedPipeline& pipeline, const PushOf& push_of) const {
     constexpr uint32_t kLineVertices = 6;  // two triangles
     crowd.gpu->vk.vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pipeline.get());
-    for (uint32_t i = 0; i < crowd.batches.size(); ++i) {
-        const Batch& batch = crowd.batches[i];
+    for (const Batch& batch : crowd.batches) {
         auto [push, line_count] = push_of(crowd.groups[batch.group]);
         push.instance_count = batch.instance_count;
-        bind(commands, kBatchSet, bindings.set_of(crowd, i));
+        bind(commands, kBatchSet, groups[batch.group]->set_of(batch));
         set_push(commands, crowd, layout, push);
         crowd.gpu->vk.vkCmdDraw(commands, kLineVertices * line_count, batch.instance_count, 0, 0);
     }

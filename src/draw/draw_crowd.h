@@ -1,7 +1,7 @@
 // Recording the draws of a crowd: every batch, every section, every level of detail; and the lines over it.
 #pragma once
 
-#include "draw/crowd_bindings.h"
+#include "draw/group_bindings.h"
 #include "draw/pipeline.h"
 
 namespace throng {
@@ -11,7 +11,7 @@ enum class DrawPass { kShadow, kOccluders, kPicture };
 // A crowd and what it is drawn with. Draws are recorded within a pass, with the scene bound.
 struct CrowdDrawing {
     const CrowdState& crowd;
-    const CrowdBindings& bindings;
+    std::vector<const GroupBindings*> groups;
     const ShaderLayout& layout;
     const CharacterPipelines& characters;
     const CharacterPipelines* with_looks;  // of groups with CrowdGroup::outfits, where there are some

@@ -89,7 +89,7 @@ NativeFrame::NativeFrame(std::shared_ptr<Gpu> gpu, VkExtent2D extent, uint32_t s
     frame_.srgb = srgb_.data();
 }
 
-void NativeFrame::draw(Crowds crowds, std::span<const NativeCrowd* const> native, const Camera& camera,
+void NativeFrame::draw(Crowds crowds, std::span<const NativeGroups> native, const Camera& camera,
                        const DrawOptions& options, const NativePixels& pixels) {
     Clock clock;
     times_ = {};
@@ -116,7 +116,7 @@ void NativeFrame::draw(Crowds crowds, std::span<const NativeCrowd* const> native
 }
 
 // What lists hold of memory is kept from picture to picture.
-void NativeFrame::set_drawn(Crowds crowds, std::span<const NativeCrowd* const> native) {
+void NativeFrame::set_drawn(Crowds crowds, std::span<const NativeGroups> native) {
     size_t count = 0;
     for (const CrowdState* crowd : crowds) count += crowd->batches.size();
     drawn_.resize(count);
@@ -125,7 +125,7 @@ void NativeFrame::set_drawn(Crowds crowds, std::span<const NativeCrowd* const> n
         for (const Batch& batch : crowds[i]->batches) {
             Drawn& drawn = drawn_[b++];
             drawn.crowd = crowds[i];
-            drawn.native = &native[i]->groups[batch.group];
+            drawn.native = native[i][batch.group];
             drawn.batch = &batch;
         }
 }

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "draw/crowd_bounds.h"
-#include "draw/native_crowd.h"
+#include "draw/native_group.h"
 #include "draw/native_list.h"
 #include "draw/native_looks.h"
 #include "draw/native_scratch.h"
@@ -20,6 +20,8 @@ struct NativeTimes {
     double total_ms() const { return list_ms + skin_ms + shadow_ms + picture_ms + resolve_ms; }
 };
 
+using NativeGroups = std::vector<const NativeGroup*>;  // of a crowd: [group]
+
 // Where a picture is written.
 struct NativePixels {
     uint8_t* bytes;           // [height][width][4]
@@ -35,8 +37,8 @@ public:
     const VkExtent2D& extent() const { return extent_; }
     uint32_t samples() const { return frame_.sample_count; }
     // `native`: of each crowd. Nothing of the queue that writes the crowds' buffers may be under way.
-    void draw(Crowds crowds, std::span<const NativeCrowd* const> native, const Camera& camera,
-              const DrawOptions& options, const NativePixels& pixels);
+    void draw(Crowds crowds, std::span<const NativeGroups> native, const Camera& camera, const DrawOptions& options,
+              const NativePixels& pixels);
     const NativeTimes& times() const { return times_; }
 
 private:
@@ -61,7 +63,7 @@ private:
         uint32_t first = 0, end = 0;  // of posed_
     };
 
-    void set_drawn(Crowds crowds, std::span<const NativeCrowd* const> native);
+    void set_drawn(Crowds crowds, std::span<const NativeGroups> native);
     void list(const DrawOptions& options);
     void add_draws(uint32_t batch, uint64_t& next_id);
     void give_ids(uint64_t id_count);

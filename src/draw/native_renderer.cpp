@@ -49,11 +49,17 @@ void NativeRenderer::resize(VkExtent2D extent) {
     settings_ = resized;
 }
 
-std::vector<const NativeCrowd*> NativeRenderer::kept_of(Crowds crowds) {
-    std::vector<const NativeCrowd*> all;
+std::vector<NativeGroups> NativeRenderer::kept_of(Crowds crowds) {
+    std::vector<NativeGroups> all;
     for (CrowdState* crowd : crowds) {
         crowd->finish_uploads();
-        all.push_back(&crowds_.of(*crowd, [&] { return std::make_unique<const NativeCrowd>(*crowd); }));
+        all.push_back(groups_.of(*crowd, [&](std::span<const uint32_t> new_groups) {
+            uint64_t room_bytes = kTexturesLimit_bytes;
+            std::vector<std::unique_ptr<const NativeGroup>> made;
+            for (const uint32_t group : new_groups)
+                made.push_back(std::make_unique<const NativeGroup>(*crowd, crowd->groups[group], room_bytes));
+            return made;
+        }));
     }
     return all;
 }
@@ -65,13 +71,15 @@ void NativeRenderer::prepare(Crowds crowds) {
 
 RenderResult NativeRenderer::render(Crowds crowds, const Camera& camera) {
     accept(crowds);
-    const std::vector<const NativeCrowd*> kept = kept_of(crowds);
+    const std::vector<NativeGroups> kept = kept_of(crowds);
     if (!gpu->is_native()) gpu->wait_idle();  // what was submitted may write what is read now
     const auto [width, height] = extent();
     RenderResult result{
         .picture = {width, height, std::vector<uint8_t>(size_t{4} * width * height)}, .draw_ms = 0, .warnings = {}};
-    for (const NativeCrowd* crowd : kept)
-        result.warnings.insert(result.warnings.end(), crowd->warnings.begin(), crowd->warnings.end());
+    for (const NativeGroups& groups : kept)
+        for (const NativeGroup* const group : groups)
+            if (group)
+                result.warnings.insert(result.warnings.end(), group->warnings().begin(), group->warnings().end());
     frame_->draw(crowds, kept, camera, options, {result.picture.rgba.data()});
     device_drew_ = false;
     result.draw_ms = draw_ms();

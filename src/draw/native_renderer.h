@@ -1,7 +1,7 @@
 // Drawing by this machine's processor: on native devices, which have no other, and on software devices.
 #pragma once
 
-#include "draw/crowd_cache.h"
+#include "draw/group_cache.h"
 #include "draw/native_frame.h"
 #include "draw/renderer_state.h"
 #include "draw/staged_picture.h"
@@ -30,14 +30,14 @@ public:
     const NativeTimes& times() const { return frame_->times(); }
 
 private:
-    std::vector<const NativeCrowd*> kept_of(Crowds crowds);
+    std::vector<NativeGroups> kept_of(Crowds crowds);
     RendererState& device_renderer();
 
     RendererSettings settings_;  // with the size of now
     NativeIsa isa_;
     std::unique_ptr<NativeFrame> frame_;
     std::unique_ptr<StagedPicture> staged_;  // where the device has images
-    CrowdCache<const NativeCrowd> crowds_;
+    GroupCache<const NativeGroup> groups_;
     // Draws updates that are recorded, on a software device; made when first needed
     std::unique_ptr<RendererState> device_;
     bool device_drew_ = false;  // the last frame

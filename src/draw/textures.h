@@ -25,10 +25,10 @@ inline constexpr VkFormat kColorTexture = VK_FORMAT_R8G8B8A8_SRGB, kNumberTextur
 // A texture, in SHADER_READ_ONLY_OPTIMAL when the uploads have finished; it must live until then.
 Image upload_texture(Uploads& uploads, std::string_view what, const Picture& picture, VkFormat format);
 
-// What the textures of a crowd share while they are made.
+// What the textures of a group are made with.
 struct TextureAccount {
     std::vector<std::string>& warnings;
-    uint64_t room_bytes = kTexturesLimit_bytes;
+    uint64_t& room_bytes;  // of kTexturesLimit_bytes
 };
 
 // The decoded image; none, with a warning that it is drawn white, where it cannot be decoded or is too much.

@@ -101,9 +101,20 @@ CrowdDrawing VulkanRenderer::drawing_of(const CrowdState& crowd) {
     const LinePipelines* lines = nullptr;
     if (options.skeletons || options.bounds)
         lines = &lines_.try_emplace(kind.listed, pipelines_, kind.listed).first->second;
-    const CrowdBindings& bindings = crowds_.of(
-        crowd, [&] { return std::make_unique<const CrowdBindings>(layout_, sampling_, crowd); });
-    return {crowd, bindings, layout_, characters, with_looks, lines};
+    return {crowd, bindings_of(crowd), layout_, characters, with_looks, lines};
+}
+
+std::vector<const GroupBindings*> VulkanRenderer::bindings_of(const CrowdState& crowd) {
+    return groups_.of(crowd, [&](std::span<const uint32_t> new_groups) {
+        Uploads uploads(gpu);
+        uint64_t room_bytes = kTexturesLimit_bytes;
+        std::vector<std::unique_ptr<const GroupBindings>> made;
+        for (const uint32_t group : new_groups)
+            made.push_back(
+                std::make_unique<const GroupBindings>(uploads, layout_, sampling_, crowd, group, room_bytes));
+        uploads.finish();
+        return made;
+    });
 }
 
 VulkanRenderer::Frame VulkanRenderer::frame_of(Crowds crowds, const Camera& camera) {
@@ -195,8 +206,8 @@ void VulkanRenderer::draw_picture(VkCommandBuffer commands, const std::vector<Cr
 RenderResult VulkanRenderer::result_of(const Frame& frame) const {
     RenderResult result{.picture = targets_.read_back(), .draw_ms = draw_ms(), .warnings = {}};
     for (const CrowdDrawing& drawing : frame.drawings)
-        result.warnings.insert(result.warnings.end(), drawing.bindings.warnings.begin(),
-                               drawing.bindings.warnings.end());
+        for (const GroupBindings* const group : drawing.groups)
+            if (group) result.warnings.insert(result.warnings.end(), group->warnings.begin(), group->warnings.end());
     return result;
 }
 

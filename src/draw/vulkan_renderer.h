@@ -1,7 +1,7 @@
 // Drawing by the device's own shaders.
 #pragma once
 
-#include "draw/crowd_cache.h"
+#include "draw/group_cache.h"
 #include "draw/draw_crowd.h"
 #include "draw/occluders.h"
 #include "draw/renderer_state.h"
@@ -36,6 +36,8 @@ private:
         bool has_begun = false;  // its time is being taken
     };
     CrowdDrawing drawing_of(const CrowdState& crowd);
+    // Where there are new groups, it submits and waits.
+    std::vector<const GroupBindings*> bindings_of(const CrowdState& crowd);
     Frame frame_of(Crowds crowds, const Camera& camera);
     // Of these crowds, which may be fewer than the frame shows.
     void record_update(VkCommandBuffer commands, Crowds crowds, float time_step_s, CrowdView view, Frame& frame);
@@ -56,7 +58,7 @@ private:
     OwnedPipeline ground_;
     std::map<CharacterKind, CharacterPipelines> characters_;
     std::map<bool, LinePipelines> lines_;  // by whether instances are listed
-    CrowdCache<const CrowdBindings> crowds_;
+    GroupCache<const GroupBindings> groups_;
     std::optional<Occluders> occluders_;  // made when first needed
 };
 

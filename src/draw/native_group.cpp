@@ -1,4 +1,4 @@
-#include "draw/native_crowd.h"
+#include "draw/native_group.h"
 
 #include "draw/joint_levels.h"
 
@@ -33,23 +33,23 @@ std::vector<raster::Material> to_raster(const TexturedMaterials<raster::OwnedTex
     return all;
 }
 
+TexturedMaterials<raster::OwnedTexture> textured(const Group& group, std::vector<std::string>& warnings,
+                                                 uint64_t& room_bytes) {
+    TextureAccount account{warnings, room_bytes};
+    return {group, [&](const AssetImage& image, bool is_color) -> std::optional<raster::OwnedTexture> {
+                const std::optional<Picture> picture = decode_or_none(image, account);
+                if (!picture) return std::nullopt;
+                return raster::OwnedTexture(*picture,
+                                            is_color ? raster::TexelKind::kColor : raster::TexelKind::kNumbers);
+            }};
+}
+
 }  // namespace
 
-NativeGroup::NativeGroup(const CrowdState& crowd, const Group& group, TextureAccount& account)
+NativeGroup::NativeGroup(const CrowdState& crowd, const Group& group, uint64_t& room_bytes)
     : joint_levels_(levels_of(group.parents)),
-      textured_(group,
-                [&](const AssetImage& image, bool is_color) -> std::optional<raster::OwnedTexture> {
-                    const std::optional<Picture> picture = decode_or_none(image, account);
-                    if (!picture) return std::nullopt;
-                    return raster::OwnedTexture(*picture,
-                                                is_color ? raster::TexelKind::kColor : raster::TexelKind::kNumbers);
-                }),
+      textured_(textured(group, warnings_, room_bytes)),
       materials_(to_raster(textured_)),
       mesh_(group, crowd.cull ? 1 + static_cast<uint32_t>(group.lods.size()) : 1) {}
-
-NativeCrowd::NativeCrowd(const CrowdState& crowd) {
-    TextureAccount account{warnings};  // counts as the device renderer does, so that both draw the same ones white
-    for (const Group& group : crowd.groups) groups.emplace_back(crowd, group, account);
-}
 
 }  // namespace throng

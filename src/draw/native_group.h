@@ -1,4 +1,4 @@
-// What the native renderer keeps of a crowd: meshes and materials of its groups.
+// What the native renderer keeps of a group of a crowd: its mesh and materials.
 #pragma once
 
 #include "crowd/crowd_state.h"
@@ -8,33 +8,30 @@
 #include "draw/textures.h"
 #include "raster/texture.h"
 
-#include <deque>
 #include <string>
+#include <vector>
 
 namespace throng {
 
 class NativeGroup {
 public:
-    NativeGroup(const CrowdState& crowd, const Group& group, TextureAccount& account);
+    // Takes what textures need from `room_bytes`: counts as the device's renderer does, so that both draw the same ones
+    // white.
+    NativeGroup(const CrowdState& crowd, const Group& group, uint64_t& room_bytes);
     NativeGroup(const NativeGroup&) = delete;
 
     const NativeMesh& mesh() const { return mesh_; }
     // By io::SectionLook::material
     const raster::Material& material(uint32_t index) const { return materials_[index]; }
     const std::vector<io::JointLevel>& joint_levels() const { return joint_levels_; }
+    const std::vector<std::string>& warnings() const { return warnings_; }
 
 private:
+    std::vector<std::string> warnings_;
     std::vector<io::JointLevel> joint_levels_;
     TexturedMaterials<raster::OwnedTexture> textured_;
     std::vector<raster::Material> materials_;  // as those
     NativeMesh mesh_;
-};
-
-struct NativeCrowd {
-    explicit NativeCrowd(const CrowdState& crowd);
-
-    std::deque<NativeGroup> groups;
-    std::vector<std::string> warnings;
 };
 
 }  // namespace throng

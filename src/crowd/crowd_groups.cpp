@@ -1,0 +1,249 @@
+// Groups that come and go. What stages have is made for all groups together, so they are made anew, over the buffers
+// that are there, and go on from where the ones before were.
+#include "base/failure.h"
+#include "crowd/crowd_state.h"
+#include "crowd/state_archive.h"
+
+#include <algorithm>
+#include <typeinfo>
+
+namespace throng {
+namespace {
+
+// Those of a crowd that has no CrowdSettings::culling are not listed, and so on: buffers are made for this.
+std::string_view difference(const CrowdSettings& a, const CrowdSettings& b) {
+    const auto culling_differs = [&](bool Culling::*setting) {
+        return a.culling && b.culling && (*a.culling).*setting != (*b.culling).*setting;
+    };
+    if (a.skin_format != b.skin_format) return "skin_format";
+    if (a.skin_blend != b.skin_blend) return "skin_blend";
+    if (a.skins_once != b.skins_once) return "skins_once";
+    if (a.keep_model_matrices != b.keep_model_matrices) return "keep_model_matrices";
+    if (a.keep_previous_matrices != b.keep_previous_matrices) return "keep_previous_matrices";
+    if (a.frames_in_flight != b.frames_in_flight) return "frames_in_flight";
+    if (a.culling.has_value() != b.culling.has_value()) return "culling";
+    if (culling_differs(&Culling::skips_updates)) return "Culling::skips_updates";
+    if (culling_differs(&Culling::reduces_joints)) return "Culling::reduces_joints";
+    if ((a.pose_request_capacity > 0) != (b.pose_request_capacity > 0)) return "pose_request_capacity";
+    return {};
+}
+
+}  // namespace
+
+void CrowdState::check_may_change(const char* what) const {
+    if (cull && cull->is_half_done())
+        throw Failure(ErrorCode::kInvalidArgument, what,
+                      "the last record() was for a view with occlusion, and its record_disoccluded() is to come");
+}
+
+void CrowdState::check_goes_with(const CrowdState& other) const {
+    constexpr const char* kPlace = "add groups";
+    if (&other == this || other.groups.empty())
+        throw Failure(ErrorCode::kInvalidArgument, kPlace, "the other crowd is this one, or has been added before");
+    if (other.gpu != gpu) throw Failure(ErrorCode::kInvalidArgument, kPlace, "the other crowd lives on another device");
+    if (other.has_updated_ || other.can_discard_)
+        throw Failure(ErrorCode::kInvalidArgument, kPlace, "the other crowd has been updated");
+    if (const std::string_view setting = difference(settings_, other.settings_); !setting.empty())
+        throw Failure(ErrorCode::kInvalidArgument, kPlace, "the other crowd has another CrowdSettings::", setting);
+    for (const Group& group : other.groups) {
+        if (group.on_terrain && !terrain_heights_)
+            throw Failure(ErrorCode::kInvalidArgument, kPlace, group.name,
+                          " stands on a terrain (CrowdGroup::on_terrain), and the crowd has none");
+        if (!natively_ && other.natively_ && group.sockets_only)
+            throw Failure(ErrorCode::kUnsupported, kPlace, group.name,
+                          " has sockets only, which are computed natively, and the crowd is not");
+        if (natively_ && !other.natively_ && !group.is_gone())
+            throw Failure(ErrorCode::kUnsupported, kPlace, group.name,
+                          " cannot be updated natively, and the crowd is: UpdatePath::kDevice runs it on the device");
+    }
+    if (uint64_t{instance_count} + other.instance_count > UINT32_MAX)
+        throw Failure(ErrorCode::kLimit, kPlace, "more than 4,294,967,295 instances");
+    check_memory(size_bytes() + other.size_bytes());
+}
+
+std::vector<CrowdState::StageState> CrowdState::stage_states() const {
+    std::vector<StageState> all;
+    for (const auto& stage : stages) {
+        StageState& state = all.emplace_back(StageState{.stage = stage.get(), .of_crowd = {}, .of_groups = {}});
+        StateArchive of_crowd;
+        stage->exchange(of_crowd);
+        state.of_crowd = of_crowd.written();
+        for (uint32_t group = 0; group < groups.size(); ++group) {
+            if (groups[group].is_gone()) continue;
+            StateArchive of_group;
+            stage->exchange_group(of_group, group);
+            state.of_groups[group] = of_group.written();
+        }
+    }
+    return all;
+}
+
+// The first numbers of groups and instances that neither a group nor an earlier move has.
+CrowdState::Move CrowdState::plan_move(const CrowdState& from, uint32_t group, std::span<const Move> others) const {
+    const Instances instances = from.instances(group);
+    Move move{.from = group, .first_from = instances.first(), .count = instances.size()};
+    const auto is_taken = [&](uint32_t number) {
+        return (number < groups.size() && !groups[number].is_gone()) ||
+               std::ranges::find(others, number, &Move::to) != others.end();
+    };
+    while (is_taken(move.to)) ++move.to;
+    std::vector<std::pair<uint32_t, uint32_t>> taken;  // from and to
+    for (const Batch& batch : batches)
+        taken.emplace_back(batch.first_instance, batch.first_instance + batch.instance_count);
+    for (const Move& other : others) taken.emplace_back(other.first_to, other.first_to + other.count);
+    std::ranges::sort(taken);
+    for (const auto& [first, end] : taken) {
+        if (first - move.first_to >= move.count) break;
+        move.first_to = end;
+    }
+    return move;
+}
+
+CrowdState::Part CrowdState::take_out(uint32_t group) {
+    Part part{.group = std::exchange(groups[group], Group()),
+              .settings = std::exchange(settings_.groups[group], CrowdGroup()),
+              .batches = {}};
+    std::vector<Batch> staying;
+    for (Batch& batch : batches) (batch.group == group ? part.batches : staying).push_back(std::move(batch));
+    batches = std::move(staying);
+    count_instances();
+    return part;
+}
+
+void CrowdState::put_in(Part part, uint32_t group, uint32_t first_instance) {
+    if (group >= groups.size()) {
+        groups.resize(group + 1);
+        settings_.groups.resize(group + 1);
+    }
+    groups[group] = std::move(part.group);
+    settings_.groups[group] = std::move(part.settings);
+    const uint32_t first = part.batches.front().first_instance;
+    for (Batch& batch : part.batches) {
+        batch.group = group;
+        batch.first_instance += first_instance - first;
+        batch.slot = slot;
+        batches.push_back(std::move(batch));
+    }
+    std::ranges::sort(batches, {}, &Batch::first_instance);
+    count_instances();
+}
+
+void CrowdState::count_instances() {
+    instance_count = batches.empty() ? 0 : batches.back().first_instance + batches.back().instance_count;
+}
+
+// `moves`: of groups that join the crowd, whose states are `joining`, or leave it.
+CrowdState::Stages CrowdState::remade_stages(std::span<const StageState> before, std::span<const StageState> joining,
+                                             std::span<const Move> moves) {
+    auto uploads = std::make_unique<FirstUploads>(gpu);
+    Stages made = make_stages(uploads->uploads);
+    const auto renumbered = [&](uint32_t number) {
+        for (const Move& move : moves)
+            if (number - move.first_from < move.count)
+                return move.to == kNone ? kNone : number - move.first_from + move.first_to;
+        return number;
+    };
+    for (const auto& stage : made) {
+        const auto of_stage = [&](std::span<const StageState> states) {
+            return std::ranges::find_if(
+                states, [&](const StageState& state) { return typeid(*state.stage) == typeid(*stage); });
+        };
+        const auto read_group = [&](const std::vector<std::byte>& bytes, uint32_t group, bool renumbers) {
+            StateArchive archive{std::span<const std::byte>(bytes)};
+            if (renumbers) archive.set_renumber(renumbered);
+            stage->exchange_group(archive, group);
+        };
+        if (const auto state = of_stage(before); state != before.end()) {
+            StateArchive archive{std::span<const std::byte>(state->of_crowd)};
+            stage->exchange(archive);
+            for (const auto& [group, bytes] : state->of_groups)
+                if (!groups[group].is_gone()) read_group(bytes, group, joining.empty());
+        }
+        if (const auto state = of_stage(joining); state != joining.end())
+            for (const Move& move : moves) read_group(state->of_groups.at(move.from), move.to, true);
+    }
+    first_uploads_.push_back(std::move(uploads));
+    return made;
+}
+
+// Feedback is kept for four updates, and the outputs of each are read while so many more are computed.
+void CrowdState::retire(Retired::Things things) {
+    constexpr uint32_t kUpdates = 5;
+    retired_.emplace_back(gpu, std::move(things), std::max(kUpdates, settings_.frames_in_flight + 1));
+}
+
+std::vector<uint32_t> CrowdState::add_groups(CrowdState& from) {
+    check_may_change("add groups");
+    check_goes_with(from);
+    const std::vector<StageState> before = stage_states(), joining = from.stage_states();
+    std::vector<Move> moves;
+    for (uint32_t group = 0; group < from.groups.size(); ++group)
+        if (!from.groups[group].is_gone()) moves.push_back(plan_move(from, group, moves));
+    std::vector<uint32_t> numbers;
+    for (const Move& move : moves) {
+        put_in(from.take_out(move.from), move.to, move.first_to);
+        if (!natively_) groups[move.to].leave_native("the crowd's other groups are not updated natively");
+        numbers.push_back(move.to);
+    }
+    Stages made;
+    try {
+        make_feedback();
+        made = remade_stages(before, joining, moves);
+    } catch (...) {
+        for (const Move& move : moves) from.put_in(take_out(move.to), move.from, move.first_from);
+        from.natively_ = from.natively_ && natively_;
+        throw;
+    }
+    retire({.stages = std::exchange(from.stages, {}), .buffer = std::move(from.terrain_heights_)});
+    for (auto& uploads : from.first_uploads_) first_uploads_.push_back(std::move(uploads));
+    from.groups.clear();
+    go_on_with(std::move(made), {});
+    for (const uint32_t group : numbers) population->join_group(group);
+    return numbers;
+}
+
+void CrowdState::remove_group(uint32_t group) {
+    group_at(group);
+    check_may_change("remove group");
+    if (std::ranges::all_of(batches, [&](const Batch& batch) { return batch.group == group; }))
+        throw Failure(ErrorCode::kInvalidArgument, "remove group",
+                      "a crowd has one group at least, and it is the last");
+    population->end_group(group);
+    const std::vector<StageState> before = stage_states();
+    const Instances gone = instances(group);
+    const Move move{.from = group, .to = kNone, .first_from = gone.first(), .first_to = kNone, .count = gone.size()};
+    Part part = take_out(group);
+    Stages made;
+    try {
+        made = remade_stages(before, {}, std::span(&move, 1));
+    } catch (...) {
+        put_in(std::move(part), group, move.first_from);
+        throw;
+    }
+    go_on_with(std::move(made), std::move(part));
+}
+
+// What stays of the stages and groups before goes when updates that are under way have run.
+void CrowdState::go_on_with(Stages made, std::optional<Part> gone) {
+    const bool is_followed = placements->is_followed();
+    Retired::Things things{.stages = std::exchange(stages, {})};
+    if (gone) {
+        things.batches = std::move(gone->batches);
+        things.group = std::move(gone->group);
+    }
+    use_stages(std::move(made));
+    if (is_followed) placements->follow(false);
+    if (timer && end_count() > timer_room_) {
+        things.timer = std::move(timer);
+        make_timer();
+    }
+    retire(std::move(things));
+    make_outputs();
+    if (gpu->is_native()) finish_uploads();
+    can_discard_ = false;
+    const auto is_gone = [&](uint32_t instance) { return !batch_at(batches, instance); };
+    std::erase_if(watched_, [&](const Watched& watched) { return is_gone(watched.instance); });
+    std::erase_if(pose_requests_, is_gone);
+}
+
+}  // namespace throng

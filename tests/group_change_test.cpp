@@ -1,0 +1,578 @@
+// Groups that are added to a crowd and removed from it: those that stay go on as if nothing had been, those that come
+// as if they had always been there.
+#include "tests/ball.h"
+#include "tests/contents.h"
+#include "tests/draw_path.h"
+#include "tests/kinds.h"
+#include "tests/recorder.h"
+#include "tests/subset.h"
+
+#include <gtest/gtest.h>
+
+namespace throng::test {
+namespace {
+
+const InSubset kNatively({Subset::kNative}, {"*GroupChanges*"}), kInSubsets({Subset::kGpuAssisted}, {"GroupChanges.*"});
+
+constexpr uint32_t kKinds = 7, kCarriers = 2, kCarried = 6;
+
+// Five kinds in which instances come and go, some with poses from outside in outfits, some that hang on others.
+struct Groups {
+    explicit Groups(UpdatePath path) : settings(kinds.settings(path)) {
+        settings.pose_request_capacity = 4;
+        for (CrowdGroup& group : settings.groups) {
+            group.instance_count = 4;
+            group.capacity = 10;
+        }
+        settings.groups.push_back(
+            {.character = &kinds.character, .instance_count = 3, .pose_capacity = 2, .outfits = {{}, {}}});
+        settings.groups.push_back({.character = &kinds.character, .instance_count = 4, .is_carried = true});
+    }
+
+    // Of the kinds from `first` on.
+    Crowd make(uint32_t first = 0, uint32_t count = kKinds) const {
+        CrowdSettings of = settings;
+        of.groups = {settings.groups.begin() + first, settings.groups.begin() + first + count};
+        return create(of);
+    }
+
+    Kinds kinds;
+    CrowdSettings settings;
+};
+
+std::vector<InstanceHandle> there_in(const Crowd& crowd, uint32_t group) {
+    std::vector<InstanceHandle> there;
+    const Instances all = *crowd.instances(group);
+    for (uint32_t i = 0; i < all.size(); ++i)
+        if (const Result<InstanceHandle> handle = crowd.handle(all.number(i))) there.push_back(*handle);
+    return there;
+}
+
+std::vector<uint32_t> numbers(uint32_t first, uint32_t count = kKinds) {
+    std::vector<uint32_t> all(count);
+    std::iota(all.begin(), all.end(), first);
+    return all;
+}
+
+// What an application does with groups of these kinds, at random: the same for all that are in the same state.
+// `groups`: the numbers that the kinds from `first_kind` on have in the crowd. From the first update on they stand on
+// plots from `first_plot` on.
+class Player {
+public:
+    Player(const Groups& of, std::vector<uint32_t> groups, uint32_t first_plot, uint32_t first_kind = 0)
+        : of_(of), groups_(std::move(groups)), first_plot_(first_plot), first_kind_(first_kind) {}
+
+    void place(Crowd& crowd) const {
+        for (size_t i = 0; i < groups_.size(); ++i) {
+            uint32_t plot_number = first_plot_ + kPlots * (first_kind_ + static_cast<uint32_t>(i));
+            for (const InstanceHandle& one : there_in(crowd, groups_[i]))
+                EXPECT_TRUE(crowd.set_placement(one, plot(plot_number++)));
+        }
+    }
+
+    void play(Crowd& crowd, uint32_t update) const {
+        Random random(update);
+        for (size_t i = 0; i < groups_.size(); ++i) {
+            const uint32_t kind = first_kind_ + static_cast<uint32_t>(i), group = groups_[i];
+            for (const InstanceHandle& one : there_in(crowd, group)) {
+                if (random.chance(0.5)) change(crowd, one, kind, random);
+                if (kind < 5 && random.chance(0.1)) {
+                    EXPECT_TRUE(crowd.despawn(std::array{one}));
+                }
+            }
+            if (kind < 5 && *crowd.alive_count(group) < 10) {
+                EXPECT_TRUE(crowd.spawn(group, std::array{plot(first_plot_ + kPlots * kind + 10 + update)}));
+            }
+            if (kind == kCarried && first_kind_ <= kCarriers) hang(crowd, random);
+        }
+    }
+
+private:
+    static constexpr uint32_t kPlots = 200;  // of a kind: nobody is born where others are
+
+    void hang(Crowd& crowd, Random& random) const {
+        const std::vector<InstanceHandle> carriers = there_in(crowd, groups_[kCarriers - first_kind_]);
+        for (const InstanceHandle& thing : there_in(crowd, groups_[kCarried - first_kind_])) {
+            if (random.chance(0.5) || carriers.empty()) continue;
+            const InstanceHandle carrier = carriers[random.below(static_cast<uint32_t>(carriers.size()))];
+            EXPECT_TRUE(crowd.attach(thing, Attachment{.carrier = carrier, .socket = random.below(2)}));
+        }
+    }
+
+    void change(Crowd& crowd, const InstanceHandle& one, uint32_t kind, Random& random) const {
+        const Vec3<float> near{static_cast<float>(random.between(0, 9)), 1, static_cast<float>(random.between(0, 9))};
+        const std::vector<Trs<float>> pose(of_.kinds.character.rig.rest);
+        const float fade_s = static_cast<float>(random.between(0, 0.3f));
+        Result<void> done;
+        if (kind == 1 || kind == 2) {
+            const auto [parameter, value] = random_change(random, kind == 1 ? of_.kinds.walker : of_.kinds.dragon);
+            done = crowd.set_parameter(one, parameter, value);
+        } else {
+            done = crowd.set_playback(one, random_playback(random, of_.kinds.character));
+        }
+        EXPECT_TRUE(done) << refusal(done);
+        if (kind == 0) done = random.chance(0.6) ? crowd.set_pose(one, pose, fade_s) : crowd.clear_pose(one, fade_s);
+        if (kind == 3) done = crowd.set_target(one, 0, {near, 0.5f});
+        if (kind == 4) done = crowd.set_destination(one, near);
+        if (kind == 5) done = crowd.set_look(one, {.outfit = random.below(2)});
+        EXPECT_TRUE(done) << refusal(done);
+    }
+
+    const Groups& of_;
+    std::vector<uint32_t> groups_;
+    uint32_t first_plot_, first_kind_;
+};
+
+void update(Crowd& crowd, uint32_t number) {
+    Random random(1000 + number);
+    CrowdView view = view_of_box({static_cast<float>(random.between(0, 9000)), 0, 0}, 30'000);
+    const auto step_s = static_cast<float>(random.between(0, 0.1f));
+    const Result<void> updated = crowd.update(step_s, number % 3 == 0 ? nullptr : &view);
+    ASSERT_TRUE(updated) << refusal(updated);
+}
+
+// What the outputs of these groups hold, by their place among them.
+Contents contents_of_groups(const Crowd& crowd, const std::vector<uint32_t>& groups) {
+    Contents all;
+    for (size_t i = 0; i < groups.size(); ++i) {
+        std::vector<OutputBlock> blocks;
+        for (const OutputBlock& block : crowd.outputs())
+            if (block.group == groups[i]) blocks.push_back(block);
+        EXPECT_FALSE(blocks.empty());
+        for (const auto& [name, bytes] : contents_of(blocks))
+            all[std::to_string(i) + name.substr(name.find(':'))] = bytes;
+    }
+    return all;
+}
+
+// Events and watched instances of those with numbers below `end`.
+std::vector<std::byte> told_of(Crowd& crowd, uint32_t end) {
+    UpdateBits told;
+    const Feedback feedback = feedback_of(crowd);
+    for (const CharacterEvent& event : feedback.events)
+        if (event.instance.instance < end) told.add(std::array{event});
+    for (const WatchedInstance& one : feedback.watched) {
+        told.add(std::array{one.instance});
+        told.add(one.parameters);
+        told.add(one.sockets);
+        for (const auto& layer : one.layers) told.add(layer);
+    }
+    return told.all;
+}
+
+class GroupChangesOnPath : public testing::TestWithParam<UpdatePath> {
+protected:
+    const Groups groups_{GetParam()};
+};
+
+TEST_P(GroupChangesOnPath, WhatStaysGoesOnAsIfNothingHadBeen) {
+    Crowd crowd = groups_.make(), undisturbed = groups_.make();
+    const Player ours(groups_, numbers(0), 0);
+    const uint32_t end = crowd.instance_count();
+    std::vector<uint32_t> others;
+    for (Crowd* const one : {&crowd, &undisturbed}) {
+        ours.place(*one);
+        EXPECT_TRUE(one->set_wind({.velocity = {1, 0, 2}, .gust = 0.5f}));
+    }
+    size_t told_bytes = 0;
+    for (uint32_t number = 0; number < 16; ++number) {
+        for (Crowd* const one : {&crowd, &undisturbed}) {
+            ours.play(*one, number);
+            ASSERT_TRUE(one->watch(there_in(*one, 2)));
+            ASSERT_TRUE(one->request_poses(there_in(*one, 0).front()));
+        }
+        if (number == 4) {
+            Crowd other = groups_.make();
+            const Player theirs(groups_, numbers(0), 2000);
+            theirs.place(other);
+            theirs.play(other, 77);
+            others = crowd.add_groups(std::move(other)).value();
+            EXPECT_EQ(others, numbers(kKinds));
+        }
+        if (number == 7 || number == 9) {
+            for (size_t i = number == 7 ? 0 : 2; i < (number == 7 ? 2 : others.size()); ++i)
+                ASSERT_TRUE(crowd.remove_group(others[i]));
+            EXPECT_EQ(crowd.instance_count() == end, number == 9);
+        }
+        for (Crowd* const one : {&crowd, &undisturbed}) update(*one, number);
+        expect_same(contents_of_groups(undisturbed, numbers(0)), contents_of_groups(crowd, numbers(0)),
+                    "update " + std::to_string(number));
+        const std::vector<std::byte> told = told_of(undisturbed, end);
+        told_bytes += told.size();
+        EXPECT_EQ(told, told_of(crowd, end)) << number;
+    }
+    EXPECT_GT(told_bytes, 1000u);
+    EXPECT_EQ(crowd.outputs().size(), undisturbed.outputs().size());
+}
+
+// Into a crowd that goes on, and into the gap that others have left.
+TEST_P(GroupChangesOnPath, WhatComesGoesOnAsInACrowdOfItsOwn) {
+    Crowd crowd = groups_.make();
+    const Player ours(groups_, numbers(0), 0), own(groups_, numbers(0), 2000);
+    ours.place(crowd);
+    for (uint32_t number = 0; number < 3; ++number) update(crowd, number);
+    for (uint32_t time = 0; time < 2; ++time) {
+        const auto make_other = [&] {
+            Crowd other = groups_.make();
+            own.place(other);
+            own.play(other, 77);
+            return other;
+        };
+        Crowd alone = make_other();
+        const std::vector<uint32_t> numbers_here = crowd.add_groups(make_other()).value();
+        EXPECT_EQ(numbers_here, numbers(kKinds));
+        const Player theirs(groups_, numbers_here, 2000);
+        for (uint32_t number = 10 * time; number < 10 * time + 8; ++number) {
+            ours.play(crowd, number);
+            theirs.play(crowd, number + 100);
+            own.play(alone, number + 100);
+            for (Crowd* const one : {&crowd, &alone}) update(*one, number);
+            expect_same(contents_of_groups(alone, numbers(0)), contents_of_groups(crowd, numbers_here),
+                        "update " + std::to_string(number));
+        }
+        for (const uint32_t group : numbers_here) ASSERT_TRUE(crowd.remove_group(group));
+    }
+}
+
+// Agents in each other's way, and what hangs on sockets of another crowd's.
+TEST_P(GroupChangesOnPath, BeforeTheFirstUpdateIsAsIfMadeTogether) {
+    Crowd whole = groups_.make(), crowd = groups_.make(0, 5);
+    EXPECT_EQ(crowd.add_groups(groups_.make(5, 2)).value(), numbers(5, 2));
+    const Player player(groups_, numbers(0), 0);
+    for (Crowd* const one : {&whole, &crowd}) {
+        player.place(*one);
+        const std::vector<InstanceHandle> agents = there_in(*one, 4);
+        for (size_t i = 0; i < agents.size(); ++i) {
+            const float x = 3 * static_cast<float>(i);
+            EXPECT_TRUE(one->set_placement(agents[i], to_affine(Trs<float>{.translation = {x, 0, 0}})));
+            EXPECT_TRUE(one->set_destination(agents[i], {9 - x, 0, 0}));
+        }
+    }
+    EXPECT_EQ(whole.instance_count(), crowd.instance_count());
+    for (uint32_t number = 0; number < 8; ++number) {
+        if (number > 0)
+            for (Crowd* const one : {&whole, &crowd}) player.play(*one, number);
+        for (Crowd* const one : {&whole, &crowd}) update(*one, number);
+        expect_same(contents_of(whole.outputs()), contents_of(crowd.outputs()), "update " + std::to_string(number));
+    }
+}
+
+// In a crowd whose groups have been there from the beginning, in the same places.
+TEST_P(GroupChangesOnPath, SavedStatesGoAlong) {
+    const auto grown = [&](bool goes_on) {
+        Crowd crowd = groups_.make(0, 3);
+        if (goes_on) update(crowd, 0);
+        EXPECT_TRUE(crowd.add_groups(groups_.make(3, 2)));
+        if (goes_on) update(crowd, 1);
+        EXPECT_TRUE(crowd.remove_group(1));
+        EXPECT_TRUE(crowd.add_groups(groups_.make(5, 2)));
+        return crowd;
+    };
+    Crowd crowd = grown(true), other = grown(false);
+    for (uint32_t number = 2; number < 5; ++number) update(crowd, number);
+    const std::vector<std::byte> saved = crowd.save_state().value();
+    ASSERT_TRUE(other.restore_state(saved));
+    EXPECT_TRUE(other.save_state().value() == saved);
+    for (uint32_t number = 5; number < 9; ++number) {
+        for (Crowd* const one : {&crowd, &other}) update(*one, number);
+        expect_same(contents_of(crowd.outputs()), contents_of(other.outputs()), "update " + std::to_string(number));
+    }
+    EXPECT_FALSE(groups_.make().restore_state(saved));
+}
+
+INSTANTIATE_TEST_SUITE_P(GroupChanges, GroupChangesOnPath,
+                         testing::Values(UpdatePath::kAuto, UpdatePath::kDevice, UpdatePath::kStaged),
+                         [](const testing::TestParamInfo<UpdatePath>& of) {
+                             return of.param == UpdatePath::kAuto     ? "Auto"
+                                    : of.param == UpdatePath::kDevice ? "Device"
+                                                                      : "Staged";
+                         });
+
+class GroupChanges : public testing::Test {
+protected:
+    CrowdSettings settings(uint32_t count, uint32_t capacity = 0) const {
+        CrowdSettings of{.groups = {{.character = &character_}}};
+        of.groups[0].instance_count = count;
+        of.groups[0].capacity = capacity;
+        of.culling.emplace();
+        return of;
+    }
+    static void go_on(Crowd& crowd, int update_count = 1) {
+        for (int i = 0; i < update_count; ++i) ASSERT_TRUE(crowd.update(0.1f));
+    }
+    Character character_ = creature(20, 8), other_character_ = creature(33, 9);
+};
+
+TEST_F(GroupChanges, NumbersAreGivenAgainAndHandlesAreNot) {
+    Crowd crowd = create(settings(3));
+    EXPECT_EQ(crowd.add_groups(create(settings(4, 4))).value(), std::vector<uint32_t>{1});
+    EXPECT_EQ(crowd.add_groups(create(settings(2))).value(), std::vector<uint32_t>{2});
+    EXPECT_EQ(crowd.instance_count(), 9u);
+    const std::vector<InstanceHandle> gone = there_in(crowd, 1), last = there_in(crowd, 2);
+    EXPECT_EQ(gone.front(), (InstanceHandle{3, 0}));
+    EXPECT_EQ(last.front(), (InstanceHandle{7, 0}));
+    go_on(crowd);
+    ASSERT_TRUE(crowd.despawn({&gone[0], 1}));
+    ASSERT_TRUE(crowd.remove_group(1));
+    EXPECT_EQ(crowd.instance_count(), 9u);
+    for (const InstanceHandle& one : gone) EXPECT_FALSE(crowd.is_alive(one));
+    EXPECT_TRUE(crowd.is_alive(last[1]));
+    EXPECT_EQ(refusal(crowd.set_placement(gone[1], Affine{})), "placement: instance 4 of generation 0 is not there");
+    EXPECT_EQ(refusal(crowd.set_placement(crowd.instances(), Affine{})),
+              "placement: instance 3 is not there: its group has been removed");
+    EXPECT_EQ(refusal(crowd.instances(1)), "crowd: group 1 has been removed");
+    EXPECT_EQ(refusal(crowd.spawn(1, {})), "crowd: group 1 has been removed");
+    EXPECT_FALSE(crowd.handle(3));
+    EXPECT_FALSE(crowd.read_skin_matrices(gone[1]));
+    go_on(crowd);
+
+    // Two instances and one have room in the gap, three more do not
+    CrowdSettings small = settings(2);
+    small.groups.push_back({.character = &other_character_, .instance_count = 1});
+    EXPECT_EQ(crowd.add_groups(create(small)).value(), (std::vector<uint32_t>{1, 3}));
+    EXPECT_EQ(crowd.add_groups(create(settings(3, 3))).value(), std::vector<uint32_t>{4});
+    EXPECT_EQ(there_in(crowd, 1), (std::vector<InstanceHandle>{{3, 2}, {4, 2}}));
+    EXPECT_EQ(there_in(crowd, 3), (std::vector<InstanceHandle>{{5, 2}}));
+    EXPECT_EQ(there_in(crowd, 4).front(), (InstanceHandle{9, 2}));
+    EXPECT_FALSE(crowd.is_alive(gone[1]));
+    ASSERT_TRUE(crowd.set_playback(*crowd.instances(3), {.first = {.clip = 0}}));
+    go_on(crowd);
+    EXPECT_EQ(crowd.read_model_matrices({5, 2}).error().text(),
+              "read-back: model matrices are kept only with CrowdSettings::keep_model_matrices");
+    EXPECT_EQ(crowd.read_skin_matrices({5, 2}).value().size(), other_character_.palette.size());
+    std::vector<uint32_t> blocks;
+    for (const OutputBlock& block : crowd.outputs()) blocks.push_back(block.first_instance);
+    EXPECT_EQ(blocks, (std::vector<uint32_t>{0, 3, 5, 7, 9}));
+}
+
+// Feedback of the last updates of a group comes with the handles that its instances had.
+TEST_F(GroupChanges, EventsOfThoseThatHaveGoneAreTheirs) {
+    const Controller dragon = example("dragon");
+    CrowdSettings of = settings(2);
+    of.groups[0].controller = &dragon;
+    Crowd crowd = create(settings(2));
+    go_on(crowd, 2);
+    EXPECT_TRUE(crowd.feedback().value().empty()) << "nobody has any";
+    uint64_t update_count = 2, event_count = 0;
+    for (uint32_t generation = 0; generation < 3; ++generation) {
+        ASSERT_EQ(crowd.add_groups(create(of)).value(), std::vector<uint32_t>{1});
+        ASSERT_TRUE(crowd.set_parameter(*crowd.instances(1), parameter_of(dragon, "forward"), 1));
+        ASSERT_TRUE(crowd.watch(*crowd.instances(1)));
+        for (int update = 0; update < 3; ++update) ASSERT_TRUE(crowd.update(0.7f));
+        ASSERT_TRUE(crowd.remove_group(1));
+        const std::vector<Feedback> all = crowd.feedback().value();
+        ASSERT_EQ(all.size(), 3u);
+        for (const Feedback& told : all) {
+            EXPECT_EQ(told.update, ++update_count);
+            for (const CharacterEvent& event : told.events) EXPECT_EQ(event.instance.generation, generation);
+            event_count += told.events.size();
+            ASSERT_EQ(told.watched.size(), 2u);
+            EXPECT_FALSE(told.watched[0].layers.empty());
+            EXPECT_EQ(told.watched[1].instance, (InstanceHandle{3, generation}));
+        }
+    }
+    EXPECT_GT(event_count, 2u);
+}
+
+TEST_F(GroupChanges, MemoryIsGivenBack) {
+    for (const uint32_t in_flight : {1u, 4u}) {
+        CrowdSettings of = settings(50);
+        of.frames_in_flight = in_flight;
+        Crowd crowd = create(of);
+        go_on(crowd, 8);
+        const uint64_t before_bytes = crowd.size_bytes();
+        for (int time = 0; time < 2; ++time) {
+            ASSERT_TRUE(crowd.add_groups(create(of)));
+            go_on(crowd, 8);
+            EXPECT_GT(crowd.size_bytes(), before_bytes + 50 * character_.palette.size() * sizeof(Affine));
+            ASSERT_TRUE(crowd.remove_group(1));
+            EXPECT_GT(crowd.size_bytes(), before_bytes + 50 * character_.palette.size() * sizeof(Affine));
+            go_on(crowd, 8);
+            EXPECT_EQ(crowd.size_bytes(), before_bytes);
+        }
+    }
+}
+
+// Nothing waits: changes between updates that have been recorded and have not run, in slots of frames in flight; and
+// what the first frame of a group began with is not lost with it.
+TEST_F(GroupChanges, BetweenUpdatesThatAreUnderWay) {
+    if (test_gpu()->is_native()) GTEST_SKIP() << "nothing is recorded there";
+    CrowdSettings of = settings(5);
+    of.path = UpdatePath::kDevice;
+    of.frames_in_flight = 2;
+    of.keep_previous_matrices = true;
+    const auto playing = [&] {
+        Crowd crowd = create(of);
+        EXPECT_TRUE(crowd.set_playback(crowd.instances(), {.first = {.clip = 0, .time_s = 0.2}}));
+        return crowd;
+    };
+    Crowd crowd = playing(), wanted = playing();
+    Recorder recorder;
+    std::vector<VkCommandBuffer> recorded;
+    const auto record = [&](Crowd& one) {
+        recorded.push_back(recorder.record([&](VkCommandBuffer commands) { ASSERT_TRUE(one.record(commands, 0.1f)); }));
+    };
+    record(crowd);
+    Crowd other = playing();
+    recorder.submit(recorder.record([&](VkCommandBuffer commands) { ASSERT_TRUE(other.record_uploads(commands)); }));
+    ASSERT_TRUE(crowd.add_groups(std::move(other)));
+    EXPECT_EQ(refusal(crowd.discard_last_record()),
+              "discard: there is no record() to discard, or it has been discarded, or an update() has run since");
+    record(crowd);
+    ASSERT_TRUE(crowd.discard_last_record());
+    recorded.pop_back();
+    record(crowd);
+    ASSERT_TRUE(crowd.add_groups(playing()));
+    record(crowd);
+    record(crowd);
+    ASSERT_TRUE(crowd.discard_last_record());
+    recorded.pop_back();
+    ASSERT_TRUE(crowd.remove_group(1));
+    record(crowd);
+    for (int i = 0; i < 4; ++i) record(crowd);
+    for (const VkCommandBuffer commands : recorded) recorder.submit(commands);
+    ASSERT_TRUE(crowd.update(0.1f));
+    for (size_t i = 0; i < recorded.size() + 1; ++i) ASSERT_TRUE(wanted.update(0.1f));
+    expect_same(contents_of_groups(wanted, {0}), contents_of_groups(crowd, {0}), "what has always been there");
+    wanted = playing();
+    for (size_t i = 0; i < recorded.size() - 1; ++i) ASSERT_TRUE(wanted.update(0.1f));
+    expect_same(contents_of_groups(wanted, {0}), contents_of_groups(crowd, {2}), "what has come");
+}
+
+// The previous matrices of the first update are its own.
+TEST_F(GroupChanges, WhatComesHasNotMoved) {
+    CrowdSettings of = settings(3);
+    of.culling.reset();
+    of.keep_previous_matrices = true;
+    Crowd crowd = create(of);
+    go_on(crowd, 3);
+    ASSERT_TRUE(crowd.add_groups(create(of)));
+    ASSERT_TRUE(crowd.set_playback(crowd.instances(), {.first = {.clip = 0}}));
+    go_on(crowd);
+    const Contents first = contents_of_groups(crowd, {1});
+    EXPECT_EQ(first.at("0: skin"), first.at("0: previous skin"));
+    go_on(crowd);
+    const Contents second = contents_of_groups(crowd, {1});
+    EXPECT_NE(second.at("0: skin"), second.at("0: previous skin"));
+    EXPECT_EQ(first.at("0: skin"), second.at("0: previous skin"));
+}
+
+TEST_F(GroupChanges, WhatHangsOnThoseThatGoStaysThere) {
+    CrowdSettings carriers = settings(2), carried = settings(2);
+    carriers.groups[0].sockets = {3};
+    carried.groups[0].is_carried = true;
+    Crowd crowd = create(settings(2));
+    ASSERT_TRUE(crowd.add_groups(create(carriers)));
+    ASSERT_TRUE(crowd.add_groups(create(carried)));
+    ASSERT_TRUE(crowd.set_placement(*crowd.instances(1), to_affine(Trs<float>{.translation = {7, 0, 0}})));
+    const std::vector<InstanceHandle> things = there_in(crowd, 2);
+    ASSERT_TRUE(crowd.attach(things, Attachment{.carrier = there_in(crowd, 1)[1], .socket = 0}));
+    go_on(crowd, 2);
+    const std::string hanging = contents_of_groups(crowd, {2}).at("0: placement");
+    ASSERT_TRUE(crowd.remove_group(1));
+    ASSERT_TRUE(crowd.add_groups(create(carriers)));
+    go_on(crowd, 2);
+    EXPECT_EQ(contents_of_groups(crowd, {2}).at("0: placement"), hanging);
+    ASSERT_TRUE(crowd.attach(things, Attachment{.carrier = there_in(crowd, 1)[1], .socket = 0}));
+    go_on(crowd, 1);
+    EXPECT_NE(contents_of_groups(crowd, {2}).at("0: placement"), hanging);
+}
+
+TEST_F(GroupChanges, RefusesWhatDoesNotGoTogether) {
+    Crowd crowd = create(settings(2));
+    go_on(crowd);
+    const auto refused = [&](const auto& change) {
+        CrowdSettings of = settings(1);
+        change(of);
+        Crowd other = create(of);
+        const std::string why = refusal(crowd.add_groups(std::move(other)));
+        EXPECT_EQ(other.instance_count(), 1u) << "it is still there";
+        EXPECT_TRUE(other.update(0.1f));
+        return why;
+    };
+    const std::string setting = "add groups: the other crowd has another CrowdSettings::";
+    EXPECT_EQ(refused([](CrowdSettings& of) { of.skin_format = SkinFormat::kHalfAffine; }), setting + "skin_format");
+    EXPECT_EQ(refused([](CrowdSettings& of) { of.skin_blend = SkinBlend::kDualQuaternion; }), setting + "skin_blend");
+    EXPECT_EQ(refused([](CrowdSettings& of) { of.skins_once = true; }), setting + "skins_once");
+    EXPECT_EQ(refused([](CrowdSettings& of) { of.keep_model_matrices = true; }), setting + "keep_model_matrices");
+    EXPECT_EQ(refused([](CrowdSettings& of) { of.keep_previous_matrices = true; }), setting + "keep_previous_matrices");
+    EXPECT_EQ(refused([](CrowdSettings& of) { of.frames_in_flight = 2; }), setting + "frames_in_flight");
+    EXPECT_EQ(refused([](CrowdSettings& of) { of.culling.reset(); }), setting + "culling");
+    EXPECT_EQ(refused([](CrowdSettings& of) { of.culling->skips_updates = true; }), setting + "Culling::skips_updates");
+    EXPECT_EQ(refused([](CrowdSettings& of) { of.culling->reduces_joints = true; }),
+              setting + "Culling::reduces_joints");
+    EXPECT_EQ(refused([](CrowdSettings& of) { of.pose_request_capacity = 1; }), setting + "pose_request_capacity");
+    EXPECT_EQ(
+        refused([](CrowdSettings& of) {
+            of.terrain = Terrain{.columns = 1, .rows = 1, .heights = {0}};
+            of.groups[0].on_terrain = true;
+        }),
+        "add groups: " + character_.name + " stands on a terrain (CrowdGroup::on_terrain), and the crowd has none");
+    Crowd updated = create(settings(1));
+    go_on(updated);
+    EXPECT_EQ(refusal(crowd.add_groups(std::move(updated))), "add groups: the other crowd has been updated");
+    EXPECT_FALSE(crowd.add_groups(Crowd()));
+    EXPECT_FALSE(crowd.add_groups(std::move(crowd)));
+    EXPECT_EQ(refusal(crowd.remove_group(0)), "remove group: a crowd has one group at least, and it is the last");
+    EXPECT_EQ(refusal(crowd.remove_group(1)), "crowd: group 1 of a crowd of 1");
+    if (!test_gpu()->native || test_gpu()->is_native()) return;
+    const auto on_device = [](CrowdSettings& of) { of.path = UpdatePath::kDevice; };
+    EXPECT_EQ(refused(on_device),
+              "add groups: " + character_.name +
+                  " cannot be updated natively, and the crowd is: UpdatePath::kDevice runs it on the device");
+    CrowdSettings of = settings(2);
+    on_device(of);
+    crowd = create(of);
+    ASSERT_TRUE(crowd.add_groups(create(settings(2))));
+    go_on(crowd);
+    EXPECT_FALSE(crowd.path(1).value().is_native);
+}
+
+class GroupChangesDrawn : public testing::TestWithParam<DrawPath> {};
+
+// With textures, of which those that are there are not decoded again.
+TEST_P(GroupChangesDrawn, PicturesFollow) {
+    if (const std::string reason = undrawable_reason(GetParam()); !reason.empty()) GTEST_SKIP() << reason;
+    Asset ball = make_ball();
+    ball.images.push_back({.name = "gradient", .encoded = png_bytes(gradient(8, 8))});
+    ball.materials[0].image = 0;
+    const Character first = creature(20, 8), second = compile_character(ball, {.lods = false}).value();
+    const auto crowd_of = [&](const std::vector<const Character*>& characters) {
+        CrowdSettings of{.keep_model_matrices = true, .culling = Culling{}};
+        for (const Character* character : characters)
+            of.groups.push_back({.character = character, .instance_count = 2});
+        Crowd crowd = create(of);
+        uint32_t i = 0;
+        for (const Character* character : characters)
+            for (int k = 0; k < 2; ++k, ++i) {
+                const Vec3<float> place{static_cast<float>(k), 0, character == &second ? 1.0f : 0.0f};
+                EXPECT_TRUE(crowd.set_placement(InstanceHandle{i}, to_affine(Trs<float>{.translation = place})));
+            }
+        return crowd;
+    };
+    const Camera camera{.eye = {1, 1.5f, 5}, .target = {0.5f, 0.5f, 0}};
+    Renderer renderer = Renderer::create(
+                            test_device(),
+                            {.width = 160, .height = 90, .options = {.skeletons = true}, .path = GetParam()})
+                            .value();
+    const auto picture_of = [&](Crowd& crowd) {
+        return renderer.render_frame(crowd, 0.1f, camera).value().picture.rgba;
+    };
+    Crowd crowd = crowd_of({&first}), both = crowd_of({&first, &second}), alone = crowd_of({&second});
+    const std::vector<uint8_t> of_first = picture_of(crowd), of_both = picture_of(both), of_second = picture_of(alone);
+    EXPECT_NE(of_first, of_both);
+    EXPECT_NE(of_second, of_both);
+    ASSERT_TRUE(crowd.add_groups(crowd_of({&second})));
+    EXPECT_EQ(picture_of(crowd), of_both);
+    ASSERT_TRUE(crowd.remove_group(0));
+    EXPECT_EQ(picture_of(crowd), of_second);
+    for (int frame = 0; frame < 7; ++frame) EXPECT_EQ(picture_of(crowd), of_second);
+    ASSERT_TRUE(crowd.add_groups(crowd_of({&first})));
+    EXPECT_EQ(crowd.outputs()[0].group, 0u);
+    EXPECT_EQ(picture_of(crowd), of_both);
+}
+
+INSTANTIATE_TEST_SUITE_P(GroupChanges, GroupChangesDrawn, kBothDrawPaths, name_of_path);
+
+}  // namespace
+}  // namespace throng::test
