@@ -383,11 +383,11 @@ TEST_F(GroupChanges, MemoryIsGivenBack) {
         const uint64_t before_bytes = crowd.size_bytes();
         for (int time = 0; time < 2; ++time) {
             ASSERT_TRUE(crowd.add_groups(create(of)));
-            go_on(crowd, 8);
+            go_on(crowd, 12);
             EXPECT_GT(crowd.size_bytes(), before_bytes + 50 * character_.palette.size() * sizeof(Affine));
             ASSERT_TRUE(crowd.remove_group(1));
             EXPECT_GT(crowd.size_bytes(), before_bytes + 50 * character_.palette.size() * sizeof(Affine));
-            go_on(crowd, 8);
+            go_on(crowd, 12);
             EXPECT_EQ(crowd.size_bytes(), before_bytes);
         }
     }

@@ -191,8 +191,8 @@ public:
     // and hang on its sockets, and the other is none any more. Returns the numbers that its groups have here, in their
     // order: the lowest that are free. Instances get the lowest numbers of which enough are free one after another,
     // and new handles (instances(group), handle()); whom the other crowd watches, its wind and its terrain are left
-    // behind. What stages share is made anew, some tenths of a millisecond, and what updates under way still use is
-    // freed when five more have run. Nothing waits or is submitted. outputs() change for the groups that come, and
+    // behind. What stages share is made anew, in about a millisecond, and what updates under way still use is freed
+    // some ten updates later. Nothing waits or is submitted. outputs() change for the groups that come, and
     // spans of them end. Both crowds need the same CrowdSettings, but for groups, path, scan, terrain and capacities
     // of feedback. Where there is an error nothing has changed. Errors: kInvalidArgument (other settings, device; it
     // has been updated; the second half of an update for a view with occlusion is to come), kUnsupported (on a software

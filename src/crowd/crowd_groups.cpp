@@ -135,7 +135,7 @@ void CrowdState::count_instances() {
 // `moves`: of groups that join the crowd, whose states are `joining`, or leave it.
 CrowdState::Stages CrowdState::remade_stages(std::span<const StageState> before, std::span<const StageState> joining,
                                              std::span<const Move> moves) {
-    auto uploads = std::make_unique<FirstUploads>(gpu);
+    auto uploads = std::make_unique<FirstUploads>(gpu, events_);
     Stages made = make_stages(uploads->uploads);
     const auto renumbered = [&](uint32_t number) {
         for (const Move& move : moves)
@@ -169,7 +169,7 @@ CrowdState::Stages CrowdState::remade_stages(std::span<const StageState> before,
 // Feedback is kept for four updates, and the outputs of each are read while so many more are computed.
 void CrowdState::retire(Retired::Things things) {
     constexpr uint32_t kUpdates = 5;
-    retired_.emplace_back(gpu, std::move(things), std::max(kUpdates, settings_.frames_in_flight + 1));
+    retired_.emplace_back(std::move(things), events_, std::max(kUpdates, settings_.frames_in_flight + 1));
 }
 
 std::vector<uint32_t> CrowdState::add_groups(CrowdState& from) {

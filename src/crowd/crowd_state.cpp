@@ -38,11 +38,12 @@ CrowdState::CrowdState(std::shared_ptr<Gpu> gpu_in, const CrowdSettings& asked)
       skin_format(asked.skin_format),
       skin_blend(asked.skin_blend),
       skins_once(asked.skins_once),
+      events_(gpu),
       keeps_previous_(asked.keep_previous_matrices),
       is_in_flight_(asked.frames_in_flight > 1) {
     const CrowdSettings settings = with_capacity(asked);
     check_groups(settings);
-    Uploads& uploads = first_uploads_.emplace_back(std::make_unique<FirstUploads>(gpu))->uploads;
+    Uploads& uploads = first_uploads_.emplace_back(std::make_unique<FirstUploads>(gpu, events_))->uploads;
     uploads.shares = true;  // what groups have does not change
     make_groups(uploads, settings);
     uploads.shares = false;
@@ -273,11 +274,17 @@ float CrowdState::budgeted_full_rate_pixels(const CrowdView* view) {
 
 void CrowdState::free_what_may_go() {
     for (const auto& uploads : first_uploads_) uploads->poll();
-    // The first knows whether an update has run
-    const auto is_over = [](const auto& uploads) { return uploads->is_done(); };
-    first_uploads_.erase(std::remove_if(first_uploads_.begin() + 1, first_uploads_.end(), is_over),
-                         first_uploads_.end());
-    std::erase_if(retired_, [](const Retired& retired) { return retired.may_go(); });
+    // The first one knows whether an update has run
+    for (size_t i = first_uploads_.size(); i-- > 1;) {
+        if (!first_uploads_[i]->is_done()) continue;
+        events_.give_back(first_uploads_[i]->take_event());
+        first_uploads_.erase(first_uploads_.begin() + static_cast<ptrdiff_t>(i));
+    }
+    for (size_t i = retired_.size(); i-- > 0;) {
+        if (!retired_[i].may_go()) continue;
+        events_.give_back(retired_[i].take_event());
+        retired_.erase(retired_.begin() + static_cast<ptrdiff_t>(i));
+    }
 }
 
 void CrowdState::go_to_slot(uint32_t next) {

@@ -192,6 +192,7 @@ private:
     void retire(Retired::Things things);
     uint32_t end_count() const;
 
+    EventPool events_;
     CrowdSettings settings_;                                    // without what the application owns
     std::vector<std::unique_ptr<FirstUploads>> first_uploads_;  // of the crowd, and of what has come later
     std::vector<Retired> retired_;

@@ -9,8 +9,8 @@ namespace throng {
 
 class FirstUploads {
 public:
-    explicit FirstUploads(const std::shared_ptr<Gpu>& gpu)
-        : uploads(gpu, Uploads::kUnlimited_bytes), gpu_(gpu), have_run_(gpu) {}
+    FirstUploads(const std::shared_ptr<Gpu>& gpu, EventPool& events)
+        : uploads(gpu, Uploads::kUnlimited_bytes), gpu_(gpu), have_run_(events.take()) {}
 
     Uploads uploads;  // to be filled before any of the calls
 
@@ -23,6 +23,7 @@ public:
     // Frees the staging memory once they have run.
     void poll();
     bool is_done() const { return state_ == State::kDone; }
+    DeviceEvent take_event() { return std::move(have_run_); }  // when it is done
     // Whether the commands of a first update that was recorded are known to have run.
     bool first_update_has_run() const { return has_event_ && have_run_.is_set(); }
     // Before something is read, where they have not been recorded: submits them and waits; on a software device the

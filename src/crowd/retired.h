@@ -15,19 +15,25 @@ public:
         std::unique_ptr<StageTimer> timer{};
         Buffer buffer{};
     };
-    // They may go when so many later updates have run, after which nobody reads the outputs of earlier ones.
-    Retired(const std::shared_ptr<Gpu>& gpu, Things things, uint32_t update_count)
-        : things_(std::move(things)), have_run_(gpu), left_(update_count) {}
+    // They may go when so many later updates have run, after which nobody reads the outputs of earlier ones, and as
+    // many more have been recorded: with what the application waits for before that, validation layers too know that
+    // the commands have finished, which do not go by events.
+    Retired(Things things, EventPool& events, uint32_t update_count)
+        : things_(std::move(things)), have_run_(events.take()), left_(update_count), more_(update_count) {}
 
     // At the end of each update.
     void record(VkCommandBuffer commands) {
         was_left_ = left_;
-        if (left_ == 0) return;
-        if (--left_ == 0) have_run_.record_set(commands);
+        if (left_ > 0) {
+            if (--left_ == 0) have_run_.record_set(commands);
+        } else if (more_ > 0 && have_run_.is_set()) {
+            --more_;
+        }
     }
     // The last update will never be submitted.
     void discard() { left_ = was_left_; }
-    bool may_go() const { return left_ == 0 && have_run_.is_set(); }
+    bool may_go() const { return more_ == 0; }
+    DeviceEvent take_event() { return std::move(have_run_); }  // when it may go
     uint64_t size_bytes() const {
         uint64_t sum = 0;
         for (const auto& stage : things_.stages) sum += stage->size_bytes();
@@ -38,7 +44,7 @@ public:
 private:
     Things things_;
     DeviceEvent have_run_;
-    uint32_t left_, was_left_ = 0;
+    uint32_t left_, was_left_ = 0, more_;
 };
 
 }  // namespace throng

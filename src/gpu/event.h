@@ -3,6 +3,8 @@
 
 #include "gpu/owned.h"
 
+#include <vector>
+
 namespace throng {
 
 class DeviceEvent {
@@ -20,6 +22,28 @@ private:
     std::shared_ptr<Gpu> gpu_;
     OwnedEvent event_;
     bool is_set_ = false;  // on a native device
+};
+
+// Events for one purpose after another. None is destroyed before the pool: commands that set it may still be under way
+// when it is found set.
+class EventPool {
+public:
+    explicit EventPool(std::shared_ptr<Gpu> gpu) : gpu_(std::move(gpu)) {}
+
+    DeviceEvent take() {
+        if (free_.empty()) return DeviceEvent(gpu_);
+        DeviceEvent event = std::move(free_.back());
+        free_.pop_back();
+        return event;
+    }
+    void give_back(DeviceEvent event) {
+        event.reset();
+        free_.push_back(std::move(event));
+    }
+
+private:
+    std::shared_ptr<Gpu> gpu_;
+    std::vector<DeviceEvent> free_;
 };
 
 }  // namespace throng
