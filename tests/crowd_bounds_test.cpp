@@ -126,6 +126,36 @@ TEST_F(CrowdBoundsTest, FollowNothingThatHasNotRun) {
     EXPECT_GT(world_bounds(crowd).min.z, 500 - 2 * character_.size);
 }
 
+// Nobody has looked before: what updates have done until then is known, also when groups have come or a state has been
+// restored since, and of the group that comes where it has been put.
+TEST_F(CrowdBoundsTest, FollowAfterAChange) {
+    const auto moved = [&] {
+        Crowd crowd = crowd_of_agents(character_);
+        for (int i = 0; i < 30; ++i) EXPECT_TRUE(crowd.update(0.1f));
+        return crowd;
+    };
+    Crowd wanted = moved(), grown = moved(), restored = crowd_of_agents(character_),
+          shown = crowd_of_agents(character_);
+    ASSERT_TRUE(renderer_.prepare(wanted));
+    const Bounds bounds = world_bounds(wanted);
+    ASSERT_GT(bounds.max.z, 4);
+    ASSERT_TRUE(grown.add_groups(create({.groups = {{.character = &character_, .instance_count = 2, .capacity = 2}}})));
+    const std::array places{grown.instances(1)->number(0), grown.instances(1)->number(1)};
+    for (const uint32_t one : places) ASSERT_TRUE(grown.set_placement(grown.handle(one).value(), at(0, 0, 2)));
+    ASSERT_TRUE(renderer_.prepare(shown));
+    for (int i = 0; i < 3; ++i) ASSERT_TRUE(shown.update(0.1f));
+    for (Crowd* const one : {&restored, &shown}) ASSERT_TRUE(one->restore_state(wanted.save_state().value()));
+    for (Crowd* const one : {&grown, &restored, &shown}) {
+        ASSERT_TRUE(renderer_.prepare(*one));
+        EXPECT_EQ(world_bounds(*one).max.z, bounds.max.z);
+    }
+    for (int i = 0; i < 20; ++i)
+        for (Crowd* const one : {&wanted, &grown, &restored, &shown}) ASSERT_TRUE(one->update(0.1f));
+    EXPECT_GT(world_bounds(wanted).max.z, bounds.max.z + 1);
+    for (Crowd* const one : {&grown, &restored, &shown})
+        EXPECT_EQ(world_bounds(*one).max.z, world_bounds(wanted).max.z);
+}
+
 TEST_F(CrowdBoundsTest, LeaveOutStraysButNotAParty) {
     constexpr uint32_t kMany = 300;
     Crowd crowd = create({.groups = {{.character = &character_, .instance_count = kMany}}});

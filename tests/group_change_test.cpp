@@ -528,6 +528,61 @@ TEST_F(GroupChanges, RefusesWhatDoesNotGoTogether) {
     EXPECT_FALSE(crowd.path(1).value().is_native);
 }
 
+// Where the device refuses, whenever it does: both crowds go on as before.
+PFN_vkCreateBuffer driver_create_buffer;
+uint32_t buffers_until_refusal;
+VkResult refuse_buffer(VkDevice device, const VkBufferCreateInfo* info, const VkAllocationCallbacks* allocator,
+                       VkBuffer* buffer) {
+    return buffers_until_refusal-- == 0 ? VK_ERROR_OUT_OF_DEVICE_MEMORY
+                                        : driver_create_buffer(device, info, allocator, buffer);
+}
+
+TEST_F(GroupChanges, WhatFailsHasNotHappened) {
+    if (test_gpu()->is_native()) GTEST_SKIP() << "it makes no buffers";
+    const Device device = another_device();
+    Gpu& gpu = *device.gpu();
+    const auto make = [&] {
+        CrowdSettings of = settings(3);
+        of.path = UpdatePath::kStaged;
+        of.groups[0].steering = Steering{.radius = 0.1f};
+        Crowd crowd = Crowd::create(device, of).value();
+        EXPECT_TRUE(crowd.set_placement(crowd.instances(), to_affine(Trs<float>{.translation = {4, 5, 6}})));
+        return crowd;
+    };
+    const auto shown = [](Crowd& crowd) {
+        EXPECT_TRUE(crowd.update(0.1f));
+        return std::pair(crowd.outputs().size(), crowd.instance_count());
+    };
+    Crowd crowd = make(), other = make();
+    ASSERT_TRUE(crowd.add_groups(make()));
+    ASSERT_TRUE(crowd.update(0.1f));
+    driver_create_buffer = gpu.vk.vkCreateBuffer;
+    uint32_t failure_count = 0;
+    const auto until_it_works = [&](const auto& change) {
+        for (uint32_t until = 0;; ++until) {
+            gpu.vk.vkCreateBuffer = refuse_buffer;
+            buffers_until_refusal = until;
+            const std::string why = refusal(change());
+            gpu.vk.vkCreateBuffer = driver_create_buffer;
+            if (why.empty()) return;
+            ++failure_count;
+            EXPECT_EQ(shown(crowd), std::pair(size_t{2}, 6u)) << why;
+            EXPECT_EQ(other.instance_count(), 3u);
+            EXPECT_TRUE(other.read_positions(InstanceHandle{0})) << "as it is, before its first update";
+        }
+    };
+    until_it_works([&] { return crowd.remove_group(0); });
+    EXPECT_GT(failure_count, 2u);
+    EXPECT_EQ(shown(crowd), std::pair(size_t{1}, 6u));
+    crowd = make();
+    ASSERT_TRUE(crowd.add_groups(make()));
+    failure_count = 0;
+    until_it_works([&] { return crowd.add_groups(std::move(other)); });
+    EXPECT_GT(failure_count, 2u);
+    EXPECT_EQ(shown(crowd), std::pair(size_t{3}, 9u));
+    EXPECT_EQ(output<Affine>(crowd.outputs()[2], &OutputBlock::placement, 3, device.gpu())[2].row[1][3], 5);
+}
+
 class GroupChangesDrawn : public testing::TestWithParam<DrawPath> {};
 
 // With textures, of which those that are there are not decoded again.

@@ -127,7 +127,10 @@ void CrowdState::exchange(StateArchive& archive) {
     for (uint32_t group = 0; group < groups.size(); ++group)
         for (const auto& stage : stages)
             if (!groups[group].is_gone()) stage->exchange_group(archive, group);
-    for (Batch& batch : batches) archive.values(std::span(batch.inertia_states.get(), batch.inertia_bytes));
+    for (Batch& batch : batches) {
+        archive.value(batch.has_updated);
+        archive.values(std::span(batch.inertia_states.get(), batch.inertia_bytes));
+    }
     std::vector<uint32_t> watched;
     for (const Watched& one : watched_) watched.push_back(one.instance);
     archive.list(watched, watch_capacity_);

@@ -46,6 +46,7 @@ void PlacementStage::follow(bool are_filled) {
     if (!are_filled) return;
     for (const FollowedBatch& of : moving) {
         const Batch& batch = *of.batch;
+        if (!batch.has_updated) continue;
         const auto births = of.has_births
                                 ? download<uint32_t>(gpu_, BufferRange(batch[io::kBirthsBuffer], 0, of.birth_bytes()))
                                 : std::vector<uint32_t>();
@@ -101,15 +102,21 @@ void PlacementStage::discard() {
     if (followed_) followed_->discard();
 }
 
+// What is followed has been counted otherwise: whoever wants it has to ask again.
+void PlacementStage::exchange(StateArchive& archive) {
+    archive.value(update_count_);
+    if (archive.reads()) followed_.reset();
+}
+
 void PlacementStage::exchange_group(StateArchive& archive, uint32_t group) {
     for_each_batch_of(group, [&](Batch& batch, uint32_t) {
         const auto placements = std::span(placements_).subspan(batch.first_instance, batch.instance_count);
         archive.values(placements);
+        archive.values(std::span(set_for_).subspan(batch.first_instance, batch.instance_count));
         archive.changes(dirty_, batch.first_instance, batch.instance_count);
         if (!archive.reads()) return;
         StateArchive::require(std::ranges::all_of(placements, is_finite), "a placement is not finite");
         ++batch.move_count;
-        std::ranges::fill(std::span(set_for_).subspan(batch.first_instance, batch.instance_count), update_count_ + 1);
     });
 }
 

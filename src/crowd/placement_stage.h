@@ -21,8 +21,8 @@ public:
     explicit PlacementStage(const StageContext& context);
 
     void set(const Instances& instances, const Each<Affine>& world_from_model);
-    // From now on known() has what updates do. Where the buffers `are_filled`, it waits for those that have been
-    // submitted and takes over what they have done.
+    // From now on known() has what updates do. Where the buffers `are_filled`, of groups that have been updated, it
+    // waits for updates that have been submitted and takes over what they have done.
     void follow(bool are_filled);
     bool is_followed() const { return followed_.has_value(); }
     // [instance_count], as the CPU knows them: as last set or, where they are followed, as an update has left them of
@@ -32,6 +32,7 @@ public:
     void begin(const Update& update) override;
     void end(VkCommandBuffer commands);  // behind the last kernel of an update
     void discard() override;
+    void exchange(StateArchive& archive) override;
     void exchange_group(StateArchive& archive, uint32_t group) override;
     uint32_t end_count() const override { return 0; }
     uint64_t size_bytes() const override { return followed_ ? followed_->size_bytes() : 0; }
