@@ -10,7 +10,7 @@
 namespace throng {
 namespace {
 
-// Those of a crowd that has no CrowdSettings::culling are not listed, and so on: buffers are made for this.
+// The first setting in which they differ, of those by which buffers and kernels are made.
 std::string_view difference(const CrowdSettings& a, const CrowdSettings& b) {
     const auto culling_differs = [&](bool Culling::*setting) {
         return a.culling && b.culling && (*a.culling).*setting != (*b.culling).*setting;

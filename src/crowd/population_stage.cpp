@@ -63,6 +63,7 @@ void PopulationStage::begin_group(uint32_t group) {
 
 void PopulationStage::join_group(uint32_t group) {
     Population& population = populations_[group];
+    if (population.is_of_shaders) return;  // whose instances have no handles
     population.generation += next_generation_;
     for (uint32_t& generation : population.generations) generation += next_generation_;
     for (uint32_t& birth : population.births)
