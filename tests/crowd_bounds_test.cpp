@@ -139,9 +139,10 @@ TEST_F(CrowdBoundsTest, FollowAfterAChange) {
     ASSERT_TRUE(renderer_.prepare(wanted));
     const Bounds bounds = world_bounds(wanted);
     ASSERT_GT(bounds.max.z, 4);
-    ASSERT_TRUE(grown.add_groups(create({.groups = {{.character = &character_, .instance_count = 2, .capacity = 2}}})));
-    const std::array places{grown.instances(1)->number(0), grown.instances(1)->number(1)};
-    for (const uint32_t one : places) ASSERT_TRUE(grown.set_placement(grown.handle(one).value(), at(0, 0, 2)));
+    Crowd others = crowd_of_agents(character_);
+    ASSERT_TRUE(others.set_placement(Instances::numbered(0, kCount), at(0, 0, 2)));
+    ASSERT_TRUE(others.clear_destination(Instances::numbered(0, kCount)));
+    ASSERT_TRUE(grown.add_groups(std::move(others)));
     ASSERT_TRUE(renderer_.prepare(shown));
     for (int i = 0; i < 3; ++i) ASSERT_TRUE(shown.update(0.1f));
     for (Crowd* const one : {&restored, &shown}) ASSERT_TRUE(one->restore_state(wanted.save_state().value()));
