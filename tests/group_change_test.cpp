@@ -357,7 +357,9 @@ TEST_F(GroupChanges, EventsOfThoseThatHaveGoneAreTheirs) {
     for (uint32_t generation = 0; generation < 3; ++generation) {
         ASSERT_EQ(crowd.add_groups(create(of)).value(), std::vector<uint32_t>{1});
         ASSERT_TRUE(crowd.set_parameter(*crowd.instances(1), parameter_of(dragon, "forward"), 1));
-        ASSERT_TRUE(crowd.watch(*crowd.instances(1)));
+        std::vector<InstanceHandle> watched = there_in(crowd, 1);
+        watched.push_back({1, 0});  // of the group that stays
+        ASSERT_TRUE(crowd.watch(watched));
         for (int update = 0; update < 3; ++update) ASSERT_TRUE(crowd.update(0.7f));
         ASSERT_TRUE(crowd.remove_group(1));
         const std::vector<Feedback> all = crowd.feedback().value();
@@ -366,10 +368,15 @@ TEST_F(GroupChanges, EventsOfThoseThatHaveGoneAreTheirs) {
             EXPECT_EQ(told.update, ++update_count);
             for (const CharacterEvent& event : told.events) EXPECT_EQ(event.instance.generation, generation);
             event_count += told.events.size();
-            ASSERT_EQ(told.watched.size(), 2u);
+            ASSERT_EQ(told.watched.size(), 3u);
             EXPECT_FALSE(told.watched[0].layers.empty());
             EXPECT_EQ(told.watched[1].instance, (InstanceHandle{3, generation}));
         }
+        go_on(crowd);
+        const Feedback after = feedback_of(crowd);
+        EXPECT_EQ(after.update, ++update_count);
+        ASSERT_EQ(after.watched.size(), 1u);
+        EXPECT_EQ(after.watched[0].instance, (InstanceHandle{1, 0}));
     }
     EXPECT_GT(event_count, 2u);
 }

@@ -172,15 +172,16 @@ TEST_F(SavedState, KeepsWhatThePreviousUpdateShowed) {
     of.keep_previous_matrices = true;
     for (const uint32_t in_flight : {1u, 3u}) {
         of.frames_in_flight = in_flight;
-        Crowd crowd = create(of), other = create(of);
+        Crowd crowd = create(of), other = create(of), fresh = create(of);
         ASSERT_TRUE(other.update(0.4f));
         ASSERT_TRUE(crowd.set_playback(crowd.instances(), {.first = {.clip = 0}}));
         for (int update = 0; update < 3; ++update) ASSERT_TRUE(crowd.update(0.1f));
-        ASSERT_TRUE(other.restore_state(*crowd.save_state()));
-        for (Crowd* const one : {&crowd, &other}) ASSERT_TRUE(one->update(0.1f));
+        for (Crowd* const one : {&other, &fresh}) ASSERT_TRUE(one->restore_state(*crowd.save_state()));
+        for (Crowd* const one : {&crowd, &other, &fresh}) ASSERT_TRUE(one->update(0.1f));
         const Contents wanted = contents_of(crowd.outputs());
         EXPECT_NE(wanted.at("0: skin"), wanted.at("0: previous skin"));
-        expect_same(wanted, contents_of(other.outputs()), "in flight " + std::to_string(in_flight));
+        for (Crowd* const one : {&other, &fresh})
+            expect_same(wanted, contents_of(one->outputs()), "in flight " + std::to_string(in_flight));
     }
 }
 

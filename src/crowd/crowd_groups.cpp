@@ -166,7 +166,8 @@ CrowdState::Stages CrowdState::remade_stages(std::span<const StageState> before,
     return made;
 }
 
-// Feedback is kept for four updates, and the outputs of each are read while so many more are computed.
+// The outputs of an update are read while so many more are computed as there are frames in flight; the application may
+// have some more frames of its own under way.
 void CrowdState::retire(Retired::Things things) {
     constexpr uint32_t kUpdates = 5;
     retired_.emplace_back(std::move(things), events_, std::max(kUpdates, settings_.frames_in_flight + 1));
