@@ -381,6 +381,31 @@ TEST_F(GroupChanges, EventsOfThoseThatHaveGoneAreTheirs) {
     EXPECT_GT(event_count, 2u);
 }
 
+// What is watched of those that come may be more than of those that were there.
+TEST_F(GroupChanges, FeedbackGetsRoom) {
+    const Controller dragon = example("dragon");
+    CrowdSettings small = settings(2), large = settings(2);
+    for (CrowdSettings* const of : {&small, &large}) of->watch_capacity = 2;
+    small.groups[0].sockets = {3};
+    large.groups[0].controller = &dragon;
+    large.groups[0].sockets = {1, 3, 5, 7, 9, 11};
+    Crowd crowd = create(small);
+    go_on(crowd, 2);
+    EXPECT_EQ(crowd.feedback().value().size(), 2u);
+    go_on(crowd);
+    ASSERT_TRUE(crowd.add_groups(create(large)));
+    ASSERT_TRUE(crowd.watch(*crowd.instances(1)));
+    for (int update = 0; update < 6; ++update) {
+        go_on(crowd);
+        const std::vector<Feedback> all = crowd.feedback().value();
+        ASSERT_EQ(all.size(), update == 0 ? 2u : 1u) << "and what had not been asked for";
+        const Feedback& told = all.back();
+        ASSERT_EQ(told.watched.size(), 2u);
+        const auto sockets = output<Affine>(crowd.outputs()[1], &OutputBlock::socket, 12);
+        EXPECT_TRUE(same_bits(copy_of(told.watched[1].sockets), std::vector(sockets.begin() + 6, sockets.end())));
+    }
+}
+
 TEST_F(GroupChanges, MemoryIsGivenBack) {
     for (const uint32_t in_flight : {1u, 4u}) {
         CrowdSettings of = settings(50);
