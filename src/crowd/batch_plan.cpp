@@ -7,7 +7,7 @@
 namespace throng {
 namespace {
 
-// Of an instance: what inertial transitions keep between native updates.
+// The state that inertial transitions of one instance keep between native updates.
 uint64_t inertia_bytes(const Group& group) {
     const bool is_inertial = group.native_rig() && group.controller && group.controller->is_inertial;
     return is_inertial ? group.native_rig()->inertia_floats() * sizeof(float) : 0;

@@ -117,10 +117,10 @@ void CrowdState::put_in(Part part, uint32_t group, uint32_t first_instance) {
     }
     groups[group] = std::move(part.group);
     settings_.groups[group] = std::move(part.settings);
-    const uint32_t first = part.batches.front().first_instance;
+    uint32_t next_instance = first_instance;
     for (Batch& batch : part.batches) {
         batch.group = group;
-        batch.first_instance += first_instance - first;
+        batch.first_instance = std::exchange(next_instance, next_instance + batch.instance_count);
         batch.slot = slot;
         batches.push_back(std::move(batch));
     }
@@ -132,18 +132,19 @@ void CrowdState::count_instances() {
     instance_count = batches.empty() ? 0 : batches.back().first_instance + batches.back().instance_count;
 }
 
-// `moves`: of groups that join the crowd, whose states are `joining`, or leave it.
-CrowdState::Stages CrowdState::remade_stages(std::span<const StageState> before, std::span<const StageState> joining,
-                                             std::span<const Move> moves) {
-    auto uploads = std::make_unique<FirstUploads>(gpu, events_);
-    Stages made = make_stages(uploads->uploads);
+// All that may fail of a change of groups. `moves`: of groups that join the crowd, whose states are `joining`, or leave
+// it.
+CrowdState::Remade CrowdState::remake(std::span<const StageState> before, std::span<const StageState> joining,
+                                      std::span<const Move> moves) {
+    Remade made{.uploads = std::make_unique<FirstUploads>(gpu, events_)};
+    made.stages = make_stages(made.uploads->uploads);
     const auto renumbered = [&](uint32_t number) {
         for (const Move& move : moves)
             if (number - move.first_from < move.count)
                 return move.to == kNone ? kNone : number - move.first_from + move.first_to;
         return number;
     };
-    for (const auto& stage : made) {
+    for (const auto& stage : made.stages) {
         const auto of_stage = [&](std::span<const StageState> states) {
             return std::ranges::find_if(
                 states, [&](const StageState& state) { return typeid(*state.stage) == typeid(*stage); });
@@ -162,15 +163,13 @@ CrowdState::Stages CrowdState::remade_stages(std::span<const StageState> before,
         if (const auto state = of_stage(joining); state != joining.end())
             for (const Move& move : moves) read_group(state->of_groups.at(move.from), move.to, true);
     }
-    first_uploads_.push_back(std::move(uploads));
-    return made;
-}
-
-// The outputs of an update are read while so many more are computed as there are frames in flight; the application may
-// have some more frames of its own under way.
-void CrowdState::retire(Retired::Things things) {
+    if (placements->is_followed()) find_stage<PlacementStage>(made.stages)->follow(false);
+    if (timer && end_count_of(made.stages) > timer_room_) made.timer = make_timer(made.stages);
+    // The outputs of an update are read while so many more are computed as there are frames in flight; the application
+    // may have some more frames of its own under way.
     constexpr uint32_t kUpdates = 5;
-    retired_.emplace_back(std::move(things), events_, std::max(kUpdates, settings_.frames_in_flight + 1));
+    made.retired.emplace(events_, std::max(kUpdates, settings_.frames_in_flight + 1));
+    return made;
 }
 
 std::vector<uint32_t> CrowdState::add_groups(CrowdState& from) {
@@ -186,19 +185,18 @@ std::vector<uint32_t> CrowdState::add_groups(CrowdState& from) {
         if (!natively_) groups[move.to].leave_native("the crowd's other groups are not updated natively");
         numbers.push_back(move.to);
     }
-    Stages made;
+    Remade made;
     try {
         make_feedback();
-        made = remade_stages(before, joining, moves);
+        made = remake(before, joining, moves);
     } catch (...) {
         for (const Move& move : moves) from.put_in(take_out(move.to), move.from, move.first_from);
         from.natively_ = from.natively_ && natively_;
         throw;
     }
-    retire({.stages = std::exchange(from.stages, {}), .buffer = std::move(from.terrain_heights_)});
     for (auto& uploads : from.first_uploads_) first_uploads_.push_back(std::move(uploads));
     from.groups.clear();
-    go_on_with(std::move(made), {});
+    go_on_with(std::move(made), {.stages = std::move(from.stages), .buffer = std::move(from.terrain_heights_)});
     for (const uint32_t group : numbers) population->join_group(group);
     return numbers;
 }
@@ -214,31 +212,27 @@ void CrowdState::remove_group(uint32_t group) {
     const Instances gone = instances(group);
     const Move move{.from = group, .to = kNone, .first_from = gone.first(), .first_to = kNone, .count = gone.size()};
     Part part = take_out(group);
-    Stages made;
+    Remade made;
     try {
-        made = remade_stages(before, {}, std::span(&move, 1));
+        made = remake(before, {}, std::span(&move, 1));
     } catch (...) {
         put_in(std::move(part), group, move.first_from);
         throw;
     }
-    go_on_with(std::move(made), std::move(part));
+    go_on_with(std::move(made), {.batches = std::move(part.batches), .group = std::move(part.group)});
 }
 
-// What stays of the stages and groups before goes when updates that are under way have run.
-void CrowdState::go_on_with(Stages made, std::optional<Part> gone) {
-    const bool is_followed = placements->is_followed();
-    Retired::Things things{.stages = std::exchange(stages, {})};
-    if (gone) {
-        things.batches = std::move(gone->batches);
-        things.group = std::move(gone->group);
+// `gone`: what else than the stages before may be in use by updates that are under way.
+void CrowdState::go_on_with(Remade made, Retired::Things gone) {
+    for (auto& stage : stages) gone.stages.push_back(std::move(stage));
+    use_stages(std::move(made.stages));
+    first_uploads_.push_back(std::move(made.uploads));
+    if (made.timer) {
+        gone.timer = std::exchange(timer, std::move(made.timer));
+        timer_room_ = timer_room_for(stages);
     }
-    use_stages(std::move(made));
-    if (is_followed) placements->follow(false);
-    if (timer && end_count() > timer_room_) {
-        things.timer = std::move(timer);
-        make_timer();
-    }
-    retire(std::move(things));
+    made.retired->keep(std::move(gone));
+    retired_.push_back(std::move(*made.retired));
     make_outputs();
     if (gpu->is_native()) finish_uploads();
     can_discard_ = false;

@@ -74,7 +74,8 @@ CrowdState::CrowdState(std::shared_ptr<Gpu> gpu_in, const CrowdSettings& asked)
     use_stages(make_stages(uploads));
     for (uint32_t i = 0; i < groups.size(); ++i) population->begin_group(i);
     if (gpu->is_native()) finish_uploads();
-    make_timer();
+    timer = make_timer(stages);
+    timer_room_ = timer_room_for(stages);
 }
 
 BatchPlan CrowdState::plan_batches(const Group& group, const CrowdSettings& settings) const {
@@ -115,18 +116,21 @@ void CrowdState::use_stages(Stages made) {
     instance_commands = find_stage<InstanceCommandStage>(stages);
 }
 
-// With room for stages that groups bring along later.
-void CrowdState::make_timer() {
-    if (!settings_.timestamps || !gpu->has_timestamps()) return;
-    constexpr uint32_t kMore = 16;
-    timer_room_ = end_count() + kMore;
-    timer = std::make_unique<StageTimer>(gpu, timer_room_);
+uint32_t CrowdState::end_count_of(const Stages& of) {
+    uint32_t sum = 0;
+    for (const auto& stage : of) sum += stage->end_count();
+    return sum;
 }
 
-uint32_t CrowdState::end_count() const {
-    uint32_t sum = 0;
-    for (const auto& stage : stages) sum += stage->end_count();
-    return sum;
+// With room for stages that groups bring along later.
+uint32_t CrowdState::timer_room_for(const Stages& of) {
+    constexpr uint32_t kMore = 16;
+    return end_count_of(of) + kMore;
+}
+
+std::unique_ptr<StageTimer> CrowdState::make_timer(const Stages& of) const {
+    if (!settings_.timestamps || !gpu->has_timestamps()) return nullptr;
+    return std::make_unique<StageTimer>(gpu, timer_room_for(of));
 }
 
 void CrowdState::make_outputs() {

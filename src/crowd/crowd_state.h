@@ -130,7 +130,9 @@ private:
     using Stages = std::vector<std::unique_ptr<Stage>>;
     Stages make_stages(Uploads& uploads);
     void use_stages(Stages made);
-    void make_timer();
+    static uint32_t end_count_of(const Stages& of);
+    static uint32_t timer_room_for(const Stages& of);
+    std::unique_ptr<StageTimer> make_timer(const Stages& of) const;
     void make_outputs();
     Update update_of(VkCommandBuffer commands, float time_step_s, const io::CullView& view) const;
     void check_runs(bool natively);
@@ -179,6 +181,13 @@ private:
         CrowdGroup settings;
         std::vector<Batch> batches;
     };
+    // What the crowd goes on with after a change.
+    struct Remade {
+        Stages stages{};
+        std::unique_ptr<FirstUploads> uploads{};
+        std::unique_ptr<StageTimer> timer{};  // where there is no room in the one before
+        std::optional<Retired> retired{};     // to keep what is not needed any more
+    };
     void check_may_change(const char* what) const;
     void check_goes_with(const CrowdState& other) const;
     std::vector<StageState> stage_states() const;
@@ -186,11 +195,8 @@ private:
     Part take_out(uint32_t group);
     void put_in(Part part, uint32_t group, uint32_t first_instance);
     void count_instances();
-    Stages remade_stages(std::span<const StageState> before, std::span<const StageState> joining,
-                         std::span<const Move> moves);
-    void go_on_with(Stages made, std::optional<Part> gone);
-    void retire(Retired::Things things);
-    uint32_t end_count() const;
+    Remade remake(std::span<const StageState> before, std::span<const StageState> joining, std::span<const Move> moves);
+    void go_on_with(Remade made, Retired::Things gone);
 
     EventPool events_;
     CrowdSettings settings_;                                    // without what the application owns

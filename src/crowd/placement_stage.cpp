@@ -102,7 +102,7 @@ void PlacementStage::discard() {
     if (followed_) followed_->discard();
 }
 
-// What is followed has been counted otherwise: whoever wants it has to ask again.
+// Copies that are under way are numbered by the updates before: they are dropped, until follow() is called again.
 void PlacementStage::exchange(StateArchive& archive) {
     archive.value(update_count_);
     if (archive.reads()) followed_.reset();

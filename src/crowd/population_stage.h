@@ -25,11 +25,12 @@ public:
     static void plan(BatchPlan& plan);
     explicit PopulationStage(const StageContext& context);
 
-    // Of a group that is made with the crowd: those are there with which it begins.
+    // A group that is made with the crowd: spawns the instances that CrowdGroup::instance_count asks for.
     void begin_group(uint32_t group);
-    // Of one that comes from another crowd: it is born now, and no handle of before is its.
+    // A group that comes from another crowd: its instances count as born in the next update, and get generations that
+    // no handle of a group before has.
     void join_group(uint32_t group);
-    // Its instances go, all of them.
+    // A group that is about to be removed: remembers its generations, for feedback of updates that are under way.
     void end_group(uint32_t group);
     // The numbers of new instances of a group, in the crowd. Throws kLimit where there is no room for all.
     std::vector<uint32_t> spawn(uint32_t group, uint32_t count);

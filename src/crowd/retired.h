@@ -18,8 +18,9 @@ public:
     // They may go when so many later updates have run, after which nobody reads the outputs of earlier ones, and as
     // many more have been recorded: with what the application waits for before that, validation layers too know that
     // the commands have finished, which do not go by events.
-    Retired(Things things, EventPool& events, uint32_t update_count)
-        : things_(std::move(things)), have_run_(events.take()), left_(update_count), more_(update_count) {}
+    Retired(EventPool& events, uint32_t update_count)
+        : have_run_(events.take()), left_(update_count), more_(update_count) {}
+    void keep(Things things) { things_ = std::move(things); }
 
     // At the end of each update.
     void record(VkCommandBuffer commands) {

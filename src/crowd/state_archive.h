@@ -23,8 +23,8 @@ public:
     bool is_at_end() const { return unread_.empty(); }
     const std::vector<std::byte>& written() const { return written_; }
 
-    // What is read names an instance by `number`, and is to have this one's: where those of the writer have got others.
-    // kNone: it is not there any more.
+    // Numbers of instances in the bytes are those of the crowd that wrote them; `renumber` returns the number in the
+    // one that reads them, or kNone where the instance is not there. Unset: they are the same.
     void set_renumber(std::function<uint32_t(uint32_t number)> renumber) { renumber_ = std::move(renumber); }
     uint32_t renumbered(uint32_t number) const { return renumber_ ? renumber_(number) : number; }
 
