@@ -143,6 +143,11 @@ TEST_F(CrowdBoundsTest, FollowAfterAChange) {
     ASSERT_TRUE(others.set_placement(Instances::numbered(0, kCount), at(0, 0, 2)));
     ASSERT_TRUE(others.clear_destination(Instances::numbered(0, kCount)));
     ASSERT_TRUE(grown.add_groups(std::move(others)));
+    ASSERT_TRUE(
+        wanted.add_groups(create({.groups = {{.character = &character_, .instance_count = 1}}, .culling = Culling{}})));
+    EXPECT_TRUE(wanted.state().placements->is_followed()) << "on, without waiting for it again";
+    ASSERT_TRUE(wanted.remove_group(1));
+    EXPECT_EQ(world_bounds(wanted).max.z, bounds.max.z);
     ASSERT_TRUE(renderer_.prepare(shown));
     for (int i = 0; i < 3; ++i) ASSERT_TRUE(shown.update(0.1f));
     for (Crowd* const one : {&restored, &shown}) ASSERT_TRUE(one->restore_state(wanted.save_state().value()));

@@ -48,6 +48,42 @@ TEST_F(GroupChanges, GroupsMayBeEmpty) {
     go_on(crowd);
 }
 
+// Of which one buffer of the device does not hold all matrices.
+TEST_F(GroupChanges, GroupsMayHaveSeveralBatches) {
+    const Character large = make_character({.joint_count = 65535,
+                                            .shape = RigShape::kBushy,
+                                            .scale_spread = 0,
+                                            .clip_count = 1,
+                                            .axis_count = 1,
+                                            .key_count = 2});
+    const uint64_t range_bytes = std::min(test_device().info().storage_buffer_range_bytes, uint64_t{256} << 20);
+    CrowdSettings of = settings(static_cast<uint32_t>(range_bytes / (65535 * sizeof(Affine))) + 2);
+    of.groups[0].character = &large;
+    of.path = UpdatePath::kStaged;
+    CrowdSettings few = settings(3);
+    few.path = UpdatePath::kStaged;
+    Crowd crowd = create(few);
+    ASSERT_TRUE(crowd.add_groups(create(of)));
+    ASSERT_TRUE(crowd.add_groups(create(few)));
+    ASSERT_TRUE(crowd.remove_group(0));
+    EXPECT_EQ(crowd.outputs().size(), 3u);
+    const Instances many = *crowd.instances(1);
+    EXPECT_EQ(many.first(), 3u);
+    EXPECT_EQ(many.size(), of.groups[0].instance_count);
+    for (uint32_t i = 3; i < crowd.instance_count(); ++i) {
+        const Affine place = to_affine(Trs<float>{.translation = {static_cast<float>(i), 0, 0}});
+        ASSERT_TRUE(crowd.set_placement(Instances::numbered(i), place));
+    }
+    go_on(crowd);
+    uint32_t next = 3;
+    for (const OutputBlock& block : crowd.outputs()) {
+        EXPECT_EQ(block.first_instance, next);
+        for (const Affine& place : output<Affine>(block, &OutputBlock::placement, block.instance_count))
+            EXPECT_EQ(place.row[0][3], static_cast<float>(next++));
+    }
+    EXPECT_EQ(next, crowd.instance_count());
+}
+
 TEST_F(GroupChanges, NumbersAreGivenAgainAndHandlesAreNot) {
     Crowd crowd = create(settings(3));
     EXPECT_EQ(crowd.add_groups(create(settings(4, 4))).value(), std::vector<uint32_t>{1});
@@ -130,7 +166,10 @@ TEST_F(GroupChanges, EventsOfThoseThatHaveGoneAreTheirs) {
 TEST_F(GroupChanges, FeedbackGetsRoom) {
     const Controller dragon = example("dragon");
     CrowdSettings small = settings(2), large = settings(2);
-    for (CrowdSettings* const of : {&small, &large}) of->watch_capacity = 2;
+    for (CrowdSettings* const of : {&small, &large}) {
+        of->watch_capacity = 2;
+        of->path = UpdatePath::kDevice;  // under the validation layers, which see what goes beyond a buffer
+    }
     small.groups[0].sockets = {3};
     large.groups[0].controller = &dragon;
     large.groups[0].sockets = {1, 3, 5, 7, 9, 11};
