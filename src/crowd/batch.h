@@ -42,6 +42,7 @@ struct Batch {
         for (const Buffers& of_slot : shown) sum += of_slot.size_bytes();
         return sum;
     }
+    bool has(uint32_t instance) const { return instance - first_instance < instance_count; }
     const Buffer& skin() const { return skins[slot]; }
     uint32_t slot_before(uint32_t of) const { return (of == 0 ? static_cast<uint32_t>(skins.size()) : of) - 1; }
     // An output in its slot, for those who read it.
@@ -84,7 +85,7 @@ inline uint32_t batch_index_of(const std::vector<Batch>& batches, uint32_t insta
 inline const Batch* batch_at(const std::vector<Batch>& batches, uint32_t instance) {
     if (batches.empty() || instance < batches.front().first_instance) return nullptr;
     const Batch& batch = batches[batch_index_of(batches, instance)];
-    return instance - batch.first_instance < batch.instance_count ? &batch : nullptr;
+    return batch.has(instance) ? &batch : nullptr;
 }
 
 // An instance of the crowd, in its batch.

@@ -29,11 +29,13 @@ void CrowdState::check_range(uint32_t first_instance, uint32_t count, const char
 
 void CrowdState::check_there(const Instances& instances, const char* what) const {
     if (!instances.handles()) return check_there(instances.first(), instances.size(), what);
+    const Batch* batch = nullptr;  // often that of the one before
     for (const InstanceHandle& handle : std::span(instances.handles(), instances.size())) {
         check_range(handle.instance, 1, what);
-        if (const Batch* const batch = batch_at(batches, handle.instance))
-            refuse_if_shaders_populate(groups[batch->group], what);
-        if (!is_alive(handle)) throw Failure(ErrorCode::kInvalidArgument, what, name_of(handle), " is not there");
+        if (!batch || !batch->has(handle.instance)) batch = batch_at(batches, handle.instance);
+        if (batch) refuse_if_shaders_populate(groups[batch->group], what);
+        if (!batch || !population->is_there(*batch, handle))
+            throw Failure(ErrorCode::kInvalidArgument, what, name_of(handle), " is not there");
     }
 }
 
@@ -125,13 +127,13 @@ void CrowdState::detach(const Instances& instances) {
 
 void CrowdState::play(const Instances& instances, uint32_t layer, const Each<LayerPlayback>& playback) {
     send_each(instances, "play", [&](uint32_t i, const Group& group, const std::string& place) {
-        return play_command(*group.controller->layer_kinds, group.clip_durations_s, layer, playback[i], place);
+        return play_command(group.controller->layer_kinds, group.clip_durations_s, layer, playback[i], place);
     });
 }
 
 void CrowdState::set_layer(const Instances& instances, uint32_t layer, const Each<LayerBlend>& blend) {
     send_each(instances, "layer", [&](uint32_t i, const Group& group, const std::string& place) {
-        return layer_command(*group.controller->layer_kinds, group.controller->mask_count, layer, blend[i], place);
+        return layer_command(group.controller->layer_kinds, group.controller->mask_count, layer, blend[i], place);
     });
 }
 

@@ -165,8 +165,8 @@ CrowdState::Remade CrowdState::remake(std::span<const StageState> before, std::s
     }
     if (placements->is_followed()) find_stage<PlacementStage>(made.stages)->follow(false);
     if (timer && end_count_of(made.stages) > timer_room_) made.timer = make_timer(made.stages);
-    // The outputs of an update are read while so many more are computed as there are frames in flight; the application
-    // may have some more frames of its own under way.
+    // Feedback of an update is kept for four more, and refers to what its groups had; its outputs are read while as
+    // many more are computed as there are frames in flight.
     constexpr uint32_t kUpdates = 5;
     made.retired.emplace(events_, std::max(kUpdates, settings_.frames_in_flight + 1));
     return made;

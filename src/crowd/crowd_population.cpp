@@ -77,8 +77,7 @@ void CrowdState::despawn(std::span<const InstanceHandle> instances) {
 
 bool CrowdState::is_alive(const InstanceHandle& instance) const {
     const Batch* const batch = batch_at(batches, instance.instance);
-    if (!batch || groups[batch->group].shaders_populate) return false;  // for all that the CPU knows
-    return population->is_alive(instance.instance) && population->generation(instance.instance) == instance.generation;
+    return batch && population->is_there(*batch, instance);
 }
 
 InstanceHandle CrowdState::handle(uint32_t instance) const {

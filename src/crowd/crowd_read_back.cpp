@@ -83,7 +83,7 @@ std::vector<RequestedPose> CrowdState::take_pose_requests() {
         taken.push_back({.instance = instance,
                          .skin = {batches[of.batch].skin(), of.instance * size_bytes, size_bytes},
                          .skin_format = skin_format,
-                         .pose_of_skin = group.pose_of_skin});
+                         .pose_of_skin = group.pose_of_skin.get()});
     }
     return taken;
 }

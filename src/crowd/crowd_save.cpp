@@ -57,7 +57,7 @@ void add_controller(Checksum& made_of, const GroupController& controller) {
     made_of.add_all(controller.initial_layers);
     made_of.add_all(controller.initial_parameters);
     made_of.add_all(controller.masks);
-    for (const LayerKind& kind : *controller.layer_kinds) made_of.add(kind.state_count);
+    for (const LayerKind& kind : controller.layer_kinds) made_of.add(kind.state_count);
 }
 
 void add_group(Checksum& made_of, const Group& group) {

@@ -154,7 +154,7 @@ void FeedbackRing::read_watched(const Slot& slot, const std::byte*& at, Feedback
         append(layers, one.layers.size_bytes);
         watched.move = over_the_ground(move);
         for (size_t layer = 0; layer < layers.size(); ++layer) {
-            append_played(arrays.motions, layers[layer], (*one.layer_kinds)[layer], one.clip_count);
+            append_played(arrays.motions, layers[layer], one.layer_kinds[layer], one.clip_count);
             motion_counts.push_back(layers[layer].play_count);
         }
     }
@@ -171,7 +171,7 @@ void FeedbackRing::read_watched(const Slot& slot, const std::byte*& at, Feedback
         };
         watched.sockets = next(arrays.sockets, socket, one.sockets.size_bytes / sizeof(Affine));
         watched.parameters = next(arrays.parameters, parameter, one.parameters.size_bytes / sizeof(float));
-        watched.layers = next(arrays.layers, layer, one.layer_kinds ? one.layer_kinds->size() : 0);
+        watched.layers = next(arrays.layers, layer, one.layer_kinds.size());
     }
 }
 

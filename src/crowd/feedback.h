@@ -17,14 +17,14 @@ namespace throng {
 
 // What is read of an instance, where it lies on the device.
 struct Watched {
-    uint32_t instance = 0;   // of the crowd
-    BufferRange placement;   // Affine
-    BufferRange move;        // float4: x, z, cosine, sine; none where there is no root motion
-    BufferRange sockets;     // Affine[]; likewise
-    BufferRange parameters;  // float[]; none where there is no controller
-    BufferRange layers;      // io::LayerState[layers]; likewise
-    std::shared_ptr<const std::vector<LayerKind>> layer_kinds;  // of the group; none where there is no controller
-    uint32_t clip_count = 0;                                    // of the character
+    uint32_t instance = 0;                   // of the crowd
+    BufferRange placement;                   // Affine
+    BufferRange move;                        // float4: x, z, cosine, sine; none where there is no root motion
+    BufferRange sockets;                     // Affine[]; likewise
+    BufferRange parameters;                  // float[]; none where there is no controller
+    BufferRange layers;                      // io::LayerState[layers]; likewise
+    std::span<const LayerKind> layer_kinds;  // of the group, which outlives it (Retired)
+    uint32_t clip_count = 0;                 // of the character
 
     std::array<BufferRange, 5> parts() const { return {placement, move, sockets, parameters, layers}; }
 };
@@ -34,7 +34,7 @@ struct RequestedPose {
     uint32_t instance = 0;  // of the crowd
     BufferRange skin;       // [palette_count]
     SkinFormat skin_format = SkinFormat::kAffine;
-    std::shared_ptr<const PoseOfSkin> pose_of_skin{};  // of the group
+    const PoseOfSkin* pose_of_skin = nullptr;  // of the group, likewise
 };
 
 class FeedbackRing {

@@ -61,7 +61,7 @@ GroupController::GroupController(Uploads& uploads, const Controller& controller,
     initial_layers = made.initial_layers;
     initial_parameters = made.initial_parameters;
     masks = made.masks;
-    layer_kinds = std::make_shared<const std::vector<LayerKind>>(throng::layer_kinds(controller));
+    layer_kinds = throng::layer_kinds(controller);
     is_inertial = has_inertia(controller);
     for (const ControllerLayer& layer : controller.layers) model_layer_count += layer.model_space_rotations ? 1 : 0;
     buffers[io::kControllerBuffer] = upload_table(uploads, character.name + ": controller", made.words);
@@ -94,7 +94,7 @@ Group::Group(Uploads& uploads, NativeRigs& rigs, const CrowdGroup& group, const 
     uniform_scale = group.character->rig.uniform_scale;
     pose_capacity = std::min(group.pose_capacity, group.instance_count);
     if (pose_capacity > 0 && settings.pose_request_capacity > 0)
-        pose_of_skin = std::make_shared<const PoseOfSkin>(*group.character);
+        pose_of_skin = std::make_unique<const PoseOfSkin>(*group.character);
     bound_poses(*group.character, group.pose_margin.value_or(usual_pose_margin(settings.skin_blend)));
     try {
         make_native(rigs, *group.character, settings, 0);

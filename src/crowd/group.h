@@ -39,9 +39,9 @@ struct GroupController {
 
     uint32_t layer_count = 0, parameter_count = 0, mask_count = 0, active_clip_limit = 0;
     bool moves_placements = false;
-    bool is_inertial = false;                                   // has inertial transitions or plays
-    uint32_t model_layer_count = 0;                             // layers that blend rotations in model space
-    std::shared_ptr<const std::vector<LayerKind>> layer_kinds;  // [layer_count]; feedback keeps it longer
+    bool is_inertial = false;            // has inertial transitions or plays
+    uint32_t model_layer_count = 0;      // layers that blend rotations in model space
+    std::vector<LayerKind> layer_kinds;  // [layer_count]
     std::vector<io::LayerState> initial_layers;
     std::vector<float> initial_parameters;
     std::vector<float> masks;  // [mask][joint]
@@ -117,7 +117,7 @@ struct Group {
     std::array<uint32_t, io::kLodCount> set_entry_counts{};  // [fused], palette entries of each set of joints
     bool uniform_scale = false;                              // Rig::uniform_scale
     uint32_t pose_capacity = 0;
-    std::shared_ptr<const PoseOfSkin> pose_of_skin;  // where poses may be requested
+    std::unique_ptr<const PoseOfSkin> pose_of_skin;  // where poses may be requested
     std::optional<GroupSkinPool> skin_pool;
     uint32_t influence_count = 0;  // of one set of joints; those of each set lie one after another
     uint32_t morph_count = 0;

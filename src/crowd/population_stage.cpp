@@ -123,13 +123,22 @@ void PopulationStage::despawn(uint32_t instance) {
     dirty_.add(instance, 1);
 }
 
+bool PopulationStage::is_there(const Batch& batch, const InstanceHandle& handle) const {
+    const Population& population = populations_[batch.group];
+    if (population.births.empty()) return handle.generation == population.generation;
+    const uint32_t slot = handle.instance - population.first_instance;
+    return !population.is_of_shaders && population.births[slot] != 0 &&
+           population.generations[slot] == handle.generation;
+}
+
 bool PopulationStage::is_alive(uint32_t instance) const {
     const Population& population = population_of(instance);
     return population.births.empty() || population.births[instance - population.first_instance] != 0;
 }
 
-uint32_t PopulationStage::generation(uint32_t instance) const {
-    const Population& population = population_of(instance);
+uint32_t PopulationStage::generation(uint32_t instance) const { return generation(population_of(instance), instance); }
+
+uint32_t PopulationStage::generation(const Population& population, uint32_t instance) {
     return population.generations.empty() ? population.generation
                                           : population.generations[instance - population.first_instance];
 }
@@ -140,7 +149,8 @@ uint32_t PopulationStage::generation_at(uint32_t instance, uint64_t update) cons
         const auto found = deaths.generations.find(instance);
         if (found != deaths.generations.end()) return found->second;
     }
-    return batch_at(batches_, instance) ? generation(instance) : 0;
+    const Batch* const batch = batch_at(batches_, instance);
+    return batch ? generation(populations_[batch->group], instance) : 0;
 }
 
 uint32_t PopulationStage::alive_count(uint32_t group) const {

@@ -36,6 +36,8 @@ public:
     std::vector<uint32_t> spawn(uint32_t group, uint32_t count);
     void despawn(uint32_t instance);
 
+    // Whether the handle, with a number of this batch, is of somebody who is there, for all that the CPU knows.
+    bool is_there(const Batch& batch, const InstanceHandle& handle) const;
     // `instance`: of some group.
     bool is_alive(uint32_t instance) const;
     uint32_t generation(uint32_t instance) const;
@@ -70,6 +72,7 @@ private:
     };
     Deaths& deaths_after_last_update();
     const Population& population_of(uint32_t instance) const;
+    static uint32_t generation(const Population& population, uint32_t instance);
     void tell_batches() const;
 
     bool has_feedback_;

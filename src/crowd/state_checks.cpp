@@ -45,8 +45,7 @@ void check_playbacks(std::span<const io::InstancePlayback> playbacks, const Grou
 
 void check_layers(std::span<const io::LayerState> layers, const GroupController& controller, uint32_t clip_count) {
     for (size_t i = 0; i < layers.size(); ++i)
-        check_layer(layers[i], (*controller.layer_kinds)[i % controller.layer_count], controller.mask_count,
-                    clip_count);
+        check_layer(layers[i], controller.layer_kinds[i % controller.layer_count], controller.mask_count, clip_count);
 }
 
 void check_commands(std::span<const io::ControlCommand> commands, uint32_t instance_count, const Group& group) {
@@ -61,7 +60,7 @@ void check_commands(std::span<const io::ControlCommand> commands, uint32_t insta
             StateArchive::require(command.target < controller.parameter_count, "a parameter that there is not");
         if (!is_of_layer) continue;
         StateArchive::require(
-            command.target < controller.layer_count && (*controller.layer_kinds)[command.target].state_count == 0,
+            command.target < controller.layer_count && controller.layer_kinds[command.target].state_count == 0,
             "a command for a layer that takes none");
         StateArchive::require(is_of_clip ? command.motion <= clip_count_of(group)
                                          : (command.motion == kNone || command.motion < controller.mask_count) &&
