@@ -121,6 +121,27 @@ TEST(Pipelines, OfASoftwareDeviceAreMadeForWhatIsRecorded) {
     EXPECT_EQ(made, once);
 }
 
+// Births are what these crowds see only later.
+TEST(Pipelines, OfASoftwareDeviceAreMadeBeforeTheyAreNeededWhereAsked) {
+    const Character character = make_character({});
+    const CrowdSettings settings{
+        .groups = {{.character = &character, .capacity = 4}}, .path = UpdatePath::kDevice, .culling = Culling{}};
+    const std::array<Affine, 1> place{};
+    for (const bool is_warm : {true, false}) {
+        const Device device = another_device();
+        if (!device.gpu()->native) GTEST_SKIP() << "the test device is no software device";
+        const std::atomic<uint64_t>& made = device.gpu()->counts.pipelines;
+        Crowd crowd = Crowd::create(device, settings).value();
+        if (is_warm) {
+            ASSERT_TRUE(device.warm_up());
+            EXPECT_GT(made, 2u);
+        }
+        const uint64_t before = made;
+        ASSERT_TRUE(crowd.update(0.1f) && crowd.spawn(0, place) && crowd.update(0.1f) && crowd.update(0.1f));
+        EXPECT_EQ(made == before, is_warm);
+    }
+}
+
 // ---- Kept
 
 // A driver's data: who it is, then what it remembers.

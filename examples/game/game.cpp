@@ -14,6 +14,7 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <ctime>
 #include <deque>
 #include <functional>
 #include <future>
@@ -32,10 +33,23 @@ constexpr uint32_t kFrames = 600, kWaveEvery = 60, kMostDying = 600, kMostAtOnce
 constexpr uint32_t kDropEvery = 60, kLoadAt = 150, kSaveAt = 400, kReplayed = 60, kBeasts = 20;
 constexpr double kFalls_s = 0.6, kLies_s = 1.5;
 
-using Clock = std::chrono::steady_clock;
-double ms_since(Clock::time_point begin) {
-    return std::chrono::duration<double, std::milli>(Clock::now() - begin).count();
+double now_ms(clockid_t clock) {
+    timespec now{};
+    clock_gettime(clock, &now);
+    return 1e3 * static_cast<double>(now.tv_sec) + 1e-6 * static_cast<double>(now.tv_nsec);
 }
+
+// Processor time of the calling thread, and time by the clock, in which others may have had the processor.
+struct Taken {
+    double own_ms = 0, clock_ms = 0;
+};
+class Stopwatch {
+public:
+    Taken taken() const { return {now_ms(CLOCK_THREAD_CPUTIME_ID) - own_ms_, now_ms(CLOCK_MONOTONIC) - clock_ms_}; }
+
+private:
+    double own_ms_ = now_ms(CLOCK_THREAD_CPUTIME_ID), clock_ms_ = now_ms(CLOCK_MONOTONIC);
+};
 
 Affine scaled(float scale) { return {{{{scale, 0, 0, 0}, {0, scale, 0, 0}, {0, 0, scale, 0}}}}; }
 
@@ -70,21 +84,21 @@ public:
           crowd_(make_crowd(device, body, mind, thing)) {}
 
     // Returns how long its calls took.
-    double play(uint32_t frame) {
-        const Clock::time_point begin = Clock::now();
+    Taken play(uint32_t frame) {
+        const Stopwatch stopwatch;
         if (frame % kWaveEvery == 0) send_wave(frame / kWaveEvery);
         hear(world.updates + 1 - std::min<uint64_t>(Frames::kInFlight, world.updates + 1));
         fight(frame * double{kFrame_s});
         fall();
         watch();
-        return ms_since(begin);
+        return stopwatch.taken();
     }
     // Records the next update, which may still be dropped. Returns how long that took.
-    double record(VkCommandBuffer commands) {
-        const Clock::time_point begin = Clock::now();
+    Taken record(VkCommandBuffer commands) {
+        const Stopwatch stopwatch;
         crowd_.record(commands, kFrame_s).expect();
         ++world.updates;
-        return ms_since(begin);
+        return stopwatch.taken();
     }
     void drop() {
         crowd_.discard_last_record().expect();
@@ -256,9 +270,7 @@ private:
     std::deque<Feedback> unheard_;
 };
 
-// Beasts that stand around, loaded by another thread while the game goes on, which then takes them into its crowd. The
-// thread also records what brings them to the device, and an update that is never submitted, for which some devices
-// have to compile kernels.
+// Beasts that stand around: a thread of their own loads them, and records what brings them to the device.
 struct Beasts {
     Beasts(const Device& device, const AdoptedDevice& vulkan, const char* file)
         : character(load_character(file).expect()), uploads(vulkan) {
@@ -269,8 +281,7 @@ struct Beasts {
                 Trs<float>{.translation = {1.5f * character.size * (static_cast<float>(i) - kBeasts / 2.0f), 0, 0}}));
         crowd.set_placement(crowd.instances(), places).expect();
         crowd.set_playback(crowd.instances(), {.first = {.clip = 0}}).expect();
-        crowd.record(OwnCommands(vulkan).begin(), 0).expect();
-        crowd.discard_last_record().expect();
+        device.warm_up().expect();
         crowd.record_uploads(uploads.begin()).expect();
         commands = uploads.end();
     }
@@ -281,14 +292,14 @@ struct Beasts {
     VkCommandBuffer commands = VK_NULL_HANDLE;  // to be submitted before the first update
 };
 
-struct Times {
-    void add(double ms) { all.push_back(ms); }
-    void print(const char* what) {
-        std::ranges::sort(all);
-        std::printf("%-28s median %.3f ms, worst %.3f ms\n", what, all[all.size() / 2], all.back());
+void print(const char* what, std::vector<Taken> all) {
+    std::printf("%-28s", what);
+    for (double Taken::*const ms : {&Taken::own_ms, &Taken::clock_ms}) {
+        std::ranges::sort(all, {}, ms);
+        std::printf("  median %.3f, worst %.3f", all[all.size() / 2].*ms, all.back().*ms);
     }
-    std::vector<double> all;
-};
+    std::printf("\n");
+}
 
 // A number of frames of the game.
 class Loop {
@@ -301,7 +312,7 @@ public:
         for (uint32_t frame = first; frame < end; ++frame) {
             if (frame == kLoadAt && !loading_.valid() && !beasts_) loading_ = std::async(std::launch::async, load_);
             const VkCommandBuffer commands = frames_.begin();
-            Clock::time_point begin = Clock::now();
+            const Stopwatch stopwatch;
             const bool was_loading = loading_.valid();
             VkCommandBuffer of_beasts = VK_NULL_HANDLE;
             // A saved state is of a crowd with the same groups
@@ -310,26 +321,25 @@ public:
                 loading_.wait_for(std::chrono::seconds(0)) == std::future_status::ready) {
                 beasts_ = loading_.get();
                 of_beasts = beasts_->commands;
-                const Clock::time_point joins = Clock::now();
+                const Stopwatch joins;
                 game_.crowd().add_groups(std::move(beasts_->crowd)).expect();
-                join_ms = ms_since(joins);
+                joining.push_back(joins.taken());
             }
-            calls.add(game_.play(frame));
-            records.add(game_.record(commands));
+            calls.push_back(game_.play(frame));
+            records.push_back(game_.record(commands));
             if (!of_beasts && frame % kDropEvery == kDropEvery / 2) {
                 game_.drop();
                 frames_.drop();
                 continue;
             }
             frames_.submit(of_beasts);
-            (was_loading ? while_loading : otherwise).add(ms_since(begin));
+            (was_loading ? while_loading : otherwise).push_back(stopwatch.taken());
         }
         frames_.finish();
     }
 
     bool has_beasts() const { return beasts_ != nullptr; }
-    double join_ms = 0;  // that it took to add them
-    Times calls, records, while_loading, otherwise;
+    std::vector<Taken> calls, records, joining, while_loading, otherwise;
 
 private:
     Game& game_;
@@ -354,7 +364,9 @@ int main(int argc, char** argv) {
     const Character body = load_character(argv[1]).expect(), thing = load_character(argv[3]).expect();
     const Controller mind = load_controller(argv[2]).expect();
     Game game(device, body, mind, thing, static_cast<uint32_t>(most));
-    game.record(frames.begin());  // the first update brings everything to the device: not while somebody plays
+    // Not while somebody plays: what some devices compile, and the first update, which brings everything to the device
+    device.warm_up().expect();
+    game.record(frames.begin());
     frames.submit();
     Loop loop(game, frames, [&] { return std::make_unique<Beasts>(device, vulkan, argv[4]); });
     loop.run(0, kSaveAt);
@@ -373,11 +385,12 @@ int main(int argc, char** argv) {
                 world.steps_of_the_gone);
     std::printf("saved in %zu bytes; restored, the same %u frames %s\n", saved.crowd.size(), kReplayed,
                 is_same ? "gave the same bytes" : "gave OTHER bytes");
-    loop.records.print("record() of a frame:");
-    loop.calls.print("other calls of a frame:");
-    loop.otherwise.print("a frame, all of it:");
-    loop.while_loading.print("a frame while beasts load:");
-    std::printf("%-28s %.3f ms\n", "taking them into the crowd:", loop.join_ms);
+    std::printf("%28s  %-28s  by the clock\n", "ms", "of the game's thread alone");
+    print("record() of a frame:", loop.records);
+    print("other calls of a frame:", loop.calls);
+    print("a frame, all of it:", loop.otherwise);
+    print("a frame while beasts load:", loop.while_loading);
+    print("taking them into the crowd:", loop.joining);
 
     Renderer renderer = Renderer::create(device, {.width = 1280, .height = 720}).expect();
     const Camera camera = fit_camera(main_bounds(game.crowd()), 16.0f / 9);

@@ -2,6 +2,7 @@
 
 #include "base/failure.h"
 #include "gpu/device_list.h"
+#include "gpu/kernel.h"
 #include "gpu/owned.h"
 #include "gpu/pipeline_cache.h"
 #include "gpu/shared_buffers.h"
@@ -410,6 +411,10 @@ const std::shared_ptr<Gpu>& Device::gpu() const {
 const DeviceInfo& Device::info() const {
     static const DeviceInfo none;
     return gpu_ ? gpu_->info : none;
+}
+
+Result<void> Device::warm_up() const {
+    return as_result([&] { make_pipelines(*gpu()); }, "device");
 }
 
 uint32_t Device::validation_message_count() const { return gpu_ ? gpu_->validation_message_count() : 0; }

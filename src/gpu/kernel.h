@@ -17,6 +17,9 @@ struct KernelSettings {
     const NativeKernel* native = nullptr;  // what Gpu::native runs; null: nothing
 };
 
+// Makes the pipelines of all kernels there are that have none yet. Thread-safe.
+void make_pipelines(Gpu& gpu);
+
 // A handle: kernels of one device that are made of the same share one pipeline (gpu/shared_kernels.h).
 class Kernel {
 public:

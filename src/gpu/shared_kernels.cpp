@@ -20,6 +20,14 @@ SharedKernels::Shared SharedKernels::add(Key key, const Shared& made) {
     return shared;
 }
 
+std::vector<SharedKernels::Shared> SharedKernels::all() {
+    const std::lock_guard lock(mutex_);
+    std::vector<Shared> found;
+    for (const auto& [key, weak] : by_key_)
+        if (Shared shared = weak.lock()) found.push_back(std::move(shared));
+    return found;
+}
+
 void SharedKernels::keep(const Shared& used) {
     std::erase(kept_, used);
     kept_.push_back(used);

@@ -30,6 +30,8 @@ public:
     Shared find(const Key& key);
     // Returns the one to use: that of another thread, where it was faster.
     Shared add(Key key, const Shared& made);
+    // All that are in use or kept.
+    std::vector<Shared> all();
     void clear();
 
 private:
