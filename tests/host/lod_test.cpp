@@ -143,7 +143,8 @@ TEST(Lod, LevelsHaveFewerTrianglesWithinTheirErrors) {
             for (const ReferencePose& pose : poses)
                 furthest = std::max(furthest, furthest_from_level(character, level, pose));
             EXPECT_LE(furthest, 1.1 * error);
-            EXPECT_GE(furthest, 0.3 * error) << "and not much less";
+            const bool is_none = error <= 1.1e-6 * character.size;  // lod.cpp: kLeastError
+            EXPECT_TRUE(is_none || furthest >= 0.3 * error) << "and not much less: " << furthest << " of " << error;
             std::printf(
                 "  %s, level %zu: %zu of %zu triangles, error %.1e of the size, furthest vertex %.1e, at rest %.1e\n",
                 character.name.c_str(), level + 1, count / 3, character.indices.size() / 3, error / character.size,
@@ -289,13 +290,18 @@ double furthest_place(std::span<const Vec3<float>> places, const TriangleIndex& 
     return std::sqrt(furthest);
 }
 
+std::vector<Vec3<float>> in_single_precision(std::span<const Vec3<double>> places) {
+    std::vector<Vec3<float>> all;
+    for (const Vec3<double>& place : places) all.push_back(place.as<float>());
+    return all;
+}
+
 TEST(Lod, LargeMeshesAreMeasuredAtEveryVertex) {
     const Character character = *compile_character(make_rock(), kExact);
     ASSERT_EQ(character.indices.size(), 45'000u * 3);
     ASSERT_EQ(character.lods.size(), kLodLimit);
-    std::vector<Vec3<float>> positions;
-    for (const Vec3<double>& p : reference_positions(character, *reference_pose(character, {})))
-        positions.push_back(p.as<float>());
+    const std::vector<Vec3<float>> positions = in_single_precision(
+        reference_positions(character, *reference_pose(character, {})));
     const TriangleIndex fine(character.indices, positions);
     for (size_t level = 0; level < kLodLimit; ++level) {
         const IndexRange& range = character.lod_ranges[level];
@@ -321,39 +327,61 @@ TEST(Lod, WorkGrowsNoFasterThanTheMesh) {
         EXPECT_NEAR(static_cast<double>(character.indices.size()) / 3, faces, 0.01 * faces);
         steps_per_face.push_back(static_cast<double>(make_lods(character)) / faces);
         EXPECT_EQ(character.lods.size(), kLodLimit);
-        std::printf("  %u faces: %.0f boxes and triangles looked at for each, in 9 poses\n", faces,
+        std::printf("  %u faces: %.0f boxes and triangles looked at for each, in 8 poses\n", faces,
                     steps_per_face.back());
     }
     EXPECT_LE(steps_per_face[1], 500) << "for each place some, in the first pose; then most often one";
     EXPECT_LE(steps_per_face[1], 1.5 * steps_per_face[0]);
 }
 
-// With one section and with several, where they may be simplified together too.
-TEST(Lod, GivingUpCandidatesLosesNone) {
-    std::vector<Asset> assets{make_strip(), *make_creature({.joint_count = 60, .level_count = 15, .face_count = 4000})};
-    for (const uint32_t seed : {1u, 2u, 3u})
-        assets.push_back(*make_creature({.joint_count = 60,
-                                         .level_count = 15,
-                                         .face_count = 1500 * seed,
-                                         .seed = seed,
-                                         .kind = CreatureKind::kWalker}));
-    for (const char* file : {"kaykit_knight/Knight.glb", "robot_expressive/RobotExpressive.glb",
-                             "tnua_player/player.glb", "mannequiny/mannequiny-0.3.0.glb"})
-        if (const auto path = shared_folder("characters") / file; std::filesystem::exists(path))
-            assets.push_back(*load_asset(path));
-    size_t together_count = 0;
-    for (const Asset& asset : assets) {
-        Character quick = *compile_character(asset, {.error = 0, .lods = false}), exhaustive = quick;
-        const uint64_t steps = make_lods(quick), all_steps = make_lods(exhaustive, {}, LodSearch::kExhaustive);
-        EXPECT_LT(steps, all_steps) << asset.name;
-        EXPECT_EQ(quick.lod_indices, exhaustive.lod_indices) << asset.name;
-        ASSERT_EQ(quick.lods.size(), exhaustive.lods.size()) << asset.name;
-        ASSERT_FALSE(quick.lods.empty()) << asset.name;
-        for (size_t level = 0; level < quick.lods.size(); ++level)
-            EXPECT_EQ(quick.lods[level].error, exhaustive.lods[level].error) << asset.name << ", level " << level;
-        together_count += quick.sections.size() > 1;
+// In poses of which the compiler has looked at few. A man of 356 triangles cannot do with a third of them.
+TEST(Lod, OfSharedCharactersAreCloseAtAThirdOfTheirTriangles) {
+    const std::filesystem::path folder = shared_folder("characters");
+    if (!std::filesystem::exists(folder)) GTEST_SKIP() << "there is no " << folder;
+    const std::vector<std::pair<const char*, double>> known{
+        {"cesium_man/CesiumMan.glb", 0.02},         {"fox/Fox.glb", 0.02},
+        {"greenman/greenman.glb", 0.026},           {"hand_right_cubic/rightHandHigh.glb", 0.02},
+        {"kaykit_knight/Knight.glb", 0.02},         {"mannequiny/mannequiny-0.3.0.glb", 0.02},
+        {"rigged_simple/rigged_simple.gltf", 0.02}, {"robot_expressive/RobotExpressive.glb", 0.02},
+        {"tnua_player/player.glb", 0.02},
+    };
+    for (const auto& [file, most] : known) {
+        const Character character = *compile_character(*load_asset(folder / file), kExact);
+        ASSERT_FALSE(character.lods.empty()) << file;
+        std::vector<uint32_t> fine, coarse;  // the character's vertices
+        for (size_t i = 0; i < character.sections.size(); ++i) {
+            const MeshSection& section = character.sections[i];
+            const IndexRange& range = character.lod_ranges[i];
+            for (uint32_t k = 0; k < section.index_count; ++k)
+                fine.push_back(section.first_vertex + character.indices[section.first_index + k]);
+            for (uint32_t k = 0; k < range.index_count; ++k)
+                coarse.push_back(section.first_vertex + character.lod_indices[range.first_index + k]);
+        }
+        EXPECT_LE(3 * coarse.size(), fine.size()) << file;
+        EXPECT_LE(character.lods[0].error, most * character.size) << file;
+        Character reduced = character;
+        reduced.influences = influences_of_lod(character, 1);
+        Random random(11);
+        double furthest = 0;
+        for (int i = 0; i < 6; ++i) {
+            const uint32_t clip = random.below(static_cast<uint32_t>(character.clips.size()));
+            const ReferencePose pose = *reference_pose(
+                character, {.first = {.clip = i == 0 ? kNone : clip,
+                                      .time_s = random.between(0, character.clips[clip].duration_s)}});
+            const std::vector<Vec3<float>> fine_places = in_single_precision(reference_positions(character, pose)),
+                                           places = in_single_precision(reference_positions(reduced, pose));
+            std::vector<Vec3<float>> vertices, middles;
+            for (const uint32_t vertex : fine) vertices.push_back(fine_places[vertex]);
+            for (size_t k = 0; k < coarse.size(); k += 3)
+                middles.push_back((places[coarse[k]] + places[coarse[k + 1]] + places[coarse[k + 2]]) * (1 / 3.0f));
+            furthest = std::max({furthest, furthest_place(vertices, TriangleIndex(coarse, places)),
+                                 furthest_place(middles, TriangleIndex(fine, fine_places))});
+        }
+        std::printf("  %-34s %5zu of %5zu triangles, off by %.2f %%, by %.2f in poses that were not looked at\n", file,
+                    coarse.size() / 3, fine.size() / 3, 100 * double{character.lods[0].error / character.size},
+                    100 * furthest / double{character.size});
+        EXPECT_LE(furthest, 1.25 * most * double{character.size}) << file;
     }
-    EXPECT_GE(together_count, 3u);
 }
 
 TEST(Lod, AreLeftOutWhereNotWanted) {
@@ -435,11 +463,12 @@ TEST(Lod, JointsOfALevelAreEnoughForIt) {
                 furthest = std::max(furthest, length(all[vertex] - some[vertex]));
         }
         EXPECT_LE(furthest, 1.1 / 3 * character.lods[lod - 1].error);
-        EXPECT_LT(count, count_before);
+        EXPECT_LE(count, count_before);
         std::printf("  level %u: %u of %u joints, a vertex moves by %.1e of the size; the mesh by %.1e\n", lod, count,
                     joint_count, furthest / character.size, character.lods[lod - 1].error / character.size);
         count_before = count;
     }
+    EXPECT_LT(count_before, joint_count / 2);
     EXPECT_EQ(influences_of_lod(character, 0).size(), character.influences.size());
 }
 

@@ -1,0 +1,141 @@
+#include "compile/mesh/welded_mesh.h"
+
+#include "base/count.h"
+
+#include <algorithm>
+#include <limits>
+#include <numeric>
+#include <tuple>
+
+namespace throng {
+namespace {
+
+constexpr float kClose = 1e-6f;  // of the character's size, at which vertices of one place are still together
+
+// Union-find with path halving (R. E. Tarjan and J. van Leeuwen, Worst-case Analysis of Set Union Algorithms, 1984).
+uint32_t root_of(std::vector<uint32_t>& sets, uint32_t member) {
+    while (sets[member] != member) member = sets[member] = sets[sets[member]];
+    return member;
+}
+
+// Not the angle between them, but it grows with that.
+float squared_difference(uint32_t octahedral, uint32_t other) {
+    float squared = 0;
+    for (const int shift : {0, 16}) {
+        const auto part = [shift](uint32_t normal) {
+            return static_cast<float>(static_cast<int16_t>(normal >> shift)) / 32767.0f;
+        };
+        squared += (part(octahedral) - part(other)) * (part(octahedral) - part(other));
+    }
+    return squared;
+}
+
+}  // namespace
+
+WeldedMesh::WeldedMesh(const Character& character, std::span<const uint32_t> indices,
+                       std::span<const std::vector<Vec3<float>>> positions)
+    : character_(character), groups_((positions.size() + kLanes - 1) / kLanes) {
+    for (uint32_t section = 0; section < character.sections.size(); ++section)
+        section_of_.insert(section_of_.end(), character.sections[section].vertex_count, section);
+    weld(indices, positions, kClose * character.size);
+    for (size_t t = 0; t < indices.size(); t += 3) {
+        WeldedFace face;
+        for (size_t k = 0; k < 3; ++k) {
+            face.vertices[k] = indices[t + k];
+            face.points[k] = point_of_[indices[t + k]];
+        }
+        const auto& [a, b, c] = face.points;
+        if (a != b && b != c && c != a) faces_.push_back(face);
+    }
+    make_charts();
+    for (const std::vector<uint32_t>& vertices : vertices_of_) {
+        for (size_t group = 0; group < groups_; ++group) {
+            Four3 places{};
+            for (size_t lane = 0; lane < kLanes; ++lane) {
+                const size_t pose = std::min(group * kLanes + lane, positions.size() - 1);
+                const Vec3<float>& place = positions[pose][vertices[0]];
+                places.x[lane] = place.x, places.y[lane] = place.y, places.z[lane] = place.z;
+            }
+            places_.push_back(places);
+        }
+    }
+}
+
+// Points are numbered as the triangles come to them, so that neighbours are neighbours in memory.
+void WeldedMesh::weld(std::span<const uint32_t> indices, std::span<const std::vector<Vec3<float>>> positions,
+                      float close) {
+    std::vector<uint32_t> order(indices.begin(), indices.end());
+    std::ranges::sort(order);
+    order.erase(std::unique(order.begin(), order.end()), order.end());
+    const auto rest = [&](uint32_t vertex) {
+        const Vec3<float>& place = positions[0][vertex];
+        return std::tuple(place.x, place.y, place.z);
+    };
+    std::ranges::stable_sort(order, {}, rest);
+    const auto stay_together = [&](uint32_t a, uint32_t b) {
+        return std::ranges::all_of(positions, [&](const std::vector<Vec3<float>>& in_pose) {
+            const Vec3<float> apart = in_pose[a] - in_pose[b];
+            return dot(apart, apart) <= close * close;
+        });
+    };
+    std::vector<uint32_t> first_of(positions[0].size(), kNone);  // [vertices], the first one of their points
+    std::vector<uint32_t> firsts;                                // at one place
+    for (size_t i = 0; i < order.size(); ++i) {
+        const uint32_t vertex = order[i];
+        if (i > 0 && rest(vertex) != rest(order[i - 1])) firsts.clear();
+        const auto found = std::ranges::find_if(firsts, [&](uint32_t first) { return stay_together(first, vertex); });
+        first_of[vertex] = found != firsts.end() ? *found : vertex;
+        if (found == firsts.end()) firsts.push_back(vertex);
+    }
+    point_of_.assign(first_of.size(), kNone);
+    uint32_t point_count = 0;
+    for (const uint32_t index : indices)
+        if (uint32_t& point = point_of_[first_of[index]]; point == kNone) point = point_count++;
+    vertices_of_.resize(point_count);
+    for (const uint32_t vertex : order) {
+        point_of_[vertex] = point_of_[first_of[vertex]];
+        vertices_of_[point_of_[vertex]].push_back(vertex);
+    }
+}
+
+// Triangles whose texture coordinates are the same where they meet.
+void WeldedMesh::make_charts() {
+    chart_of_.resize(point_of_.size());
+    std::iota(chart_of_.begin(), chart_of_.end(), 0u);
+    const auto unite = [&](uint32_t a, uint32_t b) { chart_of_[root_of(chart_of_, a)] = root_of(chart_of_, b); };
+    for (const WeldedFace& face : faces_) {
+        unite(face.vertices[0], face.vertices[1]);
+        unite(face.vertices[1], face.vertices[2]);
+    }
+    const auto texcoord = [&](uint32_t vertex) { return character_.vertices[vertex].texcoord; };
+    for (const std::vector<uint32_t>& vertices : vertices_of_)
+        for (size_t i = 1; i < vertices.size(); ++i)
+            for (size_t other = 0; other < i; ++other)
+                if (texcoord(vertices[i]) == texcoord(vertices[other]) &&
+                    section_of_[vertices[i]] == section_of_[vertices[other]])
+                    unite(vertices[i], vertices[other]);
+    for (uint32_t vertex = 0; vertex < chart_of_.size(); ++vertex) chart_of_[vertex] = root_of(chart_of_, vertex);
+}
+
+WeldedMesh::Corner WeldedMesh::most_like(uint32_t vertex, uint32_t point) const {
+    constexpr float kOfNormals = 1e-6f;  // where texture coordinates are the same, the normal decides
+    constexpr float kOfCharts = 1e6f;
+    const Vertex& wanted = character_.vertices[vertex];
+    Corner best{.vertex = kNone};
+    float least = std::numeric_limits<float>::infinity();
+    for (const uint32_t candidate : vertices_of_[point]) {
+        if (section_of_[candidate] != section_of_[vertex]) continue;
+        const Vertex& other = character_.vertices[candidate];
+        const float u = other.texcoord[0] - wanted.texcoord[0], v = other.texcoord[1] - wanted.texcoord[1];
+        const bool is_of_same_chart = chart_of_[candidate] == chart_of_[vertex];
+        const float difference = u * u + v * v +
+                                 kOfNormals * squared_difference(other.normal_octahedral, wanted.normal_octahedral) +
+                                 (is_of_same_chart ? 0 : kOfCharts);
+        if (best.vertex != kNone && difference >= least) continue;
+        least = difference;
+        best = {candidate, is_of_same_chart};
+    }
+    return best;
+}
+
+}  // namespace throng

@@ -1,0 +1,54 @@
+// A mesh as its points: vertices that lie at the same place in every pose, whatever else is different about them, are
+// one. So a mesh holds together where its vertices are double for the sake of normals and texture coordinates.
+#pragma once
+
+#include "compile/mesh/pose_lanes.h"
+
+#include <throng/character.h>
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace throng {
+
+struct WeldedFace {
+    std::array<uint32_t, 3> points, vertices;
+};
+
+class WeldedMesh {
+public:
+    // Three of `indices`, the character's vertices, are a triangle; those with two corners at one point are left out.
+    // `positions` are [poses][vertices], of which the first is the rest pose.
+    WeldedMesh(const Character& character, std::span<const uint32_t> indices,
+               std::span<const std::vector<Vec3<float>>> positions);
+
+    size_t point_count() const { return vertices_of_.size(); }
+    const std::vector<WeldedFace>& faces() const { return faces_; }
+    uint32_t point_of(uint32_t vertex) const { return point_of_[vertex]; }
+    // Of the rest pose and the three after it come first; [groups()]
+    const Four3* places(uint32_t point) const { return &places_[point * groups_]; }
+    size_t groups() const { return groups_; }
+    Vec3<float> rest_place(uint32_t point) const { return places(point)->in_pose(0); }
+
+    struct Corner {
+        uint32_t vertex = 0;           // kNone: the point has none of this section
+        bool is_of_same_chart = true;  // of its texture
+    };
+    // The vertex at a point that is most like another one: of the same section, and of the same chart if it has any.
+    Corner most_like(uint32_t vertex, uint32_t point) const;
+
+private:
+    void weld(std::span<const uint32_t> indices, std::span<const std::vector<Vec3<float>>> positions, float close);
+    void make_charts();
+
+    const Character& character_;
+    size_t groups_;
+    std::vector<uint32_t> point_of_, section_of_, chart_of_;  // [vertices]
+    std::vector<std::vector<uint32_t>> vertices_of_;          // [points]
+    std::vector<WeldedFace> faces_;
+    std::vector<Four3> places_;  // [points][groups], the last pose again where there are fewer
+};
+
+}  // namespace throng
