@@ -154,7 +154,7 @@ private:
     void confirm(uint32_t from) {
         Point& point = points_[from];
         find_lost(from);
-        Collapse best = begun(from, point.target);
+        Collapse best = collapse_of(from, point.target);
         measure(from, best, kNever);
         if (best.cost() > point.others_cost) {
             for (Collapse& one : possible_collapses(from)) {
@@ -177,8 +177,8 @@ private:
         std::vector<Collapse> all;
         float least = kNever, second = kNever;
         for (const uint32_t to : neighbours_of(from)) {
-            Collapse one = begun(from, to);
-            if (points_[to].faces.size() > kMostFaces || !is_possible(from, one)) continue;
+            Collapse one = collapse_of(from, to);
+            if (points_[to].faces.size() > kMostFaces || !try_moving(from, one)) continue;
             one.squared = distance_of_lost(0, one.squared_below(second));
             const float cost = one.cost();
             if (cost >= kNever) continue;
@@ -190,7 +190,7 @@ private:
         return all;
     }
 
-    Collapse begun(uint32_t from, uint32_t to) const {
+    Collapse collapse_of(uint32_t from, uint32_t to) const {
         return {.to = to, .extra = kOfLength * length(mesh_.rest_place(from) - mesh_.rest_place(to))};
     }
 
@@ -201,9 +201,9 @@ private:
             lost_.insert(lost_.end(), faces_[face].lost.begin(), faces_[face].lost.end());
     }
 
-    // Whether every triangle that is left keeps its side and its section, none is there twice, and no other point loses
-    // its last one. Then moved_ has them.
-    bool is_possible(uint32_t from, Collapse& collapse) {
+    // Fills moved_ with the triangles that move. False where one would turn over, leave its section, or be there twice,
+    // or where another point would lose its last one.
+    bool try_moving(uint32_t from, Collapse& collapse) {
         moved_.clear();
         for (const uint32_t face : points_[from].faces) {
             if (faces_[face].has(collapse.to)) {
@@ -267,7 +267,7 @@ private:
 
     // In all poses, and both ways, as long as it may cost less than `least`.
     void measure(uint32_t from, Collapse& collapse, float least) {
-        is_possible(from, collapse);
+        try_moving(from, collapse);
         const float useful = collapse.squared_below(least);
         for (size_t group = 0; group < mesh_.groups() && collapse.squared < useful; ++group)
             collapse.squared = std::max(collapse.squared, distance_of_lost(group, useful));

@@ -63,9 +63,8 @@ Vec3<float> middle_of(const Triangle& triangle, size_t which) {
 // enough in the next pose too, and the place is done with.
 using NearTriangles = std::vector<uint32_t>;
 
-// How far one of the places, a function of its number, lies from the mesh at most, where that is more than `known`; the
-// quadrics' own measure is a mean, several times too low for this. Each is looked at only until it is known not to be
-// the furthest.
+// How far one of the places, a function of its number, lies from the mesh at most, where that is more than `known`.
+// Each is looked at only until it is known not to be the furthest.
 template <class Place>
 float furthest_from(const TriangleIndex& mesh, NearTriangles& near, const Place& place, float known,
                     const Progress& progress, uint64_t& steps) {
@@ -196,7 +195,7 @@ void keep_levels(std::span<const Coarse> levels, Character& character) {
 
 uint64_t make_lods(Character& character, const Progress& progress) {
     if (character.indices.size() <= kFewest) return 0;
-    constexpr double kSimplified = 0.6;  // part of the work; the rest is measuring
+    constexpr double kSimplified = 0.85;  // part of the work; the rest is measuring
     const Progress simplifying = progress.between(0, kSimplified), measuring = progress.between(kSimplified, 1);
     std::vector<std::vector<Vec3<float>>> positions;  // [poses]
     for (const SampledPose& pose : sampled_poses(character, kPoses)) {
