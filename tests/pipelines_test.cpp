@@ -121,7 +121,7 @@ TEST(Pipelines, OfASoftwareDeviceAreMadeForWhatIsRecorded) {
     EXPECT_EQ(made, once);
 }
 
-// Births are what these crowds see only later.
+// A birth needs kernels that the first update, of nobody, does not.
 TEST(Pipelines, OfASoftwareDeviceAreMadeBeforeTheyAreNeededWhereAsked) {
     const Character character = make_character({});
     const CrowdSettings settings{

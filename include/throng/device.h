@@ -89,9 +89,10 @@ public:
     static Result<Device> adopt(const AdoptedDevice& adopted);
 
     const DeviceInfo& info() const;
-    // Compiles now what Crowd::record() would compile when it first needs it: the kernels of a software device that the
-    // crowds there are have not needed yet, since updates that are not recorded are native. Elsewhere Crowd::create()
-    // has compiled them, and this does nothing. On any thread, while others record. Errors: kVulkan.
+    // Compiles the kernels of all crowds of this device that Crowd::record() would otherwise compile when it first
+    // needs them. Only a software device puts that off, since it needs none as long as updates are native
+    // (Crowd::update()); elsewhere Crowd::create() has compiled them, and this does nothing. Any thread, also while
+    // others record. Errors: kVulkan.
     Result<void> warm_up() const;
     // Messages of the validation layer so far (errors and warnings); 0 where validation is off.
     uint32_t validation_message_count() const;

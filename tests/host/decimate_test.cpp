@@ -159,7 +159,7 @@ TEST(Decimate, AllPosesCount) {
     for (size_t which = 0; which < 7; ++which) {
         std::vector<Places> poses(7, mesh.rest);
         poses[which][kSide / 2 * (kSide + 1) + kSide / 2].z = 0.3f;
-        EXPECT_LT(furthest(mesh.indices, mesh.decimated(100, poses), poses[which]), 0.1f) << "pose " << which + 1;
+        EXPECT_LT(furthest(mesh.indices, mesh.decimated(10, poses), poses[which]), 0.1f) << "pose " << which + 1;
     }
 }
 
@@ -275,9 +275,20 @@ TEST(Decimate, NoPointVanishesWithItsLastTriangle) {
     EXPECT_LT(furthest({4}, mesh.decimated(1), mesh.rest), 1e-6f);
 }
 
-// What has been planned beside a collapse may no longer be possible, also where the mesh has a border.
+// Vertex 1 is where two parts of a mesh touch. When 0 goes to 2, it loses the triangle that led to the other part, and
+// may no longer be collapsed into that.
+TEST(Decimate, PlansBesideABorderAreMadeAnew) {
+    Mesh mesh;
+    for (const Vec3<float>& place :
+         {Vec3<float>{0, 0, 0}, {1, 0, 0}, {0.2f, 0.02f, 0}, {-1, 0.5f, 0}, {-1, -0.5f, 0}, {2, -1, 0}, {2, 1, 0}})
+        mesh.add(place);
+    mesh.indices = {0, 1, 2, 0, 2, 3, 0, 3, 4, 1, 5, 6};
+    EXPECT_EQ(mesh.decimated(1), (Indices{2, 3, 4, 1, 5, 6}));
+}
+
 TEST(Decimate, RaggedMeshesStayMeshes) {
     Random random(4);
+    float worst = 0;
     for (int round = 0; round < 40; ++round) {
         Mesh mesh;
         add_grid(mesh, {}, 0);
@@ -296,8 +307,9 @@ TEST(Decimate, RaggedMeshesStayMeshes) {
             for (const uint32_t corner : corners) EXPECT_TRUE(before.contains(corner));
             EXPECT_GT(cross(mesh.rest[few[k + 1]] - mesh.rest[few[k]], mesh.rest[few[k + 2]] - mesh.rest[few[k]]).z, 0);
         }
-        EXPECT_LT(furthest(ragged, few, mesh.rest), 0.35f);
+        worst = std::max(worst, furthest(ragged, few, mesh.rest));
     }
+    EXPECT_LT(worst, 0.13f);
 }
 
 // Work would grow by the square of the triangles around a point.

@@ -113,18 +113,23 @@ Asset make_strip() {
     return asset;
 }
 
-// In the rest pose, and at random times of clips, which are not those that the compiler has looked at.
+// The rest pose, and others at random times of clips, which are not those that the compiler has looked at.
+std::vector<ReferencePose> rest_and_random_poses(const Character& character, int count, Random& random) {
+    std::vector<ReferencePose> poses{*reference_pose(character, {})};
+    while (poses.size() <= static_cast<size_t>(count)) {
+        const uint32_t clip = random.below(static_cast<uint32_t>(character.clips.size()));
+        poses.push_back(*reference_pose(
+            character, {.first = {.clip = clip, .time_s = random.between(0, character.clips[clip].duration_s)}}));
+    }
+    return poses;
+}
+
 TEST(Lod, LevelsHaveFewerTrianglesWithinTheirErrors) {
     for (const Character& character : {with_lods(), *compile_character(make_strip())}) {
         ASSERT_GE(character.lods.size(), 2u);
         ASSERT_EQ(character.lod_ranges.size(), character.lods.size() * character.sections.size());
         Random random(7);
-        std::vector<ReferencePose> poses{*reference_pose(character, {})};
-        for (int i = 0; i < 8; ++i) {
-            const uint32_t clip = random.below(static_cast<uint32_t>(character.clips.size()));
-            poses.push_back(*reference_pose(
-                character, {.first = {.clip = clip, .time_s = random.between(0, character.clips[clip].duration_s)}}));
-        }
+        const std::vector<ReferencePose> poses = rest_and_random_poses(character, 8, random);
         size_t before = character.indices.size();
         for (size_t level = 0; level < character.lods.size(); ++level) {
             size_t count = 0;
@@ -227,6 +232,27 @@ TEST(Lod, WhatIsInPiecesHasLevelsToo) {
         EXPECT_LE(furthest_from_level(character, level, rest), 1.01 * character.lods[level].error);
         EXPECT_LT(character.lods[level].error, 0.2f * character.size);
     }
+}
+
+// Of a tetrahedron nothing can be collapsed; of many, clusters of vertices leave the larger ones.
+TEST(Lod, WhatComesInManyPiecesHasLevelsToo) {
+    AssetPrimitive pieces;
+    for (uint32_t i = 0; i < 400; ++i) {
+        const Vec3<float> from{static_cast<float>(i % 20), static_cast<float>(i / 20), 0};
+        const auto at = static_cast<uint32_t>(pieces.positions.size());
+        const float size = static_cast<float>(1 + i % 9) / 10;
+        for (const Vec3<float>& way : {Vec3<float>{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}})
+            pieces.positions.push_back(from + way * size);
+        for (const uint32_t step : {0u, 2u, 1u, 0u, 1u, 3u, 0u, 3u, 2u, 1u, 2u, 3u})
+            pieces.indices.push_back(at + step);
+    }
+    const Character character = *compile_character({.name = "pieces",
+                                                    .nodes = {{.name = "root"}},
+                                                    .meshes = {{.name = "pieces", .primitives = {pieces}}},
+                                                    .mesh_instances = {{.node = 0, .mesh = 0}}});
+    ASSERT_FALSE(character.lods.empty());
+    EXPECT_LE(character.lod_ranges[0].index_count, character.indices.size() / 2);
+    EXPECT_LE(furthest_from_level(character, 0, *reference_pose(character, {})), 1.01 * character.lods[0].error);
 }
 
 // Two strips side by side at rest, which a clip takes apart: a triangle of a cluster of both is as wide as they are
@@ -363,11 +389,7 @@ TEST(Lod, OfSharedCharactersAreCloseAtAThirdOfTheirTriangles) {
         reduced.influences = influences_of_lod(character, 1);
         Random random(11);
         double furthest = 0;
-        for (int i = 0; i < 6; ++i) {
-            const uint32_t clip = random.below(static_cast<uint32_t>(character.clips.size()));
-            const ReferencePose pose = *reference_pose(
-                character, {.first = {.clip = i == 0 ? kNone : clip,
-                                      .time_s = random.between(0, character.clips[clip].duration_s)}});
+        for (const ReferencePose& pose : rest_and_random_poses(character, 5, random)) {
             const std::vector<Vec3<float>> fine_places = in_single_precision(reference_positions(character, pose)),
                                            places = in_single_precision(reference_positions(reduced, pose));
             std::vector<Vec3<float>> vertices, middles;
@@ -452,11 +474,7 @@ TEST(Lod, JointsOfALevelAreEnoughForIt) {
             for (const uint16_t entry : influences.entries)
                 ASSERT_GE(character.joint_lods[character.palette[entry].joint], lod);
         double furthest = 0;
-        for (int i = 0; i < 30; ++i) {
-            const uint32_t clip = random.below(static_cast<uint32_t>(character.clips.size()));
-            const ReferencePose pose = *reference_pose(
-                character, {.first = {.clip = i == 0 ? kNone : clip,
-                                      .time_s = random.between(0, character.clips[clip].duration_s)}});
+        for (const ReferencePose& pose : rest_and_random_poses(character, 29, random)) {
             const std::vector<Vec3<double>> all = skin_reference(character, pose.model_from_bind),
                                             some = skin_reference(reduced, pose.model_from_bind);
             for (size_t vertex = 0; vertex < all.size(); ++vertex)

@@ -13,13 +13,14 @@ namespace throng {
 namespace {
 
 constexpr float kNever = std::numeric_limits<float>::infinity();
-// Of the edge's length, so that short edges go first where the surface stays the same.
-constexpr float kOfLength = 1e-2f;
-// Of what a collapse costs anyway: what is as near at rest is taken for the nearest.
+// A collapse costs this part of its edge's length in addition, so that on a flat surface the shortest edge goes first.
+constexpr float kLengthWeight = 1e-2f;
+// A fine triangle within this part of the cost known so far is taken for the nearest one: the search ends there.
 constexpr float kNearEnough = 0.5f;
-// Of triangles around a point. Where there are more, it stays, and nothing goes there: the work grows by their square.
+// A point with more triangles around it is not collapsed, nor is another one into it: the work for that grows with the
+// square of their number.
 constexpr size_t kMostFaces = 48;
-// Of lost points that a triangle remembers; then every second one.
+// A triangle with more lost points than this forgets every second one: the work grows with their number.
 constexpr size_t kMostLost = 128;
 constexpr uint64_t kStepsBetweenReports = 1000;  // some 20 ms
 constexpr float kTurned = 0.3f;  // the cosine of the angle by which a triangle may turn in the rest pose
@@ -88,15 +89,15 @@ private:
         }
 
         bool is_there = true;
-        std::vector<uint32_t> lost;  // points that were nearest to it when they were lost
+        std::vector<uint32_t> lost;  // collapsed points that it is the nearest triangle to
     };
     struct Point {
         std::vector<uint32_t> faces;
-        uint32_t target = kNone;     // where it would go
-        bool is_measured = false;    // what that costs; else it costs no less
-        float others_cost = 0;       // to go anywhere else costs no less
-        uint32_t version = 0;        // of what is planned
-        bool is_outdated = false;    // something beside it has changed since
+        uint32_t target = kNone;     // the neighbour that it would be collapsed into
+        bool is_measured = false;    // the cost of that in the queue is exact; else a lower bound
+        float others_cost = 0;       // a lower bound for all other neighbours
+        uint32_t version = 0;        // of the plan: entries of the queue with another one are void
+        bool is_outdated = false;    // triangles around it have changed since it was planned
         uint32_t near_triangle = 0;  // of the fine mesh
     };
     struct Planned {
@@ -107,17 +108,17 @@ private:
             return a.cost != b.cost ? a.cost > b.cost : a.point > b.point;
         }
     };
-    // One end of an edge moves to the other. Costs are distances in model space.
+    // Of one point into another. Costs are distances in model space.
     struct Collapse {
         uint32_t to = 0;
-        float extra = 0;    // what else it costs than distance
-        float squared = 0;  // the distance as far as it is known
+        float extra = 0;             // for the edge's length, and for what gets a wrong texture
+        float squared_distance = 0;  // between the surfaces, as far as they have been compared
 
-        // Of a distance below which it costs less than that.
-        float squared_below(float most) const { return most > extra ? (most - extra) * (most - extra) : 0; }
-        // Not a number where places are so far away that it cannot be told: never then.
+        // The squared distance at which this collapse costs as much as that.
+        float squared_distance_at(float cost) const { return cost > extra ? (cost - extra) * (cost - extra) : 0; }
+        // Infinite also where the sum is not a number, in meshes whose squares floats cannot hold.
         float cost() const {
-            const float all = std::sqrt(squared) + extra;
+            const float all = std::sqrt(squared_distance) + extra;
             return all < kNever ? all : kNever;
         }
     };
@@ -179,7 +180,7 @@ private:
         for (const uint32_t to : neighbours_of(from)) {
             Collapse one = collapse_of(from, to);
             if (points_[to].faces.size() > kMostFaces || !try_moving(from, one)) continue;
-            one.squared = distance_of_lost(0, one.squared_below(second));
+            one.squared_distance = distance_of_lost(0, one.squared_distance_at(second));
             const float cost = one.cost();
             if (cost >= kNever) continue;
             all.push_back(one);
@@ -191,7 +192,7 @@ private:
     }
 
     Collapse collapse_of(uint32_t from, uint32_t to) const {
-        return {.to = to, .extra = kOfLength * length(mesh_.rest_place(from) - mesh_.rest_place(to))};
+        return {.to = to, .extra = kLengthWeight * length(mesh_.rest_place(from) - mesh_.rest_place(to))};
     }
 
     // What the triangles around a point stand for.
@@ -268,10 +269,10 @@ private:
     // In all poses, and both ways, as long as it may cost less than `least`.
     void measure(uint32_t from, Collapse& collapse, float least) {
         try_moving(from, collapse);
-        const float useful = collapse.squared_below(least);
-        for (size_t group = 0; group < mesh_.groups() && collapse.squared < useful; ++group)
-            collapse.squared = std::max(collapse.squared, distance_of_lost(group, useful));
-        if (collapse.squared < useful) measure_middles(collapse);
+        const float useful = collapse.squared_distance_at(least);
+        for (size_t group = 0; group < mesh_.groups() && collapse.squared_distance < useful; ++group)
+            collapse.squared_distance = std::max(collapse.squared_distance, distance_of_lost(group, useful));
+        if (collapse.squared_distance < useful) measure_middles(collapse);
     }
 
     // Of triangles that have moved, and of their edges that have, from the fine mesh: from what is nearest at rest.
@@ -298,8 +299,8 @@ private:
         std::array<uint32_t, 3> corners;
         for (size_t k = 0; k < 3; ++k) corners[k] = mesh_.point_of(fine_.corners()[guess][k]);
         for (size_t group = 0; group < mesh_.groups(); ++group)
-            collapse.squared = std::max(collapse.squared,
-                                        largest(triangle_of(corners, group).squared_distance(middle_in(group))));
+            collapse.squared_distance = std::max(
+                collapse.squared_distance, largest(triangle_of(corners, group).squared_distance(middle_in(group))));
     }
 
     void collapse(uint32_t from, uint32_t to) {

@@ -21,8 +21,8 @@ namespace {
 constexpr size_t kFewest = 64 * 3;    // indices, below which nothing is gained
 constexpr double kShare = 1.0 / 3;    // of the level before that a level aims at
 constexpr double kWorthwhile = 0.8;   // of it, above which it is not kept
-constexpr double kAlmost = 1.25;      // of what is wanted, which clusters may have: they come in few sizes
-constexpr uint32_t kPoses = 7;        // of all clips together, that errors are measured in; and the rest pose
+constexpr double kAlmost = 1.25;      // of the triangles wanted: clusters come in few sizes, so they may have some more
+constexpr uint32_t kPoses = 7;        // that errors are measured in beside the rest pose, from all clips together
 constexpr float kLeastError = 1e-6f;  // of the character's size, which rounding does not tell from none
 
 // In model space.

@@ -12,13 +12,10 @@ namespace throng {
 using Four = float __attribute__((vector_size(16)));
 constexpr size_t kLanes = 4;
 
-// Functions of it are inlined, whatever the build: vectors are passed by value as each processor likes.
-#define THRONG_LANES inline __attribute__((always_inline))
-
-THRONG_LANES Four four(float all) { return Four{all, all, all, all}; }
-THRONG_LANES Four lower(const Four& a, const Four& b) { return a < b ? a : b; }
-THRONG_LANES Four higher(const Four& a, const Four& b) { return a > b ? a : b; }
-THRONG_LANES float largest(const Four& a) { return std::max(std::max(a[0], a[1]), std::max(a[2], a[3])); }
+inline Four four(float all) { return Four{all, all, all, all}; }
+inline Four lower(const Four& a, const Four& b) { return a < b ? a : b; }
+inline Four higher(const Four& a, const Four& b) { return a > b ? a : b; }
+inline float largest(const Four& a) { return std::max(std::max(a[0], a[1]), std::max(a[2], a[3])); }
 
 // A place in each of four poses.
 struct Four3 {
@@ -27,11 +24,11 @@ struct Four3 {
     Vec3<float> in_pose(size_t lane) const { return {x[lane], y[lane], z[lane]}; }
 };
 
-THRONG_LANES Four3 operator+(const Four3& a, const Four3& b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
-THRONG_LANES Four3 operator-(const Four3& a, const Four3& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
-THRONG_LANES Four3 operator*(const Four3& a, const Four& s) { return {a.x * s, a.y * s, a.z * s}; }
-THRONG_LANES Four dot(const Four3& a, const Four3& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
-THRONG_LANES Four3 cross(const Four3& a, const Four3& b) {
+inline Four3 operator+(const Four3& a, const Four3& b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
+inline Four3 operator-(const Four3& a, const Four3& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
+inline Four3 operator*(const Four3& a, const Four& s) { return {a.x * s, a.y * s, a.z * s}; }
+inline Four dot(const Four3& a, const Four3& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+inline Four3 cross(const Four3& a, const Four3& b) {
     return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
 
@@ -39,7 +36,7 @@ THRONG_LANES Four3 cross(const Four3& a, const Four3& b) {
 class TriangleInPoses {
 public:
     TriangleInPoses(const Four3& a, const Four3& b, const Four3& c) : corners_{a, b, c}, edges_{b - a, c - b, a - c} {
-        constexpr float kThin = 1e-6f;  // the squared sine of the angle at a
+        constexpr float kThin = 1e-6f;  // the squared sine of the angle at a, below which rounding decides its normal
         normal_ = cross(edges_[0], c - a);
         const Four squared = dot(normal_, normal_);
         for (size_t k = 0; k < 3; ++k) {
@@ -51,9 +48,7 @@ public:
         inverse_normal_ = has_normal_ ? 1.0f / squared : four(0);
     }
 
-    const Four3& normal() const { return normal_; }  // its length: twice the area
-
-    THRONG_LANES Four squared_distance(const Four3& p) const {
+    Four squared_distance(const Four3& p) const {
         Four nearest = four(1e30f);
         auto is_above = has_normal_;
         for (size_t k = 0; k < 3; ++k) {
@@ -74,7 +69,5 @@ private:
     Four inverse_normal_;  // squared
     decltype(Four{} < Four{}) has_normal_;
 };
-
-#undef THRONG_LANES
 
 }  // namespace throng

@@ -27,7 +27,7 @@ public:
     size_t point_count() const { return vertices_of_.size(); }
     const std::vector<WeldedFace>& faces() const { return faces_; }
     uint32_t point_of(uint32_t vertex) const { return point_of_[vertex]; }
-    // Of the rest pose and the three after it come first; [groups()]
+    // [groups()]: in the first four poses, of which the first is the rest pose, in the next four, and so on.
     const Four3* places(uint32_t point) const { return &places_[point * groups_]; }
     size_t groups() const { return groups_; }
     Vec3<float> rest_place(uint32_t point) const { return places(point)->in_pose(0); }
