@@ -129,9 +129,10 @@ Json measure_control(const Device& device, const ControlCase& control, const Pro
         return record;
     }
     UpdateTimes times;
+    const GpuLoad load(device.gpu());
     const Contestant updates{what, [&] {
                                  tell(changed);
-                                 times.take(*device.gpu(), crowd);
+                                 times.take(load, crowd);
                              }};
     run_rounds({&updates, 1}, control.samples, progress);
     const Spread of_control = times.stage(index_of_stage("control")), of_update = times.total();

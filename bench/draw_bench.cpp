@@ -1,5 +1,6 @@
 #include "bench/draw_bench.h"
 
+#include "bench/gpu_load.h"
 #include "bench/psnr.h"
 #include "bench/value_of.h"
 #include "draw/native_renderer.h"
@@ -25,6 +26,7 @@ struct Entrant {
     Stage* stage = nullptr;
     std::unique_ptr<RendererState> native;
     std::optional<Renderer> vulkan;
+    std::optional<GpuLoad> load;  // of vulkan's device
     Picture picture;
     double alike_db = 0;
     bool is_wrong = false;
@@ -39,6 +41,7 @@ struct Entrant {
         return std::move(result.picture);
     }
     void sample(const Camera& camera) {
+        if (load) load->run();
         double ms = 0;
         draw(camera, ms);
         all_ms.push_back(ms);
@@ -110,6 +113,7 @@ private:
         stage.device = *device;
         stage.crowd = drawn_.make_crowd(*stage.device);
         entrant.vulkan = value_of(Renderer::create(*stage.device, settings));
+        entrant.load.emplace(stage.device->gpu());
         compare(entrant, progress);
     }
 

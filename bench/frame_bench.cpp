@@ -134,7 +134,7 @@ private:
     // All variants begin at the same times in every round, and so do the same work.
     void take_sample(Entrant& entrant) const {
         value_of(entrant.crowd()->set_playback(entrant.crowd()->instances(), *entrant.playback));
-        entrant.times.take(*device_.gpu(), *entrant.crowd());
+        entrant.times.take(clock_.load(), *entrant.crowd());
     }
 
     void add_fill(SkinFormat format) {

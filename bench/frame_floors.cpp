@@ -7,20 +7,6 @@
 namespace throng::bench {
 namespace {
 
-constexpr uint32_t kFillPlain[] = {
-#include "bench/fill.inc"
-};
-constexpr uint32_t kFillSoftware[] = {
-#include "bench/fill.software.inc"
-};
-constexpr uint32_t kCopyPlain[] = {
-#include "bench/copy.inc"
-};
-constexpr uint32_t kCopySoftware[] = {
-#include "bench/copy.software.inc"
-};
-
-constexpr uint32_t kRow_bytes = 16;
 // 256 MiB, the largest buffer of a crowd, are 16,384 workgroups: every device dispatches as many.
 constexpr uint32_t kWorkgroupSize = 256, kRowsPerInvocation = 4;
 
@@ -28,25 +14,8 @@ uint32_t rows_of(uint64_t size_bytes) { return static_cast<uint32_t>(size_bytes 
 
 }  // namespace
 
-RowKernel::RowKernel(const std::shared_ptr<Gpu>& gpu, std::string_view name, std::span<const uint32_t> plain,
-                     std::span<const uint32_t> software, uint32_t workgroup_size, uint32_t rows_per_invocation)
-    : rows_per_invocation_(rows_per_invocation),
-      kernel_(gpu, {.name = name,
-                    .spirv = gpu->uses_software_kernels() ? software : plain,
-                    .workgroup_size = workgroup_size,
-                    .constants = {rows_per_invocation}}) {}
-
-void RowKernel::dispatch(VkCommandBuffer commands, const Bindings& bindings, uint32_t row_count) const {
-    kernel_.dispatch_invocations(commands, bindings, row_count,
-                                 (row_count + rows_per_invocation_ - 1) / rows_per_invocation_);
-}
-
-RowKernel copy_kernel(const std::shared_ptr<Gpu>& gpu, uint32_t workgroup_size, uint32_t rows_per_invocation) {
-    return {gpu, "copy", kCopyPlain, kCopySoftware, workgroup_size, rows_per_invocation};
-}
-
 FillFloor::FillFloor(const std::shared_ptr<Gpu>& gpu, const Crowd& crowd, SkinFormat format)
-    : gpu_(gpu), kernel_(gpu, "fill", kFillPlain, kFillSoftware, kWorkgroupSize, kRowsPerInvocation) {
+    : gpu_(gpu), kernel_(fill_kernel(gpu, kWorkgroupSize, kRowsPerInvocation)) {
     for (const OutputBlock& block : crowd.outputs()) {
         const uint64_t size_bytes = uint64_t{block.instance_count} * block.palette_count * skin_format_bytes(format);
         if (size_bytes < kRow_bytes) continue;

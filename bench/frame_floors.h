@@ -2,26 +2,11 @@
 #pragma once
 
 #include "bench/gpu_clock.h"
-#include "gpu/kernel.h"
+#include "bench/row_kernel.h"
 
 #include <throng/crowd.h>
 
 namespace throng::bench {
-
-// fill.comp or copy.comp: each invocation takes some rows of 16 bytes.
-class RowKernel {
-public:
-    RowKernel(const std::shared_ptr<Gpu>& gpu, std::string_view name, std::span<const uint32_t> plain,
-              std::span<const uint32_t> software, uint32_t workgroup_size, uint32_t rows_per_invocation);
-
-    Bindings bind(const BufferTable& buffers) const { return kernel_.bind(buffers); }
-    void dispatch(VkCommandBuffer commands, const Bindings& bindings, uint32_t row_count) const;
-
-private:
-    uint32_t rows_per_invocation_;
-    Kernel kernel_;
-};
-RowKernel copy_kernel(const std::shared_ptr<Gpu>& gpu, uint32_t workgroup_size, uint32_t rows_per_invocation);
 
 // Writes over the skin matrices of a crowd: as many buffers of the same size. What they held has been checked by then.
 class FillFloor {

@@ -1,12 +1,11 @@
 #include "bench/gpu_clock.h"
 
 #include "base/failure.h"
-#include "bench/rounds.h"
 #include "gpu/barrier.h"
 
 namespace throng::bench {
 
-GpuClock::GpuClock(std::shared_ptr<Gpu> gpu) : gpu_(std::move(gpu)) {
+GpuClock::GpuClock(std::shared_ptr<Gpu> gpu) : gpu_(std::move(gpu)), load_(gpu_) {
     if (!gpu_->has_timestamps())
         throw Failure(ErrorCode::kUnsupported, gpu_->info.name, "the device has no timestamps to measure with");
     timestamps_ = std::make_unique<Timestamps>(gpu_, 2);
@@ -22,6 +21,7 @@ Reading believed_reading(const Gpu& gpu, double gpu_ms, double host_ms) {
 }
 
 Reading GpuClock::read(const std::function<void(VkCommandBuffer)>& work) const {
+    load_.run();
     const Stopwatch watch;
     gpu_->submit_and_wait([&](VkCommandBuffer commands) {
         timestamps_->begin(commands);

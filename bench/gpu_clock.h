@@ -1,6 +1,7 @@
 // Milliseconds that recorded work takes on the GPU.
 #pragma once
 
+#include "bench/gpu_load.h"
 #include "gpu/timestamps.h"
 
 namespace throng::bench {
@@ -18,13 +19,16 @@ public:
     // Throws kUnsupported where the device has no timestamps.
     explicit GpuClock(std::shared_ptr<Gpu> gpu);
 
-    // Submits what `work` records once, alone between two timestamps, and waits. It sees all work submitted before.
+    // Submits what `work` records once, alone between two timestamps, and waits; the GPU has been kept busy just before.
+    // It sees all work submitted before.
     Reading read(const std::function<void(VkCommandBuffer)>& work) const;
+    const GpuLoad& load() const { return load_; }
     double time_ms(const std::function<void(VkCommandBuffer)>& work) const { return read(work).ms; }
 
 private:
     std::shared_ptr<Gpu> gpu_;
     std::unique_ptr<Timestamps> timestamps_;
+    GpuLoad load_;
 };
 
 }  // namespace throng::bench

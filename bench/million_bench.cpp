@@ -48,7 +48,7 @@ struct Seen {
 class MillionMeasurement {
 public:
     MillionMeasurement(const Device& device, const MillionCase& million)
-        : device_(device), million_(million), crowd_(make(count())) {}
+        : device_(device), load_(device.gpu()), million_(million), crowd_(make(count())) {}
 
     // Characters that have poses of their own are as they should be, and the others as near as the view asks.
     void check(const Progress& progress) {
@@ -84,7 +84,7 @@ public:
         for (Seen& seen : seen_)
             if (!is_wrong(seen))
                 contestants.push_back({million_.configuration + ": " + seen.viewpoint->name,
-                                       [&] { seen.times.take(*device_.gpu(), crowd_, kFrame_s, &seen.view); }});
+                                       [&] { seen.times.take(load_, crowd_, kFrame_s, &seen.view); }});
         run_rounds(contestants, samples, progress);
     }
 
@@ -187,6 +187,7 @@ private:
     }
 
     const Device& device_;
+    GpuLoad load_;
     const MillionCase& million_;
     Crowd crowd_;
     std::vector<Seen> seen_;

@@ -38,7 +38,7 @@ struct Turnover {
 class PopulationMeasurement {
 public:
     PopulationMeasurement(const Device& device, const PopulationCase& population)
-        : device_(device), population_(population), capacity_(static_cast<uint32_t>(population.playback.size())) {}
+        : device_(device), load_(device.gpu()), population_(population), capacity_(static_cast<uint32_t>(population.playback.size())) {}
 
     void check(const Progress& progress) {
         for (const double part : kParts)
@@ -56,7 +56,7 @@ public:
         for (Entrant& entrant : entrants_)
             if (!is_wrong(entrant))
                 contestants.push_back({population_.configuration + ": " + std::to_string(entrant.count),
-                                       [&] { entrant.times.take(*device_.gpu(), entrant.crowd); }});
+                                       [&] { entrant.times.take(load_, entrant.crowd); }});
         run_rounds(contestants, samples, progress);
     }
 
@@ -261,6 +261,7 @@ private:
     }
 
     const Device& device_;
+    GpuLoad load_;
     const PopulationCase& population_;
     uint32_t capacity_, changed_count_ = 0;
     bool commands_are_wrong_ = false;

@@ -1,6 +1,5 @@
 #include "bench/updates.h"
 
-#include "bench/rounds.h"
 
 #include <algorithm>
 #include <cmath>
@@ -35,12 +34,13 @@ std::string path_name(const Crowd& crowd) {
     return std::string(path.is_native ? "native, " : "") + (path.is_fused ? "fused" : "staged");
 }
 
-void UpdateTimes::take(const Gpu& gpu, Crowd& crowd, float time_step_s, const CrowdView* view) {
+void UpdateTimes::take(const GpuLoad& load, Crowd& crowd, float time_step_s, const CrowdView* view) {
+    load.run();
     const Stopwatch watch;
     value_of(crowd.update(time_step_s, view));
     const double host_ms = watch.elapsed_s() * 1e3;
     const StageTimes times = value_of(crowd.stage_times());
-    take(believed_reading(gpu, times.total(), host_ms));
+    take(believed_reading(load.gpu(), times.total(), host_ms));
     for (size_t s = 0; s < kStageNames.size(); ++s) stage_ms_[s].push_back(times.ms[s]);
 }
 

@@ -27,8 +27,8 @@ std::string path_name(const Crowd& crowd);  // of its first group: "fused", "sta
 
 class UpdateTimes {
 public:
-    // Updates the crowd and waits.
-    void take(const Gpu& gpu, Crowd& crowd, float time_step_s = kFrame_s, const CrowdView* view = nullptr);
+    // Updates the crowd and waits; the GPU has been kept busy just before.
+    void take(const GpuLoad& load, Crowd& crowd, float time_step_s = kFrame_s, const CrowdView* view = nullptr);
     // What took so long without stages.
     void take(const Reading& reading) { readings_.push_back(reading); }
 

@@ -40,7 +40,7 @@ struct Entrant {
 
 class ViewMeasurement {
 public:
-    ViewMeasurement(const Device& device, const ViewCase& seen) : device_(device), seen_(seen) {}
+    ViewMeasurement(const Device& device, const ViewCase& seen) : device_(device), load_(device.gpu()), seen_(seen) {}
 
     void check(const Progress& progress) {
         for (const Variant& variant : kVariants) {
@@ -75,7 +75,7 @@ public:
             if (entrant.crowd && !is_wrong(entrant))
                 contestants.push_back(
                     {seen_.configuration + ": " + entrant.variant->name,
-                     [&] { entrant.times.take(*device_.gpu(), *entrant.crowd, kFrame_s, entrant.view(*view_)); }});
+                     [&] { entrant.times.take(load_, *entrant.crowd, kFrame_s, entrant.view(*view_)); }});
         run_rounds(contestants, samples, progress);
     }
 
@@ -155,6 +155,7 @@ private:
     }
 
     const Device& device_;
+    GpuLoad load_;
     const ViewCase& seen_;
     std::optional<CrowdView> view_;
     std::vector<Entrant> entrants_;

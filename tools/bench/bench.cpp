@@ -59,7 +59,8 @@ Json run_case(const Device& device, const std::vector<Character>& characters, co
     check_error(scan, error);
 
     bench::UpdateTimes times;
-    const bench::Contestant updates{scan, [&] { times.take(*device.gpu(), crowd); }};
+    const bench::GpuLoad load(device.gpu());
+    const bench::Contestant updates{scan, [&] { times.take(load, crowd); }};
     bench::run_rounds({&updates, 1}, options.samples, print_progress);
     uint64_t joints = 0;
     for (const CrowdGroup& group : field.groups)

@@ -42,7 +42,7 @@ struct Method {
 // Instances of a character under one method.
 class Running {
 public:
-    Running(const Device& device, const Method& method, std::span<const Playback> playbacks) : gpu_(*device.gpu()) {
+    Running(const Device& device, const Method& method, std::span<const Playback> playbacks) : load_(device.gpu()) {
         if (method.baseline) {
             baseline_.emplace(device.gpu(), *method.baseline, *method.stored, playbacks);
             return;
@@ -58,10 +58,12 @@ public:
             baseline_->update(time_step_s);
     }
     void take_sample() {
-        if (crowd_)
-            times.take(gpu_, *crowd_);
-        else
+        if (crowd_) {
+            times.take(load_, *crowd_);
+        } else {
+            load_.run();
             times.take(baseline_->update(bench::kFrame_s));
+        }
     }
     std::vector<Affine> skin_matrices(uint32_t instance) {
         return crowd_ ? unwrap(crowd_->read_skin_matrices({instance})) : baseline_->read_skin_matrices({instance});
@@ -71,7 +73,7 @@ public:
     bench::UpdateTimes times;
 
 private:
-    const Gpu& gpu_;
+    bench::GpuLoad load_;
     std::optional<Crowd> crowd_;
     std::optional<bench::BaselineCrowd> baseline_;
 };

@@ -23,7 +23,7 @@ out=${1-results}
 mkdir -p "$out" || exit 1
 out=$(cd "$out" && pwd)
 work=$(mktemp -d) || exit 1
-running=  # the program of limited()
+running=  # programs that limited() or run_shards() wait for
 trap 'rm -rf "$work"' EXIT
 trap 'stop 130' INT
 trap 'stop 143' TERM
@@ -39,9 +39,10 @@ steps() {
 scan 13 --experiments levels,on_chip --budget $((time_s / 12)) $quick --json scan.jsonl
 frame 20 --samples 9 $quick --json
 control 6 --path device --characters $controlled --samples 15 --json
-view 8 --path device --count $viewed --samples 9 --json
+view 7 --path device --count $viewed --samples 9 --json
+population 3 --path device --json
 million 10 --json
-draw 11 --against-vulkan --samples 3 --threads $(nproc) --isa $isa --json
+draw 9 --against-vulkan --samples 3 --threads $(nproc) --isa $isa --json
 TEXT
 }
 
@@ -57,6 +58,21 @@ limited() {
   set -- $?
   running=
   return "$1"
+}
+# All device tests, for at most so many seconds, in several processes: their references and the driver's compiler keep a
+# core each busy. Each writes a file of its own, and the status is that of one that failed.
+run_shards() {
+  shard=0
+  while [ $shard -lt "$shards" ]; do
+    (cd "$work" && export GTEST_TOTAL_SHARDS="$shards" GTEST_SHARD_INDEX=$shard &&
+      exec timeout -k 5 "$1" "$here/throng_tests" > "$work/tests.$shard" 2>&1) &
+    running="$running $!"
+    shard=$((shard + 1))
+  done
+  status=0
+  for process in $running; do wait "$process" || status=$?; done
+  running=
+  return $status
 }
 is_timed_out() { [ "$1" -eq 124 ] || [ "$1" -eq 137 ]; }  # 137: it had to be killed
 stop() {
@@ -128,12 +144,13 @@ suites_left() {
     !((suite $1) in done) && !(suite in seen) { seen[suite]; print suite }'
 }
 
-# All device tests in one process; then, suite by suite, those that failed, or that a crash has kept from running.
+# All device tests; then, suite by suite, those that failed, or that a crash has kept from running.
 run_tests() {
   limit=$1
   begun=$(date +%s)
-  limited "$limit" "$here/throng_tests" > "$work/tests" 2>&1
+  run_shards "$limit"
   status=$?
+  cat "$work"/tests.[0-9]* > "$work/tests"
   cp "$work/tests" "$work/tests.all"
   if [ $status -ne 0 ]; then
     for suite in $(suites_left "$work/tests"); do
@@ -195,6 +212,9 @@ for file in records.jsonl report.html SUMMARY.md log.txt; do rm -f "$out/$file";
 cat "$work/devices"
 quick= controlled=1000,10000,100000 viewed=100000
 has_gpu || quick=--quick controlled=1000 viewed=10000
+shards=$(($(nproc) / 2))
+[ $shards -ge 1 ] || shards=1
+[ $shards -le 8 ] || shards=8  # each has a device of its own, with its memory
 isa=all
 if grep -q avx2 /proc/cpuinfo; then isa=avx2; fi
 
