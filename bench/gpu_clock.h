@@ -19,8 +19,8 @@ public:
     // Throws kUnsupported where the device has no timestamps.
     explicit GpuClock(std::shared_ptr<Gpu> gpu);
 
-    // Submits what `work` records once, alone between two timestamps, and waits; the GPU has been kept busy just before.
-    // It sees all work submitted before.
+    // Submits what `work` records once, alone between two timestamps, and waits; the GPU has been kept busy just
+    // before. It sees all work submitted before.
     Reading read(const std::function<void(VkCommandBuffer)>& work) const;
     const GpuLoad& load() const { return load_; }
     double time_ms(const std::function<void(VkCommandBuffer)>& work) const { return read(work).ms; }

@@ -23,7 +23,7 @@ GpuLoad::GpuLoad(const std::shared_ptr<Gpu>& gpu) : gpu_(gpu) {
 void GpuLoad::run() const {
     if (!work_) return;
     constexpr uint32_t kCopies = 200;
-    constexpr double kBusy_s = 0.003, kIdle_s = 0.02, kRampUp_s = 0.3;
+    constexpr double kBusy_s = 0.003, kIdle_s = 0.02, kRampUp_s = 0.1;
     const double least_s = since_last_ && since_last_->elapsed_s() < kIdle_s ? kBusy_s : kRampUp_s;
     const Stopwatch watch;
     do

@@ -15,7 +15,7 @@ public:
     explicit GpuLoad(const std::shared_ptr<Gpu>& gpu);
 
     const Gpu& gpu() const { return *gpu_; }
-    // Some milliseconds of work, and a third of a second where the GPU may have idled. Waits for it.
+    // Some milliseconds of work, and a tenth of a second where the GPU may have idled. Waits for it.
     void run() const;
 
 private:

@@ -38,7 +38,10 @@ struct Turnover {
 class PopulationMeasurement {
 public:
     PopulationMeasurement(const Device& device, const PopulationCase& population)
-        : device_(device), load_(device.gpu()), population_(population), capacity_(static_cast<uint32_t>(population.playback.size())) {}
+        : device_(device),
+          load_(device.gpu()),
+          population_(population),
+          capacity_(static_cast<uint32_t>(population.playback.size())) {}
 
     void check(const Progress& progress) {
         for (const double part : kParts)

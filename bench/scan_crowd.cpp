@@ -1,6 +1,7 @@
 #include "bench/scan_crowd.h"
 
 #include "base/failure.h"
+#include "base/thread_pool.h"
 #include "gpu/barrier.h"
 #include "scan/scan_reference.h"
 #include "tools/creatures/creature_math.h"
@@ -92,9 +93,9 @@ std::vector<std::byte> PoseSet::bytes(uint32_t first_instance, uint32_t instance
 
 double max_error(std::span<const Affine> model, const PoseSet& poses, uint32_t first_instance, uint32_t instance_count,
                  ScanLayout layout) {
-    double linear = 0, translation = 0;
-    for (size_t instance = 0; instance < instance_count; ++instance) {
+    const auto error_of = [&](size_t instance) {
         const size_t pose = (first_instance + instance) % poses.pose_count;
+        double linear = 0, translation = 0;
         for (size_t joint = 0; joint < poses.joint_count; ++joint) {
             const Affine& got = model[index_of(layout, instance, joint, instance_count, poses.joint_count)];
             const AffineT<double>& wanted = poses.wanted[pose * poses.joint_count + joint];
@@ -104,9 +105,19 @@ double max_error(std::span<const Affine> model, const PoseSet& poses, uint32_t f
                 take_larger(translation, std::abs(got.row[row][3] - wanted.row[row][3]));
             }
         }
-    }
-    take_larger(linear, translation / poses.extent);
-    return linear;
+        take_larger(linear, translation / poses.extent);
+        return linear;
+    };
+    constexpr uint32_t kPart = 256;  // of a thread
+    std::vector<double> of_parts((instance_count + kPart - 1) / kPart);
+    ThreadPool threads(0);
+    for_each_job(threads, static_cast<uint32_t>(of_parts.size()), [&](uint32_t part) {
+        for (uint32_t i = part * kPart; i < std::min((part + 1) * kPart, instance_count); ++i)
+            take_larger(of_parts[part], error_of(i));
+    });
+    double worst = 0;
+    for (const double error : of_parts) take_larger(worst, error);
+    return worst;
 }
 
 ScanCrowd::ScanCrowd(std::shared_ptr<Gpu> gpu, const ScanRig& rig, uint32_t instance_count, uint64_t seed)

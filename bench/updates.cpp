@@ -1,6 +1,5 @@
 #include "bench/updates.h"
 
-
 #include <algorithm>
 #include <cmath>
 #include <limits>

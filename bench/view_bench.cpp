@@ -73,9 +73,9 @@ public:
         std::vector<Contestant> contestants;
         for (Entrant& entrant : entrants_)
             if (entrant.crowd && !is_wrong(entrant))
-                contestants.push_back(
-                    {seen_.configuration + ": " + entrant.variant->name,
-                     [&] { entrant.times.take(load_, *entrant.crowd, kFrame_s, entrant.view(*view_)); }});
+                contestants.push_back({seen_.configuration + ": " + entrant.variant->name, [&] {
+                                           entrant.times.take(load_, *entrant.crowd, kFrame_s, entrant.view(*view_));
+                                       }});
         run_rounds(contestants, samples, progress);
     }
 

@@ -36,12 +36,12 @@ export THRONG_COMMIT="${THRONG_COMMIT-}"
 # What one leaves goes to those after it.
 steps() {
   cat <<TEXT
-scan 13 --experiments levels,on_chip --budget $((time_s / 12)) $quick --json scan.jsonl
-frame 20 --samples 9 $quick --json
-control 6 --path device --characters $controlled --samples 15 --json
-view 7 --path device --count $viewed --samples 9 --json
+scan 14 --experiments levels,on_chip --budget $((time_s / 12)) $quick --json scan.jsonl
+frame 14 --samples 15 $quick --json
+control 3 --path device --characters $controlled --samples 15 --json
+view 4 --path device --count $viewed --samples 9 --json
 population 3 --path device --json
-million 10 --json
+million 9 --json
 draw 9 --against-vulkan --samples 3 --threads $(nproc) --isa $isa --json
 TEXT
 }
@@ -212,17 +212,16 @@ for file in records.jsonl report.html SUMMARY.md log.txt; do rm -f "$out/$file";
 cat "$work/devices"
 quick= controlled=1000,10000,100000 viewed=100000
 has_gpu || quick=--quick controlled=1000 viewed=10000
-shards=$(($(nproc) / 2))
-[ $shards -ge 1 ] || shards=1
-[ $shards -le 8 ] || shards=8  # each has a device of its own, with its memory
+shards=$(nproc)
+[ "$shards" -le 16 ] || shards=16  # each has a device of its own, with its memory
 isa=all
 if grep -q avx2 /proc/cpuinfo; then isa=avx2; fi
 
 export THRONG_VALIDATION=off
-# The tests have 28 percent, the benchmarks `share`, and what is written at the end 4
-run_tests $((time_s * 28 / 100))
+# The tests have 40 percent, the benchmarks `share`, and what is written at the end 4
+run_tests $((time_s * 40 / 100))
 steps > "$work/list"
-share=68
+share=56
 while read -r name percent options <&3; do
   share=$((share - percent))
   run_step "$name" $(($(left) - time_s * (share + 4) / 100)) $options
