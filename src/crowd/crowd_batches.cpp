@@ -215,7 +215,7 @@ void CrowdState::make_feedback() {
     uint64_t most_bytes = 0, most_skin_bytes = 0;  // of one that is watched, or whose pose is requested
     for (const Group& group : groups) {
         any = any || group.controller || group.sockets || group.steering;
-        uint64_t size_bytes = kMatrix_bytes + sizeof(io::RootState::move) + group.socket_count() * kMatrix_bytes;
+        uint64_t size_bytes = kMatrix_bytes + sizeof(io::RootState) + group.socket_count() * kMatrix_bytes;
         if (group.controller)
             size_bytes += group.controller->parameter_count * sizeof(float) +
                           group.controller->layer_count * sizeof(io::LayerState);

@@ -30,16 +30,14 @@ void CrowdState::watch(const Instances& instances) {
         const uint32_t instance = instances.number(i);
         const Batch& batch = batch_of(instance);
         const Group& group = groups[batch.group];
-        const auto part = [&](const Buffer& buffer, uint64_t stride_bytes, uint64_t size_bytes) {
-            return buffer ? BufferRange(buffer, (instance - batch.first_instance) * stride_bytes, size_bytes)
+        const auto all = [&](const Buffer& buffer, uint64_t size_bytes) {
+            return buffer ? BufferRange(buffer, (instance - batch.first_instance) * size_bytes, size_bytes)
                           : BufferRange();
         };
-        const auto all = [&](const Buffer& buffer, uint64_t size_bytes) {
-            return part(buffer, size_bytes, size_bytes);
-        };
         Watched one{.instance = instance,
+                    .place = i,
                     .placement = all(batch[io::kPlacementsBuffer], kMatrix_bytes),
-                    .move = part(batch[io::kRootsBuffer], sizeof(io::RootState), sizeof(io::RootState::move)),
+                    .root = all(batch[io::kRootsBuffer], sizeof(io::RootState)),
                     .sockets = all(batch[io::kSocketsBuffer], group.socket_count() * kMatrix_bytes),
                     .parameters = {},
                     .layers = {},
@@ -52,6 +50,7 @@ void CrowdState::watch(const Instances& instances) {
         }
         watched.push_back(one);
     }
+    std::ranges::sort(watched, {}, &Watched::instance);
     watched_ = std::move(watched);
 }
 

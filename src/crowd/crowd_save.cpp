@@ -131,8 +131,10 @@ void CrowdState::exchange(StateArchive& archive) {
         archive.value(batch.has_updated);
         archive.values(std::span(batch.inertia_states.get(), batch.inertia_bytes));
     }
+    std::vector<Watched> as_asked = watched_;
+    std::ranges::sort(as_asked, {}, &Watched::place);
     std::vector<uint32_t> watched;
-    for (const Watched& one : watched_) watched.push_back(one.instance);
+    for (const Watched& one : as_asked) watched.push_back(one.instance);
     archive.list(watched, watch_capacity_);
     archive.list(pose_requests_, pose_request_capacity_);
     if (!archive.reads()) return;

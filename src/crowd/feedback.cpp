@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <array>
 #include <cstring>
+#include <numeric>
 #include <tuple>
 #include <utility>
 
@@ -15,8 +16,8 @@ namespace throng {
 
 namespace {
 
-Affine over_the_ground(const std::array<float, 4>& move) {
-    const auto [x, z, cosine, sine] = move;
+Affine over_the_ground(const io::vec4& move) {
+    const float x = move.x, z = move.y, cosine = move.z, sine = move.w;
     Affine affine;
     affine.row = {{{cosine, 0, sine, x}, {0, 1, 0, 0}, {-sine, 0, cosine, z}}};
     return affine;
@@ -82,11 +83,19 @@ void FeedbackRing::end(VkCommandBuffer commands, std::span<const Watched> watche
     memory_barrier(*gpu_, commands, kShaderWrite | kTransferWrite, kTransferRead | kTransferWrite);
     std::vector<CopyFrom> copies{{events_, 0}};
     VkDeviceSize at = events_.size_bytes();
+    // A driver's time is per copy: thousands took NVIDIA's over a millisecond.
     const auto copy = [&](const BufferRange& range) {
-        if (range.size_bytes > 0) copies.push_back({range, at});
+        if (range.size_bytes == 0) return;
+        BufferRange& last = copies.back().from;
+        if (last.buffer == range.buffer && last.mapped == range.mapped &&
+            last.offset_bytes + last.size_bytes == range.offset_bytes)
+            last.size_bytes += range.size_bytes;
+        else
+            copies.push_back({range, at});
         at += range.size_bytes;
     };
-    for (const Watched& one : watched) std::ranges::for_each(one.parts(), copy);
+    for (size_t part = 0; part < Watched::kParts; ++part)
+        for (const Watched& one : watched) copy(one.parts()[part]);
     for (const RequestedPose& pose : poses) copy(pose.skin);
     record_copies(*gpu_, commands, copies, slot.copy);
     slot.update.watched.assign(watched.begin(), watched.end());
@@ -131,28 +140,34 @@ Feedback FeedbackRing::read(const Slot& slot) const {
 void FeedbackRing::read_watched(const Slot& slot, const std::byte*& at, Feedback& feedback) {
     Feedback::Arrays& arrays = feedback.arrays;
     std::vector<uint32_t> motion_counts;  // of each layer
-    const auto take = [&](void* into, uint64_t size_bytes) {
-        if (size_bytes > 0) std::memcpy(into, at, size_bytes);
-        at += size_bytes;
+    std::array<const std::byte*, Watched::kParts> next_of_parts{};
+    for (size_t part = 0; part < Watched::kParts; ++part) {
+        next_of_parts[part] = at;
+        for (const Watched& one : slot.update.watched) at += one.parts()[part].size_bytes;
+    }
+    auto& [placement, root, socket_bytes, parameter_bytes, layer_bytes] = next_of_parts;
+    const auto take = [](const std::byte*& from, void* into, uint64_t size_bytes) {
+        if (size_bytes > 0) std::memcpy(into, from, size_bytes);
+        from += size_bytes;
     };
-    const auto append = [&](auto& array, uint64_t size_bytes) {
+    const auto append = [&](const std::byte*& from, auto& array, uint64_t size_bytes) {
         const size_t before = array.size();
         array.resize(before + size_bytes / sizeof(array[0]));
-        take(array.data() + before, size_bytes);
+        take(from, array.data() + before, size_bytes);
     };
     std::vector<io::LayerState> layers;
     feedback.watched.reserve(slot.update.watched.size());
     for (const Watched& one : slot.update.watched) {
         WatchedInstance& watched = feedback.watched.emplace_back();
         watched.instance = {one.instance};
-        std::array<float, 4> move{0, 0, 1, 0};
-        take(&watched.world_from_model, one.placement.size_bytes);
-        take(move.data(), one.move.size_bytes);
-        append(arrays.sockets, one.sockets.size_bytes);
-        append(arrays.parameters, one.parameters.size_bytes);
+        io::RootState state{.move = {0, 0, 1, 0}};
+        take(placement, &watched.world_from_model, one.placement.size_bytes);
+        take(root, &state, one.root.size_bytes);
+        append(socket_bytes, arrays.sockets, one.sockets.size_bytes);
+        append(parameter_bytes, arrays.parameters, one.parameters.size_bytes);
         layers.clear();
-        append(layers, one.layers.size_bytes);
-        watched.move = over_the_ground(move);
+        append(layer_bytes, layers, one.layers.size_bytes);
+        watched.move = over_the_ground(state.move);
         for (size_t layer = 0; layer < layers.size(); ++layer) {
             append_played(arrays.motions, layers[layer], one.layer_kinds[layer], one.clip_count);
             motion_counts.push_back(layers[layer].play_count);
@@ -173,6 +188,15 @@ void FeedbackRing::read_watched(const Slot& slot, const std::byte*& at, Feedback
         watched.parameters = next(arrays.parameters, parameter, one.parameters.size_bytes / sizeof(float));
         watched.layers = next(arrays.layers, layer, one.layer_kinds.size());
     }
+    const auto place_of = [&](uint32_t i) { return slot.update.watched[i].place; };
+    std::vector<uint32_t> order(feedback.watched.size());
+    std::iota(order.begin(), order.end(), 0u);
+    if (std::ranges::is_sorted(order, {}, place_of)) return;
+    std::ranges::sort(order, {}, place_of);
+    std::vector<WatchedInstance> as_asked;
+    as_asked.reserve(order.size());
+    for (const uint32_t i : order) as_asked.push_back(feedback.watched[i]);
+    feedback.watched = std::move(as_asked);
 }
 
 void FeedbackRing::read_poses(const Slot& slot, const std::byte*& at, Feedback& feedback) {

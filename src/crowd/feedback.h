@@ -18,15 +18,17 @@ namespace throng {
 // What is read of an instance, where it lies on the device.
 struct Watched {
     uint32_t instance = 0;                   // of the crowd
+    uint32_t place = 0;                      // in the order that the application asked for
     BufferRange placement;                   // Affine
-    BufferRange move;                        // float4: x, z, cosine, sine; none where there is no root motion
+    BufferRange root;                        // io::RootState; none where there is no root motion
     BufferRange sockets;                     // Affine[]; likewise
     BufferRange parameters;                  // float[]; none where there is no controller
     BufferRange layers;                      // io::LayerState[layers]; likewise
     std::span<const LayerKind> layer_kinds;  // of the group, which outlives it (Retired)
     uint32_t clip_count = 0;                 // of the character
 
-    std::array<BufferRange, 5> parts() const { return {placement, move, sockets, parameters, layers}; }
+    static constexpr size_t kParts = 5;
+    std::array<BufferRange, kParts> parts() const { return {placement, root, sockets, parameters, layers}; }
 };
 
 // An instance whose pose is read back, once.
@@ -59,6 +61,7 @@ public:
     void begin(VkCommandBuffer commands);
     // Takes the last update back: its commands will never be submitted.
     void discard();
+    // `watched`: by instance, since what lies side by side is copied together.
     void end(VkCommandBuffer commands, std::span<const Watched> watched, std::vector<RequestedPose> poses);
     // Feedback of the updates that have finished and have not been read, oldest first.
     std::vector<Feedback> take();

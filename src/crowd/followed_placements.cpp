@@ -6,10 +6,11 @@
 
 namespace throng {
 
-FollowedPlacements::FollowedPlacements(std::shared_ptr<Gpu> gpu, std::vector<FollowedBatch> batches)
-    : gpu_(std::move(gpu)), batches_(std::move(batches)) {
+FollowedPlacements::FollowedPlacements(std::shared_ptr<Gpu> gpu, const std::vector<Batch>& batches,
+                                       std::vector<FollowedBatch> followed)
+    : gpu_(std::move(gpu)), batches_(batches), followed_(std::move(followed)) {
     VkDeviceSize size_bytes = 0;
-    for (const FollowedBatch& of : batches_) size_bytes += of.placement_bytes() + of.birth_bytes();
+    for (const FollowedBatch& of : followed_) size_bytes += placement_bytes(of) + birth_bytes(of);
     for (Slot& slot : slots_) {
         slot.copy = Buffer(gpu_, "placements that are followed", size_bytes, VK_BUFFER_USAGE_TRANSFER_DST_BIT,
                            MemoryKind::kReadback);
@@ -39,9 +40,9 @@ void FollowedPlacements::end(VkCommandBuffer commands) {
             record_copy(*gpu_, commands, BufferRange(from, 0, size_bytes), BufferRange(next_->copy, at, size_bytes));
         at += size_bytes;
     };
-    for (const FollowedBatch& of : batches_) {
-        copy((*of.batch)[io::kPlacementsBuffer], of.placement_bytes());
-        copy((*of.batch)[io::kBirthsBuffer], of.birth_bytes());
+    for (const FollowedBatch& of : followed_) {
+        copy(batches_[of.batch][io::kPlacementsBuffer], placement_bytes(of));
+        copy(batches_[of.batch][io::kBirthsBuffer], birth_bytes(of));
     }
     next_->done.record_set(commands);
 }

@@ -11,16 +11,15 @@
 namespace throng {
 
 struct FollowedBatch {
-    const Batch* batch = nullptr;  // must outlive it
-    bool has_births = false;       // they come back too
-
-    uint64_t placement_bytes() const { return batch->instance_count * sizeof(Affine); }
-    uint64_t birth_bytes() const { return has_births ? batch->instance_count * sizeof(uint32_t) : 0; }
+    size_t batch = 0;  // its place among the crowd's: where a change of groups fails, they have moved and come back
+    bool has_births = false;  // they come back too
 };
 
 class FollowedPlacements {
 public:
-    FollowedPlacements(std::shared_ptr<Gpu> gpu, std::vector<FollowedBatch> batches);
+    // `batches` must outlive it.
+    FollowedPlacements(std::shared_ptr<Gpu> gpu, const std::vector<Batch>& batches,
+                       std::vector<FollowedBatch> followed);
 
     // Before and behind the kernels of an update, which is the number-th. Where the slot that comes next is still under
     // way, nothing is copied.
@@ -35,13 +34,20 @@ public:
     template <class Read>
     void for_each(const Read& read) const {
         VkDeviceSize at = 0;
-        for (const FollowedBatch& of : batches_) {
-            const std::byte* const births = newest_->copy.mapped() + at + of.placement_bytes();
-            read(*of.batch,
-                 std::span(reinterpret_cast<const Affine*>(newest_->copy.mapped() + at), of.batch->instance_count),
-                 std::span(reinterpret_cast<const uint32_t*>(births), of.birth_bytes() / sizeof(uint32_t)));
-            at += of.placement_bytes() + of.birth_bytes();
+        for (const FollowedBatch& of : followed_) {
+            const std::byte* const placements = newest_->copy.mapped() + at;
+            const std::byte* const births = placements + placement_bytes(of);
+            read(batches_[of.batch],
+                 std::span(reinterpret_cast<const Affine*>(placements), placement_bytes(of) / sizeof(Affine)),
+                 std::span(reinterpret_cast<const uint32_t*>(births), birth_bytes(of) / sizeof(uint32_t)));
+            at += placement_bytes(of) + birth_bytes(of);
         }
+    }
+    uint64_t placement_bytes(const FollowedBatch& of) const {
+        return batches_[of.batch].instance_count * sizeof(Affine);
+    }
+    uint64_t birth_bytes(const FollowedBatch& of) const {
+        return of.has_births ? batches_[of.batch].instance_count * sizeof(uint32_t) : 0;
     }
     uint64_t size_bytes() const;
 
@@ -54,7 +60,8 @@ private:
     bool is_there(const Slot& slot) const { return slot.number > 0 && slot.done.is_set(); }
 
     std::shared_ptr<Gpu> gpu_;
-    std::vector<FollowedBatch> batches_;
+    const std::vector<Batch>& batches_;
+    std::vector<FollowedBatch> followed_;
     std::array<Slot, 4> slots_;
     Slot* next_ = nullptr;  // of the update that is under way; null where it has none
     const Slot* newest_ = nullptr;

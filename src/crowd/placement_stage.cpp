@@ -39,18 +39,20 @@ void PlacementStage::set(const Instances& instances, const Each<Affine>& world_f
 void PlacementStage::follow(bool are_filled) {
     if (followed_) return;
     std::vector<FollowedBatch> moving;
-    for (const Batch& batch : batches_)
-        if (group_of(batch).moves_placements()) moving.push_back({&batch, group_of(batch).shaders_populate});
+    for (size_t i = 0; i < batches_.size(); ++i)
+        if (const Group& group = group_of(batches_[i]); group.moves_placements())
+            moving.push_back({i, group.shaders_populate});
     if (moving.empty()) return;
-    followed_.emplace(gpu_, moving);
+    followed_.emplace(gpu_, batches_, moving);
     if (!are_filled) return;
     for (const FollowedBatch& of : moving) {
-        const Batch& batch = *of.batch;
+        const Batch& batch = batches_[of.batch];
         if (!batch.has_updated) continue;
-        const auto births = of.has_births
-                                ? download<uint32_t>(gpu_, BufferRange(batch[io::kBirthsBuffer], 0, of.birth_bytes()))
-                                : std::vector<uint32_t>();
-        take_over(batch, download<Affine>(gpu_, BufferRange(batch[io::kPlacementsBuffer], 0, of.placement_bytes())),
+        const auto births = of.has_births ? download<uint32_t>(gpu_, BufferRange(batch[io::kBirthsBuffer], 0,
+                                                                                 followed_->birth_bytes(of)))
+                                          : std::vector<uint32_t>();
+        take_over(batch,
+                  download<Affine>(gpu_, BufferRange(batch[io::kPlacementsBuffer], 0, followed_->placement_bytes(of))),
                   births, update_count_);
     }
 }
