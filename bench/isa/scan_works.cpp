@@ -27,7 +27,9 @@ KernelWork ScanWork::of(uint32_t characters) const {
     if (place == ScanPlace::kChip)
         work.issued.add(kernel.code.outside, -1);
     else
-        work.bytes = static_cast<double>(bytes_of(choice.method->format) + sizeof(Affine)) * joint_count * characters;
+        work.bytes = (static_cast<double>(bytes_of(choice.method->format) + sizeof(Affine)) +
+                      plan.counts.split_bytes()) *
+                     joint_count * characters;
     return work;
 }
 

@@ -44,16 +44,16 @@ struct DataSheet {
 };
 
 // The counts are those of AMD's machine code for RDNA 2 (`throng tune --predicted 'RX 6900 XT'`), in clocks, and stand
-// for other makers' too; none has been measured yet, and `throng tune` replaces them.
+// for other makers' too; what an H100 measures is in docs/scan.md, and `throng tune` replaces them.
 ScanCosts costs_of(const DataSheet& gpu) {
     return {.launch_ms = 0.003,
-            .row_ns = 4.3 / gpu.clock_ghz,
+            .row_ns = 2.4 / gpu.clock_ghz,
             // A row takes 32 lines of the cache instead of the 12 of joints side by side
             .scattered_rows = 2.7,
-            .multiplication_ns = 62 / gpu.clock_ghz,
+            .multiplication_ns = 61 / gpu.clock_ghz,
             .barrier_ns = 2 / gpu.clock_ghz,
-            .workgroup_ns = 52 / gpu.clock_ghz,
-            .latency_ns = 665 / gpu.clock_ghz,
+            .workgroup_ns = 83 / gpu.clock_ghz,
+            .latency_ns = 451 / gpu.clock_ghz,
             .units = gpu.simds,
             .resident_subgroups = gpu.simds * gpu.subgroups,
             .bytes_per_ns = gpu.bytes_per_ns,

@@ -25,6 +25,11 @@ struct ScanCounts {
     uint64_t loop_iterations = 0;
     // The lanes of a subgroup load and store rows that lie a piece or a whole character apart
     bool scattered = false;
+    // Lines of the cache are begun by one store and completed by a later one
+    bool splits_lines = false;
+    // What that adds to the memory that a joint moves, on an H100, whose subgroups together write more than its cache
+    // holds (docs/scan.md)
+    double split_bytes() const { return splits_lines ? 157 : 0; }
     // 16-byte rows that a subgroup loads or stores, likewise, wherever they lie; a link counts as half a row
     double issue_rows = 0;
     // Of the loops of scan() and what it calls, in the text's order; none: not counted. `throng bench isa` finds the

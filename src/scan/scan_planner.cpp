@@ -67,7 +67,8 @@ double predict_ms(const ScanPlan& plan, const ScanRig& rig, const ScanMethod& me
     const double latency_ns = std::ceil(workgroups * subgroups / costs.resident_subgroups) * counts.longest_thread *
                               (kRowsOfAffine * row_ns + costs.latency_ns);
     const double bytes_a_joint = 16 * ((method.format == ScanFormat::kSimilarity ? kRowsOfSimilarity : kRowsOfAffine) +
-                                       kRowsOfAffine);
+                                       kRowsOfAffine) +
+                                 counts.split_bytes();
     const double memory_ns = bytes_a_joint * rig.joint_count() * instance_count / costs.bytes_per_ns;
     // They overlap, but never wholly: of two methods that memory holds back alike, the one with less to do is chosen.
     constexpr double kNotOverlapped = 0.05;

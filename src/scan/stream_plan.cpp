@@ -16,6 +16,10 @@ constexpr double kCharacterCost = 0.5;  // more where the lanes of a chunk have 
 // A slot takes shared memory, which at first does not keep other subgroups away (docs/performance.md)
 constexpr double kSlotCost = 0.02, kCostOfManySlots = 0.2;
 constexpr uint32_t kManySlots = 56;
+// Of a chunk whose matrices lie in several places. The subgroups of a large GPU together write more than its cache
+// holds, and lines that one chunk begins and a later one completes travel twice: with a joint a place, a chunk of 32
+// was seen to take as long as with 30 products more (docs/scan.md#stream).
+constexpr double kPlaceCost = 1;
 constexpr uint32_t kMostShared = 4;  // chunks of several small characters
 
 // Several characters side by side.
@@ -97,6 +101,12 @@ Chunks cut(const std::vector<uint32_t>& order, uint32_t lanes) {
     return chunks;
 }
 
+std::vector<uint32_t> as_they_are(const Forest& forest) {
+    std::vector<uint32_t> order(forest.joint_count());
+    std::iota(order.begin(), order.end(), 0u);
+    return order;
+}
+
 // The largest subtree last, so that few joints wait for children.
 std::vector<uint32_t> depth_first(const Forest& forest) {
     std::vector<uint32_t> sizes(forest.joint_count(), 1), order, stack;
@@ -117,12 +127,18 @@ std::vector<uint32_t> depth_first(const Forest& forest) {
 }
 
 std::vector<uint32_t> breadth_first(const Forest& forest) {
-    std::vector<uint32_t> depths(forest.joint_count()), order(forest.joint_count());
+    std::vector<uint32_t> depths(forest.joint_count()), order = as_they_are(forest);
     for (uint32_t joint = 0; joint < forest.joint_count(); ++joint)
         if (forest.parents[joint] != kNone) depths[joint] = depths[forest.parents[joint]] + 1;
-    std::iota(order.begin(), order.end(), 0u);
     std::ranges::stable_sort(order, {}, [&](uint32_t joint) { return depths[joint]; });
     return order;
+}
+
+// Runs of joints side by side.
+uint32_t place_count(const std::vector<uint32_t>& sorted) {
+    uint32_t count = 1;
+    for (size_t i = 1; i < sorted.size(); ++i) count += sorted[i] != sorted[i - 1] + 1;
+    return count;
 }
 
 std::vector<uint32_t> chunks_of_joints(const Chunks& chunks, size_t joint_count) {
@@ -190,16 +206,34 @@ struct Candidate {
     double cost = 0;  // a character, in multiplications of a subgroup
 };
 
+// The chunks of one character, for several side by side: what becomes of a joint does not depend on which of them it
+// is, so that an instance has the same bits whoever shares its subgroup.
+Chunks side_by_side(const Chunks& of_one, uint32_t joint_count, uint32_t characters) {
+    Chunks chunks;
+    for (const std::vector<uint32_t>& one : of_one) {
+        std::vector<uint32_t>& chunk = chunks.emplace_back();
+        for (uint32_t character = 0; character < characters; ++character)
+            for (const uint32_t joint : one) chunk.push_back(character * joint_count + joint);
+    }
+    return chunks;
+}
+
 Candidate candidate_of(const Forest& forest, Chunks chunks, uint32_t lanes, uint32_t characters) {
     Candidate candidate;
     StreamPlan& plan = candidate.plan;
     plan.lanes = lanes;
     plan.characters = characters;
     plan.chunks = std::move(chunks);
+    uint32_t more_places = 0;
+    for (std::vector<uint32_t>& chunk : plan.chunks) {
+        std::ranges::sort(chunk);  // parents stay first, and lanes side by side write side by side
+        more_places += place_count(chunk) - 1;
+    }
     plan.slots = slots_of(forest.parents, plan.chunks).count;
     count(forest, plan);
     const double chunk_cost = characters == 1 ? kChunkCost : kChunkCost + kCharacterCost;
-    candidate.cost = (chunk_cost * static_cast<double>(plan.chunks.size()) + plan.round_count + kSlotCost * plan.slots +
+    candidate.cost = (chunk_cost * static_cast<double>(plan.chunks.size()) + plan.round_count +
+                      kPlaceCost * more_places + kSlotCost * plan.slots +
                       kCostOfManySlots * (std::max(plan.slots, kManySlots) - kManySlots)) /
                      characters;
     return candidate;
@@ -208,13 +242,15 @@ Candidate candidate_of(const Forest& forest, Chunks chunks, uint32_t lanes, uint
 }  // namespace
 
 StreamPlan plan_stream(const ScanRig& rig, const StreamLimits& limits) {
-    const uint32_t lanes = limits.lanes;
+    const Forest one(rig.parents, 1);
     Candidate best;
-    for (uint32_t characters = 1; characters <= limits.most_characters; ++characters) {
-        if (characters > 1 && characters * rig.joint_count() > kMostShared * lanes) break;
+    for (uint32_t characters = 1; characters <= std::min(limits.most_characters, limits.lanes); ++characters) {
+        if (characters > 1 && characters * rig.joint_count() > kMostShared * limits.lanes) break;
         const Forest forest(rig.parents, characters);
-        const auto consider = [&](Chunks chunks) {
-            Candidate candidate = candidate_of(forest, std::move(chunks), lanes, characters);
+        const uint32_t lanes = limits.lanes / characters;  // of each
+        const auto consider = [&](const Chunks& of_one) {
+            Candidate candidate = candidate_of(forest, side_by_side(of_one, rig.joint_count(), characters),
+                                               limits.lanes, characters);
             const auto excess = [&](const StreamPlan& plan) {
                 return std::max(plan.slots, limits.most_slots) - limits.most_slots;
             };
@@ -222,10 +258,11 @@ StreamPlan plan_stream(const ScanRig& rig, const StreamLimits& limits) {
             if (is_first || std::pair(excess(candidate.plan), candidate.cost) < std::pair(excess(best.plan), best.cost))
                 best = std::move(candidate);
         };
-        consider(cut(breadth_first(forest), lanes));
-        consider(cut(depth_first(forest), lanes));
+        consider(cut(as_they_are(one), lanes));
+        consider(cut(breadth_first(one), lanes));
+        consider(cut(depth_first(one), lanes));
         for (uint32_t depth = 0; depth < lanes; depth = 2 * depth + 1)
-            for (const bool only_if_needed : {false, true}) consider(schedule(forest, lanes, {depth, only_if_needed}));
+            for (const bool only_if_needed : {false, true}) consider(schedule(one, lanes, {depth, only_if_needed}));
     }
     return std::move(best.plan);
 }

@@ -28,8 +28,8 @@ struct StreamLimits {
     uint32_t most_characters = 64;
 };
 
-// The best order found. Few chunks, then few rounds, then few slots: a chunk costs a transform's making, a round a
-// product. Where none has as few slots as asked for, the one that has the fewest.
+// The best order found: few chunks, joints of a chunk side by side, few rounds, few slots. A chunk costs a transform's
+// making, a round a product. Where none has as few slots as asked for, the one that has the fewest.
 StreamPlan plan_stream(const ScanRig& rig, const StreamLimits& limits);
 
 // As the shader reads it (scan/stream_io.h).

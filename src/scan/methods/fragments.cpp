@@ -33,6 +33,7 @@ ScanPlan plan(const ScanRig& rig, const ScanLimits& limits, uint32_t threads) {
                    .issue_steps = table.longest_thread * subgroups,
                    .loop_iterations = table.loop_iterations(),
                    .scattered = true,
+                   .splits_lines = true,
                    .issue_rows = table.rows_on(limits) * subgroups,
                    .loops = table.loops()};
     return plan;

@@ -76,6 +76,7 @@ ScanPlan plan(const ScanRig& rig, const ScanLimits& limits, uint32_t) {
     plan.counts.multiplications /= characters;
     plan.counts.issue_steps /= characters;
     plan.counts.issue_rows /= characters;
+    plan.counts.splits_lines = true;
     return plan;
 }
 

@@ -22,7 +22,7 @@ ScanPlan plan_with(const ScanRig& rig, const ScanLimits& limits, double rows_of_
     const uint32_t multiplications = rig.joint_count() - root_count;
     plan.counts = {.multiplications = multiplications, .longest_thread = multiplications};
     plan.counts.issue_steps = static_cast<double>(rig.joint_count()) / limits.subgroup_size;
-    plan.counts.scattered = true;
+    plan.counts.scattered = plan.counts.splits_lines = true;
     const double run_count = plan.links[0];
     plan.counts.loop_iterations = rig.joint_count() + 2 * uint64_t{plan.links[0]} + 1;
     plan.counts.issue_rows = (rig.joint_count() * (rows_of_local + kRowsOfAffine) +

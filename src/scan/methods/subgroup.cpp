@@ -39,6 +39,7 @@ ScanPlan plan_with(const ScanRig& rig, const ScanLimits& limits, uint32_t thread
                    .issue_steps = table.longest_thread * subgroups,
                    .loop_iterations = table.loop_iterations(),
                    .scattered = true,
+                   .splits_lines = true,
                    .issue_rows = table.rows_on(limits) * subgroups,
                    .loops = table.loops()};
     return plan;
