@@ -93,10 +93,11 @@ inline Feedback feedback_of(Crowd& crowd) {
     return std::move(feedback.at(0));
 }
 
-inline bool same_events(const Feedback& a, const Feedback& b) {
+inline bool same_events(const Feedback& a, const Feedback& b, float most_apart_s = 0) {
     return a.lost_event_count == b.lost_event_count &&
-           std::ranges::equal(a.events, b.events, [](const CharacterEvent& x, const CharacterEvent& y) {
-               return x.instance == y.instance && x.event == y.event && x.layer == y.layer && x.time_s == y.time_s;
+           std::ranges::equal(a.events, b.events, [&](const CharacterEvent& x, const CharacterEvent& y) {
+               return x.instance == y.instance && x.event == y.event && x.layer == y.layer &&
+                      std::abs(x.time_s - y.time_s) <= most_apart_s;
            });
 }
 

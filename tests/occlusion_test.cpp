@@ -296,7 +296,12 @@ void expect_nothing_lost(uint32_t view_count, const Kept& kept) {
     const auto see = [&](const Camera& camera) {
         const Result<RenderResult> seen = renderer->render_frame(crowd, 0.01f, camera),
                                    wanted = renderer->render_frame(whole, 0.01f, camera);
-        return seen && wanted && seen->picture.rgba == wanted->picture.rgba;
+        if (!seen || !wanted) return false;
+        size_t different = 0;
+        for (size_t i = 0; i < wanted->picture.rgba.size(); ++i)
+            different += seen->picture.rgba[i] != wanted->picture.rgba[i];
+        // Pools have kernels of their own: an edge may fall to either side of a pixel.
+        return different <= (kept.pools && !rounds_like_the_cpu() ? 12 : 0);
     };
     for (uint32_t number = 0; number < view_count; ++number) {
         const Camera camera{

@@ -37,8 +37,11 @@ std::vector<Trs<float>> bent(Random& random, const Character& character) {
 // The same bits; in one pass from rows, of which a group with room for poses has its own or none, vertices within the
 // bound.
 bool same_poses(Crowd& a, uint32_t of_a, Crowd& b, uint32_t of_b, double size) {
-    const GroupPath path = *a.path(0);
-    const bool has_rows = path.is_fused && (path.is_native || path.reason != b.path(0)->reason);
+    bool has_rows = false;
+    for (uint32_t group = 0; a.path(group); ++group) {
+        const GroupPath path = *a.path(group);
+        has_rows |= path.is_fused && (path.is_native || path.reason != b.path(group)->reason);
+    }
     if (!has_rows) return same_bits(*a.read_skin_matrices({of_a}), *b.read_skin_matrices({of_b}));
     return std::ranges::equal(*a.read_positions({of_a}), *b.read_positions({of_b}),
                               [&](const Vec3<float>& x, const Vec3<float>& y) {

@@ -60,6 +60,8 @@ Device& test_device() {
     return *device;
 }
 
+bool rounds_like_the_cpu() { return test_device().gpu()->is_cpu() || test_device().gpu()->is_native(); }
+
 Device another_device() { return created_device({.select = test_device().info().name, .pipeline_cache = false}); }
 
 bool has_scan(std::string_view method) { return !test_device().gpu()->is_native() || scan_shaders(method).native; }

@@ -14,6 +14,9 @@ namespace throng {
 // THRONG_DEVICE selects it (as --device does); THRONG_VALIDATION is off, standard, synchronization (the default) or
 // gpu-assisted. A message of the validation layer fails the test during which it came.
 Device& test_device();
+// Whether the same formula has the same bits in every kernel, natively too. Compilers of GPUs may contract it to other
+// fused operations in each kernel.
+bool rounds_like_the_cpu();
 
 // The same device once more, whose limits a test may lower to pretend that it is smaller; not validated.
 Device another_device();
