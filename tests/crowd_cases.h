@@ -8,6 +8,7 @@
 #include "tests/test_rig.h"
 #include "tools/creatures/creature.h"
 
+#include <throng/draw.h>
 #include <throng/reference.h>
 
 #include <array>
@@ -17,6 +18,14 @@
 namespace throng::test {
 
 inline constexpr double kPoseBound = 1e-5;  // of the character's size
+
+// Of two pictures of one size.
+inline size_t different_bytes(const Picture& a, const Picture& b) {
+    EXPECT_EQ(a.rgba.size(), b.rgba.size());
+    size_t count = 0;
+    for (size_t i = 0; i < a.rgba.size(); ++i) count += a.rgba[i] != b.rgba[i];
+    return count;
+}
 
 // With THRONG_TEST_SCAN by that method, where a test leaves it open.
 inline Crowd create(CrowdSettings settings) {

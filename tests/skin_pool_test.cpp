@@ -4,7 +4,6 @@
 #include "tests/crowd_cases.h"
 #include "tests/kernel_runner.h"
 #include "tests/subset.h"
-#include "tests/test_rig.h"
 
 #include <throng/draw.h>
 
@@ -236,7 +235,8 @@ TEST(SkinPool, PicturesAreThoseOfEverything) {
         ASSERT_TRUE(rendered) << rendered.error().text();
         pictures[name] = std::move(rendered->picture);
     }
-    EXPECT_EQ(pictures["without"].rgba, pictures["own"].rgba);
+    EXPECT_LE(different_bytes(pictures["without"], pictures["own"]), rounds_like_the_cpu() ? 0u : 12u)
+        << "an edge may fall to either side of a pixel where kernels round differently";
     const std::vector<uint8_t>&exact = pictures["own"].rgba, &near = pictures["shared"].rgba;
     EXPECT_NE(exact, near);
     double difference = 0;

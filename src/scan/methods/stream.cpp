@@ -8,7 +8,8 @@ namespace {
 
 // Two subgroups or more, so that a processor's limit of workgroups does not bind.
 uint32_t workgroup_size(const ScanLimits& limits, uint32_t lanes) {
-    return limits.is_cpu ? std::max(limits.subgroup_size, lanes) : std::max(64u, 2 * lanes);
+    const uint32_t wanted = limits.is_cpu ? std::max(limits.subgroup_size, lanes) : std::max(64u, 2 * lanes);
+    return std::min(wanted, limits.workgroup_size);
 }
 
 uint32_t most_lanes(const ScanLimits& limits) { return std::max(limits.subgroup_size, limits.largest_subgroup_size); }

@@ -7,7 +7,9 @@ namespace throng {
 namespace {
 
 // A multiple of every subgroup size up to 64; a software device spreads its smallest workgroups evenly over the cores.
-uint32_t workgroup_size(const ScanLimits& limits) { return limits.is_cpu ? limits.subgroup_size : 64; }
+uint32_t workgroup_size(const ScanLimits& limits) {
+    return std::min(limits.is_cpu ? limits.subgroup_size : 64, limits.workgroup_size);
+}
 
 // A character on a software device's whole subgroup at most; on a GPU the whole one is the best guess.
 std::vector<uint32_t> thread_choices(const ScanLimits& limits) {
