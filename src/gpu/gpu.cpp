@@ -3,7 +3,6 @@
 #include "base/failure.h"
 #include "gpu/device_list.h"
 #include "gpu/kernel.h"
-#include "gpu/owned.h"
 #include "gpu/pipeline_cache.h"
 #include "gpu/shared_buffers.h"
 
@@ -41,7 +40,8 @@ Gpu::Gpu(bool owns_device)
     : memory(*this, owns_device),
       kernels(owns_device ? SharedKernels::kKept : 0),
       buffers(std::make_unique<SharedBuffers>()),
-      owns_device_(owns_device) {}
+      owns_device_(owns_device),
+      submissions_(*this, owns_device) {}
 
 std::vector<DeviceInfo> Gpu::list() {
     // Before the lock: its destructor takes the lock, also where something below throws
@@ -287,7 +287,7 @@ void Gpu::share_with(const std::vector<uint32_t>& more_families) {
 Gpu::~Gpu() {
     kernels.clear();
     memory.clear();
-    idle_submissions_.clear();
+    submissions_.clear();
     own_cache_.reset();
     if (!instance_ && !device) return;  // and Vulkan may not even be there
     const std::lock_guard lock(instance_level_mutex());
@@ -299,70 +299,9 @@ Gpu::~Gpu() {
     if (instance_) vkDestroyInstance(instance_, nullptr);
 }
 
-// What a submission needs, of which each has its own: nothing to share between threads.
-struct Gpu::Submission {
-    explicit Submission(const Gpu& gpu) {
-        const VkCommandPoolCreateInfo pool_create{.sType = VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO,
-                                                  .flags = VK_COMMAND_POOL_CREATE_TRANSIENT_BIT,
-                                                  .queueFamilyIndex = gpu.queue_family};
-        pool = OwnedCommandPool(gpu.unowned(), gpu.vk.vkCreateCommandPool, pool_create, "vkCreateCommandPool");
-        const VkCommandBufferAllocateInfo allocate{.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO,
-                                                   .commandPool = pool.get(),
-                                                   .level = VK_COMMAND_BUFFER_LEVEL_PRIMARY,
-                                                   .commandBufferCount = 1};
-        check(gpu.vk.vkAllocateCommandBuffers(gpu.device, &allocate, &commands), "vkAllocateCommandBuffers");
-        const VkFenceCreateInfo fence_create{.sType = VK_STRUCTURE_TYPE_FENCE_CREATE_INFO};
-        finished = OwnedFence(gpu.unowned(), gpu.vk.vkCreateFence, fence_create, "vkCreateFence");
-    }
-
-    OwnedCommandPool pool;
-    OwnedFence finished;
-    VkCommandBuffer commands = VK_NULL_HANDLE;
-};
-
-// Made once where the device is our own: on an H100 a command pool takes longer than a small update.
-std::unique_ptr<Gpu::Submission> Gpu::take_submission() const {
-    {
-        const std::lock_guard lock(idle_submissions_mutex_);
-        if (!idle_submissions_.empty()) {
-            std::unique_ptr<Submission> taken = std::move(idle_submissions_.back());
-            idle_submissions_.pop_back();
-            return taken;
-        }
-    }
-    return std::make_unique<Submission>(*this);
-}
-
-void Gpu::give_back(std::unique_ptr<Submission> submission) const {
-    if (!owns_device_) return;
-    const VkFence fence = submission->finished.get();
-    check(vk.vkResetCommandPool(device, submission->pool.get(), 0), "vkResetCommandPool");
-    check(vk.vkResetFences(device, 1, &fence), "vkResetFences");
-    const std::lock_guard lock(idle_submissions_mutex_);
-    idle_submissions_.push_back(std::move(submission));
-}
-
 void Gpu::submit_and_wait(const std::function<void(VkCommandBuffer)>& body) const {
     if (is_native()) return body(VK_NULL_HANDLE);
-    if (compiles_only()) return;
-    std::unique_ptr<Submission> submission = take_submission();
-    const VkCommandBuffer commands = submission->commands;
-    const VkCommandBufferBeginInfo begin{.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO,
-                                         .flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT};
-    check(vk.vkBeginCommandBuffer(commands, &begin), "vkBeginCommandBuffer");
-    body(commands);
-    check(vk.vkEndCommandBuffer(commands), "vkEndCommandBuffer");
-
-    const VkCommandBufferSubmitInfo command_submit{.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_SUBMIT_INFO,
-                                                   .commandBuffer = commands};
-    const VkSubmitInfo2 submit{
-        .sType = VK_STRUCTURE_TYPE_SUBMIT_INFO_2, .commandBufferInfoCount = 1, .pCommandBufferInfos = &command_submit};
-    const VkFence fence = submission->finished.get();
-    check(vk.vkQueueSubmit2(queue, 1, &submit, fence), "vkQueueSubmit2");
-    ++counts.submissions;
-    // No timeout: a frame of a software device may take minutes, and a driver reports a device that hangs as lost.
-    check(vk.vkWaitForFences(device, 1, &fence, VK_TRUE, UINT64_MAX), "vkWaitForFences");
-    give_back(std::move(submission));
+    if (!compiles_only()) submissions_.run(body);
 }
 
 VkPipelineCache Gpu::pipeline_cache() const { return own_cache_ ? own_cache_->handle() : adopted_cache_; }

@@ -4,6 +4,7 @@
 #include "gpu/memory.h"
 #include "gpu/native.h"
 #include "gpu/shared_kernels.h"
+#include "gpu/submissions.h"
 #include "gpu/vulkan.h"
 
 #include <throng/device.h>
@@ -127,9 +128,6 @@ private:
     void read_properties(VkPhysicalDevice physical);
     void share_with(const std::vector<uint32_t>& more_families);
     void set_name(VkObjectType type, uint64_t handle, std::string_view what) const;
-    struct Submission;
-    std::unique_ptr<Submission> take_submission() const;
-    void give_back(std::unique_ptr<Submission> submission) const;
     template <class Info, class Create>
     VkPipeline make_pipeline(Info create, uint32_t stage_count, Create function, const char* call) const;
 
@@ -143,8 +141,7 @@ private:
     std::unique_ptr<PipelineCache> own_cache_;
     VkPipelineCache adopted_cache_ = VK_NULL_HANDLE;
     std::atomic<uint32_t> validation_messages_{0};
-    mutable std::mutex idle_submissions_mutex_;
-    mutable std::vector<std::unique_ptr<Submission>> idle_submissions_;
+    mutable Submissions submissions_;
 };
 
 }  // namespace throng

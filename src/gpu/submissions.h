@@ -1,0 +1,38 @@
+// Work that is submitted and waited for, from any thread.
+#pragma once
+
+#include "gpu/vulkan.h"
+
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <vector>
+
+namespace throng {
+
+class Gpu;
+
+class Submissions {
+public:
+    // `keeps_idle`: command pools and fences are made once, as many as there are submissions at a time. NVIDIA's driver
+    // takes longer to make a pool than an H100 for a small update.
+    Submissions(const Gpu& gpu, bool keeps_idle);
+    ~Submissions();
+
+    // Of the device's queue, after all that has been submitted to it.
+    void run(const std::function<void(VkCommandBuffer)>& body);
+    // Lets go of what is kept; nothing is under way.
+    void clear();
+
+private:
+    struct Submission;
+    std::unique_ptr<Submission> take();
+    void give_back(std::unique_ptr<Submission> submission);
+
+    const Gpu& gpu_;
+    const bool keeps_idle_;
+    std::mutex mutex_;
+    std::vector<std::unique_ptr<Submission>> idle_;
+};
+
+}  // namespace throng
