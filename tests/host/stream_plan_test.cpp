@@ -75,5 +75,35 @@ TEST(StreamPlan, EachJointIsTheProductOfItsAncestors) {
             }
 }
 
+// So that a subgroup's stores fill whole lines of the cache.
+TEST(StreamPlan, JointsOfAChunkLieSideBySide) {
+    for (const RigShape shape : kRigShapes)
+        for (const uint32_t joint_count : {160u, 300u, 1024u}) {
+            const StreamPlan plan = plan_stream(ScanRig(make_parents(shape, joint_count, 7)), {.lanes = 32});
+            ASSERT_EQ(plan.characters, 1u);
+            for (const std::vector<uint32_t>& chunk : plan.chunks)
+                EXPECT_EQ(chunk.back() - chunk.front() + 1, chunk.size()) << name_of(shape) << " of " << joint_count;
+        }
+}
+
+// So that the bits of one do not depend on who shares its subgroup.
+TEST(StreamPlan, CharactersThatShareChunksAreAlike) {
+    uint32_t shared = 0;
+    for (const RigShape shape : kRigShapes)
+        for (const uint32_t joint_count : {2u, 7u, 12u, 19u, 41u}) {
+            const StreamPlan plan = plan_stream(ScanRig(make_parents(shape, joint_count, 7)), {.lanes = 32});
+            shared += plan.characters > 1;
+            for (const std::vector<uint32_t>& chunk : plan.chunks) {
+                ASSERT_EQ(chunk.size() % plan.characters, 0u);
+                const size_t of_each = chunk.size() / plan.characters;
+                for (size_t i = 0; i < chunk.size(); ++i) {
+                    EXPECT_EQ(chunk[i] / joint_count, i / of_each);
+                    EXPECT_EQ(chunk[i] % joint_count, chunk[i % of_each] % joint_count);
+                }
+            }
+        }
+    EXPECT_GT(shared, 4u);
+}
+
 }  // namespace
 }  // namespace throng
