@@ -194,6 +194,20 @@ TEST_F(SavedState, OfACrowdThatHasNotBeenUpdated) {
     expect_same(contents_of(crowd.outputs()), contents_of(other.outputs()), "");
 }
 
+TEST_F(SavedState, WatchedOnesComeInTheOrderThatWasAskedFor) {
+    CrowdSettings of = settings();
+    of.groups[0].sockets = {3};
+    Crowd crowd = create(of), other = create(of);
+    const std::array asked{InstanceHandle{2}, InstanceHandle{0}, InstanceHandle{3}};
+    ASSERT_TRUE(crowd.watch(asked));
+    ASSERT_TRUE(other.restore_state(*crowd.save_state()));
+    for (Crowd* const one : {&crowd, &other}) {
+        ASSERT_TRUE(one->update(0.1f));
+        const Feedback feedback = feedback_of(*one);
+        EXPECT_TRUE(std::ranges::equal(feedback.watched, asked, {}, &WatchedInstance::instance));
+    }
+}
+
 // Refused, and the crowd goes on as if nothing had been asked.
 TEST_F(SavedState, RefusesWhatIsNotIts) {
     Crowd crowd = create(settings()), same = create(settings());
