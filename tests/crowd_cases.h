@@ -19,7 +19,7 @@ namespace throng::test {
 
 inline constexpr double kPoseBound = 1e-5;  // of the character's size
 
-// Of two pictures of one size.
+// In how many bytes of their colours two pictures of the same size differ.
 inline size_t different_bytes(const Picture& a, const Picture& b) {
     EXPECT_EQ(a.rgba.size(), b.rgba.size());
     size_t count = 0;

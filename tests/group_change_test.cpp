@@ -410,6 +410,24 @@ TEST_F(GroupChanges, WhatFailsHasNotHappened) {
     EXPECT_EQ(output<Affine>(crowd.outputs()[2], &OutputBlock::placement, 3, device.gpu())[2].row[1][3], 5);
 }
 
+// As a change that fails leaves them: where they were before is memory of nobody.
+TEST_F(GroupChanges, FollowedPlacementsFindBatchesThatHaveMoved) {
+    CrowdSettings of = settings(3);
+    of.groups[0].steering = Steering{.radius = 0.1f};
+    Crowd crowd = create(of);
+    ASSERT_TRUE(crowd.update(0.1f));
+    CrowdState& state = crowd.state();
+    state.follow_placements();
+    std::vector<Batch> emptied(state.batches.size());  // what a pointer kept to one would find
+    state.batches.swap(emptied);
+    std::ranges::move(emptied, state.batches.begin());
+    ASSERT_TRUE(crowd.set_destination(crowd.instances(), Vec3<float>{100, 0, 0}));
+    for (int i = 0; i < 5; ++i) ASSERT_TRUE(crowd.update(0.2f));
+    const Affine there = output<Affine>(crowd.outputs()[0], &OutputBlock::placement, 3, test_gpu())[0];
+    EXPECT_GT(there.row[0][3], 0) << "it walks";
+    EXPECT_EQ(state.placements->known()[0], there);
+}
+
 class GroupChangesDrawn : public testing::TestWithParam<DrawPath> {};
 
 // With textures, of which those that are there are not decoded again.

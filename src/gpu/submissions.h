@@ -19,7 +19,7 @@ public:
     Submissions(const Gpu& gpu, bool keeps_idle);
     ~Submissions();
 
-    // Of the device's queue, after all that has been submitted to it.
+    // Submits what `body` records to the device's queue, and waits for it. It sees all work submitted before.
     void run(const std::function<void(VkCommandBuffer)>& body);
     // Lets go of what is kept; nothing is under way.
     void clear();

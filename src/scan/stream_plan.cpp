@@ -16,9 +16,9 @@ constexpr double kCharacterCost = 0.5;  // more where the lanes of a chunk have 
 // A slot takes shared memory, which at first does not keep other subgroups away (docs/performance.md)
 constexpr double kSlotCost = 0.02, kCostOfManySlots = 0.2;
 constexpr uint32_t kManySlots = 56;
-// Of a chunk whose matrices lie in several places. The subgroups of a large GPU together write more than its cache
-// holds, and lines that one chunk begins and a later one completes travel twice: with a joint a place, a chunk of 32
-// was seen to take as long as with 30 products more (docs/scan.md#stream).
+// For each further place where a chunk's matrices lie. Cache lines that one chunk begins and a later one completes
+// travel twice, since the subgroups of a large GPU together write more than its cache holds: with each of its 32 joints
+// in a place of its own, a chunk took an H100 as long as 30 products more (docs/scan.md#stream).
 constexpr double kPlaceCost = 1;
 constexpr uint32_t kMostShared = 4;  // chunks of several small characters
 
