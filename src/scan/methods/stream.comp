@@ -1,9 +1,10 @@
 // stream: joints in chunks of a subgroup's width, each made by a lane of its own; parents by shuffles, or from slots.
 // Source: doubling inside a chunk as in warp scans (Harris and Garland, GPU Computing Gems Jade, 2012); the order of
 //   the joints by list scheduling (Hu, Operations Research 9 (6), 1961).
-// Difference: a chunk has any joints whose parents are in it or in earlier ones, found offline: few chunks, joints
-//   side by side, so that stores fill whole lines of the cache, few rounds, few slots. Each local transform is loaded once, by the lane that stores the model transform, so that nothing of a
-//   character waits in shared memory but the parents of later chunks. Small characters share their chunks.
+// Difference: a chunk has any joints whose parents are in it or in earlier ones, found offline: few chunks, joints side
+//   by side, so that stores fill whole lines of the cache, few rounds, few slots. Each local transform is loaded once,
+//   by the lane that stores the model transform, so that nothing of a character waits in shared memory but the parents
+//   of later chunks. Small characters share their chunks.
 // Input: local[instance][joint], parent_from_joint, affine 3x4. Output: model[instance][joint], model_from_joint.
 //   stream_quaternion reads similarities.
 // Needs: shuffles; lanes a power of two, at most a subgroup's; shared memory for the slots; any joint count.
