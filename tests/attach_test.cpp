@@ -1,5 +1,6 @@
 // Instances that hang on others: each is where its carrier's socket is in the same update.
 #include "attach/attach_reference.h"
+#include "crowd/crowd_state.h"
 #include "tests/crowd_cases.h"
 #include "tests/kernel_runner.h"
 #include "tests/recorder.h"

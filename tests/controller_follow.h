@@ -4,7 +4,6 @@
 #include "control/control_reference.h"
 #include "control/controller_reference.h"
 #include "gpu/upload.h"
-#include "tests/controller_cases.h"
 #include "tests/shared.h"
 #include "tests/test_rig.h"
 #include "tools/creatures/creature.h"

@@ -1,10 +1,12 @@
 // Updates for a view: what is listed, in how much detail, and that nothing else changes what is seen.
-#include "cull/cull_reference.h"
+#include "crowd/crowd_state.h"
 #include "crowd/cull_stage.h"
+#include "cull/cull_reference.h"
 #include "tests/crowd_cases.h"
 #include "tests/kernel_runner.h"
 #include "tests/recorder.h"
 #include "tests/subset.h"
+#include "tools/creatures/creature.h"
 
 #include <throng/draw.h>
 

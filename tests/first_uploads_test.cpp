@@ -1,4 +1,5 @@
 // What a crowd's buffers begin with, and when it gets there: making one submits nothing.
+#include "crowd/crowd_state.h"
 #include "tests/crowd_cases.h"
 #include "tests/recorder.h"
 

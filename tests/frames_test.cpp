@@ -1,5 +1,6 @@
 // Frames that are recorded and never submitted, or still under way: what record() takes up, gives back, and does not
 // wait for.
+#include "crowd/crowd_state.h"
 #include "tests/crowd_cases.h"
 #include "tests/kernel_runner.h"
 #include "tests/recorder.h"
@@ -120,7 +121,7 @@ public:
         return *view_of(camera, 320, 200, {}, {.full_rate_pixels = 100});
     }
 
-    std::array<Crowd, 2> crowds{Crowd(nullptr), Crowd(nullptr)};
+    std::array<Crowd, 2> crowds;
     size_t event_count = 0, pose_count = 0;
 
 private:

@@ -30,7 +30,7 @@ void expect_golden(const Golden& golden, const Character& character, CrowdSettin
         as_doubles(*crowd->read_model_matrices({i}), computed.model);
         as_doubles(*crowd->read_skin_matrices({i}), computed.skin);
         as_doubles(*crowd->read_positions({i}), computed.positions);
-        compare(golden, golden.answers()[i], computed, worst);
+        compare(golden, i, computed, worst);
     }
     report(golden, label, worst, bounds);
 }

@@ -1,5 +1,6 @@
 // Groups that are added to a crowd and removed from it: numbers and handles, feedback, memory, updates under way,
 // pictures, and what is refused.
+#include "crowd/crowd_state.h"
 #include "tests/ball.h"
 #include "tests/draw_path.h"
 #include "tests/group_contents.h"

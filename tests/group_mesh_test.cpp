@@ -2,6 +2,7 @@
 #include "tests/crowd_cases.h"
 #include "tests/kernel_runner.h"
 #include "tests/subset.h"
+#include "tools/creatures/creature.h"
 
 #include <gtest/gtest.h>
 

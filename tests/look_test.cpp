@@ -4,6 +4,7 @@
 #include "tests/crowd_cases.h"
 #include "tests/draw_path.h"
 #include "tests/subset.h"
+#include "tools/creatures/creature.h"
 
 #include <gtest/gtest.h>
 

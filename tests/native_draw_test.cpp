@@ -1,14 +1,15 @@
 // The native renderer beside the device's: the same pictures of crowds of all kinds, and the same bytes for any number
 // of threads.
 #include "bench/psnr.h"
-#include "draw/crowd_bounds.h"
 #include "draw/camera.h"
+#include "draw/crowd_bounds.h"
 #include "draw/native_renderer.h"
 #include "tests/ball.h"
 #include "tests/crowd_cases.h"
 #include "tests/kernel_runner.h"
 #include "tests/recorder.h"
 #include "tests/subset.h"
+#include "tools/creatures/creature.h"
 
 #include <cstdio>
 #include <map>

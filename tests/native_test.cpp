@@ -1,4 +1,7 @@
 // Devices without Vulkan beside the test device; whatever threads compute; and what they refuse.
+#include "crowd/batch_plan.h"
+#include "crowd/crowd_state.h"
+#include "native/native_rig.h"
 #include "tests/kernel_runner.h"
 #include "tests/lively_crowd.h"
 

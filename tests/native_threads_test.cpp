@@ -1,7 +1,9 @@
 // Crowds of all kinds, each updated by a thread of its own on one native device, beside a joint sampler that all share:
 // the results are those of one thread. ./run sanitize runs this under the thread sanitizer.
+#include "crowd/crowd_state.h"
 #include "tests/kernel_runner.h"
 #include "tests/lively_crowd.h"
+#include "tools/creatures/creature.h"
 
 #include <throng/joint_sampler.h>
 

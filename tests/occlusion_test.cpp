@@ -1,9 +1,11 @@
 // Instances that are hidden behind what has been drawn.
-#include "cull/occlusion_reference.h"
+#include "crowd/crowd_state.h"
 #include "crowd/cull_stage.h"
+#include "cull/occlusion_reference.h"
 #include "draw/image.h"
 #include "tests/crowd_cases.h"
 #include "tests/kernel_runner.h"
+#include "tools/creatures/creature.h"
 
 #include <throng/draw.h>
 

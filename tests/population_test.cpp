@@ -1,4 +1,5 @@
 // Instances that come and go: each is as it would be in a crowd that was made when it came.
+#include "crowd/crowd_state.h"
 #include "tests/kinds.h"
 #include "tests/lively_crowd.h"
 #include "tests/recorder.h"
@@ -186,7 +187,7 @@ private:
 
     UpdatePath path_;
     Kinds kinds_;
-    Crowd crowd_{nullptr};
+    Crowd crowd_;
     std::vector<Cohort> cohorts_;
     uint32_t plot_count_ = 0;
     std::set<std::pair<uint32_t, uint32_t>> numbers_;

@@ -2,6 +2,7 @@
 // it.
 #include "control/controller_reference.h"
 #include "control/layer_commands.h"
+#include "crowd/crowd_state.h"
 #include "sample/sample_reference.h"
 #include "tests/crowd_cases.h"
 #include "tests/files.h"

@@ -1,6 +1,6 @@
 // Commands of an application's shaders do what the calls of the same names do.
+#include "crowd/crowd_state.h"
 #include "tests/contents.h"
-#include "tests/controller_cases.h"
 #include "tests/draw_path.h"
 #include "tests/kinds.h"
 #include "tests/recorder.h"

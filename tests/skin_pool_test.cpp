@@ -1,9 +1,12 @@
 // Skin matrices of only those instances that are drawn, and poses that those far away share.
 #include "bench/pixels_off.h"
 #include "cull/cull.h"
+#include "control/control_reference.h"
+#include "crowd/crowd_state.h"
 #include "tests/crowd_cases.h"
 #include "tests/kernel_runner.h"
 #include "tests/subset.h"
+#include "tools/creatures/creature.h"
 
 #include <throng/draw.h>
 
@@ -18,6 +21,7 @@ namespace {
 
 const InSubset kInSubsets({Subset::kGpuAssisted, Subset::kSubgroups}, {"SkinPool.OnTheDeviceToo"});
 const InSubset kNatively({Subset::kNative}, {"SkinPool.*"});
+const InSubset kSlow({Subset::kOtherDriver}, {"-SkinPool.OnTheDeviceToo"});
 
 constexpr uint32_t kWidth = 320, kHeight = 240;
 

@@ -1,6 +1,7 @@
 // Agents: each step against the reference, that no order changes a byte, and that crowds get where they want to.
-#include "steer/steer_reference.h"
 #include "control/root_motion_reference.h"
+#include "crowd/crowd_state.h"
+#include "steer/steer_reference.h"
 #include "tests/crowd_cases.h"
 #include "tests/kernel_runner.h"
 #include "tests/subset.h"

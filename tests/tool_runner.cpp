@@ -40,6 +40,21 @@ Words::Words(const std::string& text) {
     assign(std::istream_iterator<std::string>(words), {});
 }
 
+Words operator+(Words words, const Words& more) {
+    words.insert(words.end(), more.begin(), more.end());
+    return words;
+}
+
+bool Outcome::refused(const std::string& named) const {
+    return exit_code > 0 && err.starts_with("throng: ") && err.find('\n') == err.size() - 1 &&
+           err.find(named) != std::string::npos;
+}
+
+std::ostream& operator<<(std::ostream& stream, const Outcome& outcome) {
+    return stream << "exit code " << outcome.exit_code << ", signal " << outcome.signal << ", " << outcome.time_s
+                  << " s\nstdout: " << outcome.out.substr(0, 2000) << "\nstderr: " << outcome.err.substr(0, 2000);
+}
+
 Outcome run_tool(const Words& arguments, const RunSettings& settings) {
     std::FILE *out = std::tmpfile(), *err = std::tmpfile();
     const char* program = settings.program ? settings.program : THRONG_TOOL;
@@ -71,6 +86,24 @@ Outcome run_tool(const Words& arguments, const RunSettings& settings) {
     run.err = contents(err);
     return run;
 }
+
+void ToolTest::SetUpTestSuite() {
+    folder_ = std::make_unique<TemporaryFolder>();
+    std::filesystem::current_path(folder_->path());
+}
+
+void ToolTest::TearDownTestSuite() {
+    std::filesystem::current_path("/");
+    folder_.reset();
+}
+
+std::string ToolTest::file(const std::string& name) { return (folder_->path() / name).string(); }
+
+std::string ToolTest::write(const std::string& name, const std::string& content) {
+    return folder_->write(name, content).string();
+}
+
+std::set<std::filesystem::path> ToolTest::files() { return {std::filesystem::directory_iterator(folder_->path()), {}}; }
 
 void ToolTest::generate(const std::string& name, const Words& arguments) {
     succeed(Words{"generate", "--out", file(name)} + arguments);

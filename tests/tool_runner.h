@@ -25,10 +25,7 @@ struct Words : std::vector<std::string> {
     Words(const std::string& text);
     Words(const char* text) : Words(std::string(text)) {}
 
-    friend Words operator+(Words words, const Words& more) {
-        words.insert(words.end(), more.begin(), more.end());
-        return words;
-    }
+    friend Words operator+(Words words, const Words& more);
 };
 
 struct RunSettings {
@@ -48,14 +45,8 @@ struct Outcome {
     // Exit code 0 and not a word on stderr.
     bool succeeded() const { return exit_code == 0 && err.empty(); }
     // An exit code of its own and one line on stderr, which names the thing.
-    bool refused(const std::string& named) const {
-        return exit_code > 0 && err.starts_with("throng: ") && err.find('\n') == err.size() - 1 &&
-               err.find(named) != std::string::npos;
-    }
-    friend std::ostream& operator<<(std::ostream& stream, const Outcome& outcome) {
-        return stream << "exit code " << outcome.exit_code << ", signal " << outcome.signal << ", " << outcome.time_s
-                      << " s\nstdout: " << outcome.out.substr(0, 2000) << "\nstderr: " << outcome.err.substr(0, 2000);
-    }
+    bool refused(const std::string& named) const;
+    friend std::ostream& operator<<(std::ostream& stream, const Outcome& outcome);
 };
 
 Outcome run_tool(const Words& arguments, const RunSettings& settings = {});
@@ -68,22 +59,12 @@ protected:
         std::string named;
     };
 
-    static void SetUpTestSuite() {
-        folder_ = std::make_unique<TemporaryFolder>();
-        std::filesystem::current_path(folder_->path());
-    }
-    static void TearDownTestSuite() {
-        std::filesystem::current_path("/");
-        folder_.reset();
-    }
+    static void SetUpTestSuite();
+    static void TearDownTestSuite();
 
-    static std::string file(const std::string& name) { return (folder_->path() / name).string(); }
-    static std::string write(const std::string& name, const std::string& content) {
-        return folder_->write(name, content).string();
-    }
-    static std::set<std::filesystem::path> files() {
-        return {std::filesystem::directory_iterator(folder_->path()), {}};
-    }
+    static std::string file(const std::string& name);
+    static std::string write(const std::string& name, const std::string& content);
+    static std::set<std::filesystem::path> files();
     // A creature in that file.
     static void generate(const std::string& name, const Words& arguments);
     // What a command says that succeeds, as it must: throws else, which ends the test.

@@ -1,12 +1,14 @@
 // Updates that do not animate everything that is drawn: who is animated when, and how skin matrices go on meanwhile.
 #include "bind/skin_format.h"
-#include "cull/cull_reference.h"
-#include "crowd/stage_timer.h"
+#include "crowd/crowd_state.h"
 #include "crowd/cull_stage.h"
-#include "update_rate/update_rate_reference.h"
+#include "crowd/stage_timer.h"
+#include "cull/cull_reference.h"
 #include "tests/crowd_cases.h"
 #include "tests/kernel_runner.h"
 #include "tests/subset.h"
+#include "tools/creatures/creature.h"
+#include "update_rate/update_rate_reference.h"
 
 #include <throng/draw.h>
 

@@ -65,6 +65,7 @@ struct ControllerText : ArrayTables {
         const int64_t low = std::min(before, after), high = std::max(before, after) + (step.reached_end ? 1 : 0);
         const size_t first = update->events.size();
         const ControlClip& heard = load_clip(clip);
+        if (heard.event_count == 0) return;  // of up to a billion cycles
         for (int64_t cycle = std::min(step.crossed, 0); cycle <= std::max(step.crossed, 0); ++cycle)
             for (const ControlEvent& event : std::span(arrays.events).subspan(heard.first_event, heard.event_count)) {
                 const int64_t place = cycle * kCycle + event.phase;

@@ -4,6 +4,7 @@
 #include "control/control_reference.h"
 #include "native/native.h"
 #include "reference/influence_boxes.h"
+#include "sample/sample_reference.h"
 
 #include <algorithm>
 #include <array>
@@ -116,8 +117,7 @@ SharedPoses make_shared_poses(const Character& character, const NativeRig& rig, 
         };
         for (uint32_t i = 0; i < intervals; ++i)
             for (const uint32_t with : {i, i + 1}) compare(duration_s * (i + 0.5) / intervals, with);
-        for (const float key_s :
-             std::span(character.times_s).subspan(character.clips[clip].first_time, character.clips[clip].row_count))
+        for (const float key_s : row_times(character, clip))
             if (intervals > 0)
                 compare(key_s, std::min(static_cast<uint32_t>(key_s / duration_s * intervals + 0.5), intervals));
         shared.clips.push_back(

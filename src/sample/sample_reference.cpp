@@ -87,16 +87,24 @@ TrackValue TrackReader::between(const RowCursor& rows) const {
     return target_ == TrackTarget::kRotation ? value_of(normalized(quaternion_of(value))) : value;
 }
 
+std::span<const float> row_times(const Character& character, uint32_t clip) {
+    const Clip& of = character.clips[clip];
+    return std::span(character.times_s).subspan(of.first_time, of.row_count);
+}
+
+Trs<double> sample_reference(const Character& character, uint32_t clip, size_t joint, const RowCursor& rows) {
+    Trs<double> parent_from_joint;
+    for (const TrackTarget target : kTrackTargets)
+        set_component(parent_from_joint, target, TrackReader(character, clip, joint, target).between(rows));
+    return parent_from_joint;
+}
+
 std::vector<Trs<double>> sample_reference(const Character& character, uint32_t clip, double local_time_s) {
     RowCursor rows;
-    if (clip < character.clips.size()) {
-        const Clip& of = character.clips[clip];
-        rows = find_rows_reference(std::span(character.times_s).subspan(of.first_time, of.row_count), local_time_s);
-    }
-    std::vector<Trs<double>> pose(character.rig.joint_count());
-    for (size_t joint = 0; joint < pose.size(); ++joint)
-        for (const TrackTarget target : kTrackTargets)
-            set_component(pose[joint], target, TrackReader(character, clip, joint, target).between(rows));
+    if (clip < character.clips.size()) rows = find_rows_reference(row_times(character, clip), local_time_s);
+    std::vector<Trs<double>> pose;
+    for (size_t joint = 0; joint < character.rig.joint_count(); ++joint)
+        pose.push_back(sample_reference(character, clip, joint, rows));
     return pose;
 }
 

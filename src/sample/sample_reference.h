@@ -42,6 +42,12 @@ private:
     bool varies_ = false, step_ = false;
 };
 
+// When the rows of a clip are. [row_count], seconds
+std::span<const float> row_times(const Character& character, uint32_t clip);
+
+// parent_from_joint, between two rows of the clip.
+Trs<double> sample_reference(const Character& character, uint32_t clip, size_t joint, const RowCursor& rows);
+
 // parent_from_joint of every joint; clip == clip count is the rest pose.
 std::vector<Trs<double>> sample_reference(const Character& character, uint32_t clip, double local_time_s);
 

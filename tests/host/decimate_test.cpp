@@ -3,7 +3,7 @@
 #include "compile/mesh/pose_lanes.h"
 #include "compile/mesh/triangle_index.h"
 #include "compile/mesh/welded_mesh.h"
-#include "tests/crowd_cases.h"
+#include "tests/test_rig.h"
 
 #include <gtest/gtest.h>
 

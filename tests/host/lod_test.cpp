@@ -1,12 +1,14 @@
 // What compile_character() adds for the draw: coarser meshes, and how far clips take the mesh.
 #include "compile/file/character_file.h"
 #include "compile/mesh/lod.h"
-#include "compile/rig/joint_lod.h"
 #include "compile/mesh/triangle_index.h"
+#include "compile/rig/joint_lod.h"
 #include "reference/reference.h"
 #include "skin/skin_reference.h"
-#include "tests/crowd_cases.h"
 #include "tests/files.h"
+#include "tests/shared.h"
+#include "tests/test_rig.h"
+#include "tools/creatures/creature.h"
 
 #include <gtest/gtest.h>
 

@@ -1,7 +1,8 @@
 #include "compile/clip/clip_bounds.h"
 
-#include "reference/sampled_poses.h"
 #include "reference/influence_boxes.h"
+#include "sample/sample_reference.h"
+#include "scan/scan_reference.h"
 
 #include <cmath>
 
@@ -21,24 +22,67 @@ void add_posed(Box& bounds, const AffineT<double>& model_from_joint, const Box& 
     bounds.add(middle + extent);
 }
 
+// model_from_joint of a clip's poses, one after another. What stands still in the clip is computed once.
+class ClipPoses {
+public:
+    ClipPoses(const Character& character, uint32_t clip) : character_(character), clip_(clip) {
+        for (const Trs<double>& joint : sample_reference(character, clip, 0))
+            parent_from_joint_.push_back(to_affine(joint));
+        const std::vector<uint32_t>& parents = character.rig.parents;
+        model_from_joint_ = scan_reference(parents, parent_from_joint_);
+        varies_.resize(parents.size());
+        moves_.resize(parents.size());
+        for (size_t joint = 0; joint < parents.size(); ++joint) {
+            for (const TrackTarget target : kTrackTargets)
+                if (TrackReader(character, clip, joint, target).varies()) varies_[joint] = true;
+            moves_[joint] = varies_[joint] || (parents[joint] != kNone && moves_[parents[joint]]);
+        }
+    }
+
+    void sample(double time_s) {
+        const RowCursor rows = find_rows_reference(row_times(character_, clip_), time_s);
+        const std::vector<uint32_t>& parents = character_.rig.parents;
+        for (size_t joint = 0; joint < parents.size(); ++joint) {
+            if (!moves_[joint]) continue;
+            if (varies_[joint]) parent_from_joint_[joint] = to_affine(sample_reference(character_, clip_, joint, rows));
+            model_from_joint_[joint] = parents[joint] == kNone
+                                           ? parent_from_joint_[joint]
+                                           : model_from_joint_[parents[joint]] * parent_from_joint_[joint];
+        }
+    }
+
+    bool moves(size_t joint) const { return moves_[joint]; }
+    const AffineT<double>& model_from_joint(size_t joint) const { return model_from_joint_[joint]; }
+
+private:
+    const Character& character_;
+    uint32_t clip_;
+    std::vector<AffineT<double>> parent_from_joint_, model_from_joint_;
+    std::vector<bool> varies_, moves_;  // itself; with a joint above it
+};
+
 }  // namespace
 
 void measure_clips(Character& character, const Progress& progress) {
     const std::vector<Box> boxes = influence_boxes(character);
     for (uint32_t number = 0; number < character.clips.size(); ++number) {
         progress.report(number, character.clips.size());
-        Clip& clip = character.clips[number];
+        ClipPoses poses(character, number);
         Box bounds;
+        for (size_t joint = 0; joint < boxes.size(); ++joint)
+            if (!poses.moves(joint)) add_posed(bounds, poses.model_from_joint(joint), boxes[joint]);
         const auto add_pose = [&](double time_s) {
-            const std::vector<AffineT<double>> model = model_from_joint_of(character, {number, time_s});
-            for (size_t joint = 0; joint < model.size(); ++joint) add_posed(bounds, model[joint], boxes[joint]);
+            poses.sample(time_s);
+            for (size_t joint = 0; joint < boxes.size(); ++joint)
+                if (poses.moves(joint)) add_posed(bounds, poses.model_from_joint(joint), boxes[joint]);
         };
-        for (uint32_t row = 0; row < clip.row_count; ++row) {
+        const std::span<const float> times_s = row_times(character, number);
+        for (size_t row = 0; row < times_s.size(); ++row) {
             progress.poll();
-            const double time_s = character.times_s[clip.first_time + row];
-            add_pose(time_s);
-            if (row + 1 < clip.row_count) add_pose((time_s + character.times_s[clip.first_time + row + 1]) / 2);
+            add_pose(times_s[row]);
+            if (row + 1 < times_s.size()) add_pose((double{times_s[row]} + times_s[row + 1]) / 2);
         }
+        Clip& clip = character.clips[number];
         clip.bounds_min = bounds.low.as<float>();
         clip.bounds_max = bounds.high.as<float>();
     }
