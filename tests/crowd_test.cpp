@@ -15,7 +15,6 @@ namespace throng {
 namespace {
 
 const test::InSubset kInSubsets({test::Subset::kGpuAssisted, test::Subset::kSubgroups}, {"Crowd.*"});
-const test::InSubset kSlow({test::Subset::kOtherDriver}, {"-Crowd.TheSameInputsGiveTheSameBits"});
 const test::InSubset kWithAMethodGiven({test::Subset::kSubgroups}, {"-Crowd.AutoChoosesAScanAndSaysWhy"});
 const test::InSubset kNatively({test::Subset::kNative}, {"Crowd.*", "-Crowd.RecordsIntoTheCallersCommandBuffer",
                                                          "-Crowd.ManySmallCharactersAreSplitIntoBatches"});

@@ -21,7 +21,6 @@ namespace {
 
 const InSubset kInSubsets({Subset::kGpuAssisted, Subset::kSubgroups}, {"SkinPool.OnTheDeviceToo"});
 const InSubset kNatively({Subset::kNative}, {"SkinPool.*"});
-const InSubset kSlow({Subset::kOtherDriver}, {"-SkinPool.OnTheDeviceToo"});
 
 constexpr uint32_t kWidth = 320, kHeight = 240;
 

@@ -4,7 +4,6 @@
 
 #include <fnmatch.h>
 
-#include <algorithm>
 #include <array>
 #include <stdexcept>
 #include <vector>
@@ -12,7 +11,7 @@
 namespace throng::test {
 namespace {
 
-constexpr std::array<std::string_view, 4> kNames{"gpu_assisted", "subgroups", "native", "other_driver"};  // [Subset]
+constexpr std::array<std::string_view, 3> kNames{"gpu_assisted", "subgroups", "native"};  // [Subset]
 
 struct Patterns {
     std::vector<std::string> taken, left_out;
@@ -55,7 +54,6 @@ InSubset::InSubset(std::initializer_list<Subset> subsets, std::initializer_list<
             else
                 of_subset.taken.emplace_back(test);
         }
-    if (std::ranges::find(subsets, Subset::kGpuAssisted) != subsets.end()) InSubset({Subset::kOtherDriver}, tests);
 }
 
 std::string filter_of_subset(std::string_view name) {

@@ -11,7 +11,6 @@ enum class Subset {
     kGpuAssisted,  // "gpu_assisted": under GPU-assisted validation, which finds accesses out of bounds
     kSubgroups,    // "subgroups": invocations that work together, with other subgroup sizes
     kNative,       // "native": on a device without Vulkan
-    kOtherDriver,  // "other_driver": those of kGpuAssisted, where each pipeline compiles for seconds
 };
 
 // A file of tests says by one of these, outside of functions, which of its tests belong to which of the subsets:
