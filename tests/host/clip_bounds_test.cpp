@@ -1,0 +1,62 @@
+// Bounds of clips against the poses of every row and of the middle between two, all joints of each, by the corners of
+// what they move.
+#include "reference/influence_boxes.h"
+#include "reference/sampled_poses.h"
+#include "sample/sample_reference.h"
+#include "tests/test_rig.h"
+
+#include <gtest/gtest.h>
+
+#include <string>
+
+namespace throng::test {
+namespace {
+
+Box bounds_of_poses(const Character& character, uint32_t clip) {
+    const std::vector<Box> boxes = influence_boxes(character);
+    Box bounds;
+    const auto add_pose = [&](double time_s) {
+        const std::vector<AffineT<double>> model_from_joint = model_from_joint_of(character, {clip, time_s});
+        for (size_t joint = 0; joint < boxes.size(); ++joint)
+            for (size_t corner = 0; corner < 8; ++corner)
+                bounds.add(transform_point(model_from_joint[joint], boxes[joint].corner(corner)));
+    };
+    const std::span<const float> times_s = row_times(character, clip);
+    for (size_t row = 0; row < times_s.size(); ++row) {
+        add_pose(times_s[row]);
+        if (row + 1 < times_s.size()) add_pose((double{times_s[row]} + times_s[row + 1]) / 2);
+    }
+    return bounds;
+}
+
+void expect_bounds(const Character& character) {
+    for (uint32_t clip = 0; clip < character.clips.size(); ++clip) {
+        const Box wanted = bounds_of_poses(character, clip);
+        const Vec3<float> min = character.clips[clip].bounds_min, max = character.clips[clip].bounds_max,
+                          low = wanted.low.as<float>(), high = wanted.high.as<float>();
+        for (const auto axis : {&Vec3<float>::x, &Vec3<float>::y, &Vec3<float>::z}) {
+            EXPECT_FLOAT_EQ(min.*axis, low.*axis) << character.clips[clip].name;
+            EXPECT_FLOAT_EQ(max.*axis, high.*axis) << character.clips[clip].name;
+        }
+    }
+}
+
+TEST(ClipBounds, AreThoseOfEveryPose) {
+    for (const RigShape shape : kRigShapes) expect_bounds(make_character({.joint_count = 40, .shape = shape}));
+}
+
+// What stands still lies furthest to one side, and what a joint above carries along to the other.
+TEST(ClipBounds, HoldWhatStandsStillAndWhatIsCarried) {
+    Asset asset = make_asset({.joint_count = 12, .shape = RigShape::kChain, .clip_count = 0});
+    for (const uint32_t node : {0u, 6u, 11u})
+        asset.clips.push_back({.name = "node " + std::to_string(node),
+                               .duration_s = 1,
+                               .tracks = {{.node = node,
+                                           .target = TrackTarget::kTranslation,
+                                           .times_s = {0, 1},
+                                           .values = {0, 0, 0, 100, -200, 300}}}});
+    expect_bounds(compiled(asset));
+}
+
+}  // namespace
+}  // namespace throng::test
