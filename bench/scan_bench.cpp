@@ -11,10 +11,6 @@
 namespace throng::bench {
 namespace {
 
-[[noreturn]] void refuse(const std::string& place, const std::string& what) {
-    throw Failure(ErrorCode::kInvalidArgument, place, what);
-}
-
 std::vector<ScanCell> cells_of(const std::string& experiment, const ScanBenchSettings& settings) {
     std::vector<ScanCell> cells;
     const auto add = [&](uint32_t characters, uint32_t joints, uint32_t levels,

@@ -13,7 +13,8 @@
 namespace throng::test {
 namespace {
 
-const InSubset kInSubsets({Subset::kGpuAssisted}, {"*Attach.*"}), kNatively({Subset::kNative}, {"*Attach.*"});
+const InSubset kInSubsets({Subset::kGpuAssisted}, {"*Attach.*", "*AttachInRows.*"}),
+    kNatively({Subset::kNative}, {"*Attach.*", "*AttachInRows.*"});
 
 constexpr uint32_t kBodies = 40, kThings = 30;
 
@@ -191,7 +192,6 @@ TEST_P(Attach, MistakesAreNamed) {
         group.is_carried = true;
         return Crowd::create(test_device(), {.groups = {group}});
     };
-    says(made({.sockets = {0}}), "not together with sockets");
     says(made({.steering = Steering{}}), "not together with steering");
     Crowd in_model = create(
         {.groups = {{.character = &body_, .instance_count = 1, .sockets = {0}, .socket_space = SocketSpace::kModel},
@@ -202,12 +202,202 @@ TEST_P(Attach, MistakesAreNamed) {
     EXPECT_TRUE(none.detach(InstanceHandle{1}));
 }
 
-INSTANTIATE_TEST_SUITE_P(OnPaths, Attach, testing::Values(UpdatePath::kAuto, UpdatePath::kFused, UpdatePath::kStaged),
-                         [](const auto& of) {
-                             return of.param == UpdatePath::kAuto    ? "Auto"
-                                    : of.param == UpdatePath::kFused ? "Fused"
-                                                                     : "Staged";
-                         });
+constexpr uint32_t kRiders = 12;
+
+// Riders hang on beasts and on each other, and things on both.
+class AttachInRows : public Attach {
+protected:
+    struct Hanging {
+        InstanceHandle thing;
+        Attachment attachment;
+    };
+
+    Crowd crowd_in_rows(bool varies = true, const Device& device = test_device()) const {
+        CrowdSettings settings{
+            .groups = {{.character = &body_, .instance_count = kBodies, .sockets = {body_.rig.joint_count() - 1, 3}},
+                       {.character = &thing_, .instance_count = kThings, .is_carried = true},
+                       {.character = &rider_, .instance_count = kRiders, .sockets = {4, 1}, .is_carried = true}},
+            .path = GetParam()};
+        if (varies) {
+            settings.culling.emplace();
+            settings.groups[2].capacity = kRiders + 3;
+        }
+        Crowd crowd = Crowd::create(device, settings).expect();
+        play(crowd, 0, kBodies, 1);
+        play(crowd, 2, kRiders, 2);
+        return crowd;
+    }
+    static std::vector<InstanceHandle> riders(const Crowd& crowd) { return handles(crowd, 2, kRiders); }
+    // Anywhere, at any time of a clip.
+    static void play(Crowd& crowd, uint32_t group, uint32_t count, uint64_t seed) {
+        Random random(seed);
+        for (const InstanceHandle& one : handles(crowd, group, count)) {
+            EXPECT_TRUE(crowd.set_placement(one, to_affine(random.trs(20, 0.2)).as<float>()));
+            EXPECT_TRUE(crowd.set_playback(one, {.first = {.clip = 0, .time_s = random.between(0, 2)}}));
+        }
+    }
+    // Of the riders the first hangs on nobody, others on a body or on a rider before them; things on any of both.
+    static std::vector<Hanging> random_rows(const Crowd& crowd, uint64_t seed) {
+        Random random(seed);
+        const std::vector<InstanceHandle> beasts = bodies(crowd), all = riders(crowd);
+        std::vector<Hanging> rows;
+        const auto hang = [&](const InstanceHandle& thing, uint32_t rider_count) {
+            const bool on_rider = rider_count > 0 && random.chance(0.7);
+            rows.push_back({thing,
+                            {.carrier = on_rider ? all[random.below(rider_count)] : beasts[random.below(kBodies)],
+                             .socket = random.below(2),
+                             .socket_from_model = to_affine(random.trs(1, 0.5)).as<float>()}});
+        };
+        for (const InstanceHandle& thing : things(crowd)) hang(thing, kRiders);
+        for (uint32_t i = 1; i < kRiders; ++i) hang(all[i], i);
+        return rows;
+    }
+    static void hang(Crowd& crowd, std::span<const Hanging> rows) {
+        for (const auto& [thing, attachment] : rows) {
+            const Result<void> done = crowd.attach(thing, attachment);
+            ASSERT_TRUE(done) << refusal(done);
+        }
+    }
+    void expect_all_there(const Crowd& crowd, std::span<const Hanging> rows) const {
+        for (const auto& [thing, attachment] : rows) expect_there(crowd, thing, attachment);
+    }
+    // Of riders that stand where these have been carried, and play the same.
+    void expect_sockets_of_riders(const Crowd& crowd, uint32_t update_count) const {
+        Crowd alone = Crowd::create(test_device(),
+                                    {.groups = {{.character = &rider_, .instance_count = kRiders, .sockets = {4, 1}}},
+                                     .path = GetParam()})
+                          .expect();
+        play(alone, 0, kRiders, 2);
+        const std::vector<InstanceHandle> standing = handles(alone, 0, kRiders), carried = riders(crowd);
+        for (uint32_t i = 0; i < kRiders; ++i)
+            ASSERT_TRUE(alone.set_placement(standing[i], placement(crowd, carried[i])));
+        for (uint32_t update = 0; update < update_count; ++update) ASSERT_TRUE(alone.update(0.1f));
+        for (uint32_t i = 0; i < kRiders; ++i)
+            for (uint32_t number = 0; number < 2; ++number) {
+                const Affine wanted = socket(alone, standing[i], number), is = socket(crowd, carried[i], number);
+                for (size_t row = 0; row < 3; ++row)
+                    for (size_t column = 0; column < 4; ++column)
+                        EXPECT_NEAR(is.row[row][column], wanted.row[row][column], 1e-5)
+                            << "rider " << i << ", socket " << number;
+            }
+    }
+
+    const Character rider_ = creature(20, 6);
+};
+
+TEST_P(AttachInRows, EachIsWhereTheSocketOfItsCarrierIs) {
+    for (const bool varies : {true, false}) {
+        Crowd crowd = crowd_in_rows(varies);
+        std::vector<Hanging> rows = random_rows(crowd, 1);
+        hang(crowd, rows);
+        for (uint32_t update = 0; update < 4; ++update) {
+            if (update == 2) {
+                ASSERT_TRUE(crowd.detach(riders(crowd)));
+                rows = random_rows(crowd, 2);
+                hang(crowd, rows);
+            }
+            ASSERT_TRUE(crowd.update(0.1f));
+            expect_all_there(crowd, rows);
+            expect_sockets_of_riders(crowd, update + 1);
+        }
+    }
+}
+
+TEST_P(AttachInRows, WhatIsLetGoStaysAndStillCarries) {
+    Crowd crowd = crowd_in_rows();
+    const std::vector<InstanceHandle> all = riders(crowd);
+    const std::vector<Hanging> rows{{all[0], {.carrier = bodies(crowd)[0]}},
+                                    {all[1], {.carrier = all[0], .socket = 1}},
+                                    {all[2], {.carrier = all[1]}},
+                                    {things(crowd)[0], {.carrier = all[2]}}};
+    hang(crowd, rows);
+    ASSERT_TRUE(crowd.update(0.1f));
+    const Affine was = placement(crowd, all[1]);
+    ASSERT_TRUE(crowd.detach(all[1]));
+    for (int update = 0; update < 2; ++update) {
+        ASSERT_TRUE(crowd.update(0.1f));
+        EXPECT_EQ(placement(crowd, all[1]), was);
+        for (const size_t i : {0, 2, 3}) expect_there(crowd, rows[i].thing, rows[i].attachment);
+    }
+    // Its carrier gone, so does the next.
+    const Affine next_was = placement(crowd, all[2]);
+    ASSERT_TRUE(crowd.despawn(std::array{all[1]}));
+    ASSERT_TRUE(crowd.update(0.1f));
+    EXPECT_EQ(placement(crowd, all[2]), next_was);
+    for (const size_t i : {0, 3}) expect_there(crowd, rows[i].thing, rows[i].attachment);
+}
+
+TEST_P(AttachInRows, BatchesChangeNothing) {
+    Crowd whole = crowd_in_rows(), parts = crowd_in_rows(true, device_of_workgroups(5));
+    ASSERT_GT(parts.outputs().size(), 10u);
+    for (Crowd* crowd : {&whole, &parts}) {
+        hang(*crowd, random_rows(*crowd, 3));
+        ASSERT_TRUE(crowd->update(0.1f));
+    }
+    for (const auto& [thing, attachment] : random_rows(whole, 3))
+        EXPECT_EQ(placement(whole, thing), placement(parts, thing));
+}
+
+TEST_P(AttachInRows, AreSaved) {
+    const Device device = device_of_workgroups(5);  // riders in several batches
+    Crowd crowd = crowd_in_rows(true, device), other = crowd_in_rows(true, device);
+    const std::vector<InstanceHandle> all = riders(crowd);
+    std::vector<Hanging> rows{{things(crowd)[0], {.carrier = all[0]}}};
+    for (uint32_t i = 0; i + 1 < kRiders; ++i) rows.push_back({all[i], {.carrier = all[i + 1], .socket = 1}});
+    hang(crowd, rows);
+    // The other way around: the riders of the first batch, as saved, and of others, as they were, would form circles.
+    for (uint32_t i = 1; i < kRiders; ++i) hang(other, std::array{Hanging{all[i], {.carrier = all[i - 1]}}});
+    ASSERT_TRUE(other.update(0.1f));
+    ASSERT_TRUE(other.restore_state(crowd.save_state().value()));
+    ASSERT_TRUE(crowd.update(0.1f) && other.update(0.1f));
+    for (const Hanging& one : rows) EXPECT_EQ(placement(crowd, one.thing), placement(other, one.thing));
+    expect_all_there(other, rows);
+}
+
+TEST_P(AttachInRows, NobodyHangsOnItself) {
+    Crowd crowd = crowd_in_rows();
+    const std::vector<InstanceHandle> all = riders(crowd);
+    const std::vector<Hanging> rows{{all[0], {.carrier = bodies(crowd)[0]}}, {all[1], {.carrier = all[0]}}};
+    hang(crowd, rows);
+    ASSERT_TRUE(crowd.update(0.1f));
+    const auto says = [&](const auto& result) {
+        EXPECT_NE(refusal(result).find("would hang on itself"), std::string::npos) << refusal(result);
+    };
+    says(crowd.attach(all[0], Attachment{.carrier = all[0]}));
+    says(crowd.attach(all[0], Attachment{.carrier = all[1]}));
+    says(crowd.attach(
+        std::array{all[2], all[0], all[3]},
+        std::array{Attachment{.carrier = all[1]}, Attachment{.carrier = all[3]}, Attachment{.carrier = all[2]}}));
+    const Affine stands = placement(crowd, all[2]);
+    ASSERT_TRUE(crowd.update(0.1f));
+    expect_all_there(crowd, rows);
+    EXPECT_EQ(placement(crowd, all[2]), stands);
+}
+
+TEST_P(AttachInRows, MayNotBeTooLong) {
+    constexpr uint32_t kMost = 64;
+    Crowd crowd =
+        Crowd::create(
+            test_device(),
+            {.groups = {{.character = &rider_, .instance_count = kMost + 2, .sockets = {4, 1}, .is_carried = true}},
+             .path = GetParam()})
+            .expect();
+    const std::vector<InstanceHandle> all = handles(crowd, 0, kMost + 2);
+    std::vector<Hanging> rows;
+    for (uint32_t i = 1; i <= kMost; ++i) rows.push_back({all[i], {.carrier = all[i - 1]}});
+    hang(crowd, rows);
+    EXPECT_NE(refusal(crowd.attach(all[0], Attachment{.carrier = all[kMost + 1]})).find("more than 64 carriers"),
+              std::string::npos);
+    ASSERT_TRUE(crowd.update(0.1f));
+    expect_all_there(crowd, rows);
+}
+
+const auto kPaths = testing::Values(UpdatePath::kAuto, UpdatePath::kFused, UpdatePath::kStaged);
+const auto name_of_path = [](const testing::TestParamInfo<UpdatePath>& of) {
+    return of.param == UpdatePath::kAuto ? "Auto" : of.param == UpdatePath::kFused ? "Fused" : "Staged";
+};
+INSTANTIATE_TEST_SUITE_P(OnPaths, Attach, kPaths, name_of_path);
+INSTANTIATE_TEST_SUITE_P(OnPaths, AttachInRows, kPaths, name_of_path);
 
 }  // namespace
 }  // namespace throng::test

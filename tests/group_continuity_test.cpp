@@ -25,7 +25,8 @@ struct Groups {
         }
         settings.groups.push_back(
             {.character = &kinds.character, .instance_count = 3, .pose_capacity = 2, .outfits = {{}, {}}});
-        settings.groups.push_back({.character = &kinds.character, .instance_count = 4, .is_carried = true});
+        settings.groups.push_back(
+            {.character = &kinds.character, .instance_count = 4, .sockets = {1}, .is_carried = true});
     }
 
     // Of the kinds from `first` on.
@@ -83,10 +84,14 @@ private:
 
     void hang(Crowd& crowd, Random& random) const {
         const std::vector<InstanceHandle> carriers = there_in(crowd, groups_[kCarriers - first_kind_]);
-        for (const InstanceHandle& thing : there_in(crowd, groups_[kCarried - first_kind_])) {
+        const std::vector<InstanceHandle> things = there_in(crowd, groups_[kCarried - first_kind_]);
+        for (uint32_t i = 0; i < things.size(); ++i) {
             if (random.chance(0.5) || carriers.empty()) continue;
-            const InstanceHandle carrier = carriers[random.below(static_cast<uint32_t>(carriers.size()))];
-            EXPECT_TRUE(crowd.attach(thing, Attachment{.carrier = carrier, .socket = random.below(2)}));
+            const bool is_second = i > 0 && random.chance(0.4);
+            const InstanceHandle carrier = is_second ? things[random.below(i)]
+                                                     : carriers[random.below(static_cast<uint32_t>(carriers.size()))];
+            const uint32_t socket = random.below(is_second ? 1 : 2);
+            EXPECT_TRUE(crowd.attach(things[i], Attachment{.carrier = carrier, .socket = socket}));
         }
     }
 

@@ -29,7 +29,8 @@ public:
             group.capacity = kRoom;
         }
         settings_.groups.push_back({.character = &kinds_.character, .instance_count = 5, .pose_capacity = 3});
-        settings_.groups.push_back({.character = &kinds_.character, .instance_count = 4, .is_carried = true});
+        settings_.groups.push_back(
+            {.character = &kinds_.character, .instance_count = 4, .sockets = {1}, .is_carried = true});
     }
 
     Crowd make() const {
@@ -82,14 +83,17 @@ public:
 private:
     static constexpr uint32_t kKinds = 5, kCarriers = 2, kCarried = 6;
 
-    // Some of what is carried, on some of those that have sockets.
+    // Some of what is carried, on some of those that have sockets, or on another that is carried.
     static void hang(Crowd& crowd, Random& random) {
         const Instances carried = *crowd.instances(kCarried), carriers = *crowd.instances(kCarriers);
         for (uint32_t i = 0; i < carried.size(); ++i) {
             if (random.chance(0.5)) continue;
             const InstanceHandle thing = *crowd.handle(carried.number(i));
-            const auto carrier = crowd.handle(carriers.number(random.below(carriers.size())));
-            EXPECT_TRUE(carrier ? crowd.attach(thing, Attachment{.carrier = *carrier, .socket = random.below(2)})
+            const bool is_second = i > 0 && random.chance(0.4);
+            const auto carrier = crowd.handle(is_second ? carried.number(random.below(i))
+                                                        : carriers.number(random.below(carriers.size())));
+            const uint32_t socket = random.below(is_second ? 1 : 2);
+            EXPECT_TRUE(carrier ? crowd.attach(thing, Attachment{.carrier = *carrier, .socket = socket})
                                 : crowd.detach(thing));
         }
     }

@@ -1,4 +1,4 @@
-// Instances that hang on others: a lantern in a hand, a rider on a beast.
+// Instances that hang on others: a lantern in a hand, a rider on a beast, the lantern in the rider's hand.
 #pragma once
 
 #include <throng/population.h>
@@ -11,7 +11,7 @@ namespace throng {
 // Where an instance of a group with CrowdGroup::is_carried hangs: each update puts it where its carrier's socket is in
 // that update.
 struct Attachment {
-    InstanceHandle carrier{};    // of a group with sockets in world space, that is not carried itself
+    InstanceHandle carrier{};    // of a group with sockets in world space; it may hang on another itself
     uint32_t socket = 0;         // which of CrowdGroup::sockets of the carrier's group
     Affine socket_from_model{};  // where the model's origin lies, and its size
 };

@@ -55,8 +55,8 @@ struct CrowdGroup {
     // Joints, at most 64, whose transforms are written in each update, for attachments
     std::vector<uint32_t> sockets{};
     SocketSpace socket_space = SocketSpace::kWorld;
-    // Its instances may hang on sockets of others, by Crowd::attach(). Such a group neither moves by itself (steering,
-    // terrain, root motion) nor has sockets
+    // Its instances may hang on sockets of others, by Crowd::attach(). Such a group does not move by itself (steering,
+    // terrain, root motion)
     bool is_carried = false;
     // Nothing but the sockets is computed, and of the joints only those that they hang on: for servers, which ask where
     // hit boxes are and draw nothing. Updated natively in one pass alone; there are no skin and model matrices then.
@@ -244,8 +244,10 @@ public:
     // Hangs instances on sockets of others, or lets them go; then they stay where they are until they are placed. What
     // hangs on somebody is placed by each update, behind all that moves the carrier, so that both fit together in every
     // picture; what a view sees goes by where it was in the update before. When a carrier is despawned, what hangs on
-    // it stays where it is. 64 bytes are uploaded for each. Errors: kInvalidArgument (not of a group with
-    // CrowdGroup::is_carried, no such carrier or socket, sockets in model space, number not finite).
+    // it stays where it is. 64 bytes are uploaded for each. A carrier may hang on another in turn, up to 64 in a row,
+    // each of which takes a dispatch; who hangs on whom is then counted anew in each call. Errors: kInvalidArgument
+    // (not of a group with CrowdGroup::is_carried, no such carrier or socket, sockets in model space, number not
+    // finite, it would hang on itself).
     Result<void> attach(const Instances& instances, const Attachment& attachment);
     Result<void> attach(const Instances& instances, std::span<const Attachment> attachment);
     Result<void> detach(const Instances& instances);

@@ -1,22 +1,34 @@
-// attach: instances that hang on a socket of another are put there; defined by attach_reference.h. One invocation per
-//   instance, for each batch that carries any. Cost: 64 bytes of an attachment and 48 of a socket read, 48 of a
-//   placement written.
+// attach: instances that hang on a socket of another are put there; defined by attach_reference.h. Their own sockets,
+//   which updates have left in model space, follow, for what hangs on these. One invocation per instance, for each
+//   batch that carries any and each level: what hangs on nobody is of level 0, what hangs on that of level 1, ….
+//   Cost: 64 bytes of an attachment and 48 of a socket read, 48 of a placement written, and 96 for each of its sockets.
 #include "attach/attach_io.h"
 #include "gpu/affine.glsl"
 #include "gpu/buffers_io.h"
+#include "control/births.glsl"
 
 WORKGROUP(kAttachWorkgroupSize);
 READONLY_BUFFER(kAttachmentsBuffer, InstanceAttachment, attachments);
-READONLY_BUFFER(kSocketsBuffer, Affine, sockets);  // of the carriers, [instance][socket], world_from_joint
+READONLY_BUFFER(kCarrierSocketsBuffer, Affine, carrier_sockets);  // [instance][socket], world_from_joint
 BUFFER(kPlacementsBuffer, Affine, placements);
+BUFFER(kSocketsBuffer, Affine, sockets);  // [instance][socket]: model_from_joint, then world_from_joint
 PUSH(AttachPush);
 
 void main() {
     const uint instance = gl_GlobalInvocationID.x;
-    if (instance >= push.instance_count || attachments[instance].carrier_batch != push.carrier_batch) return;
-    const InstanceAttachment hangs = attachments[instance];
-    const Affine socket_from_model = {hangs.socket_from_model[0], hangs.socket_from_model[1],
-                                      hangs.socket_from_model[2]};
-    placements[instance] = affine_multiply(sockets[hangs.carrier * push.socket_count + hangs.socket],
+    if (instance >= push.instance_count || !is_there(instance, push.birth)) return;
+    if (attachments[instance].carrier_batch != push.carrier_batch || attachments[instance].level != push.level) return;
+    Affine world_from_model;
+    if (push.level == 0) {
+        world_from_model = placements[instance];
+    } else {
+        const InstanceAttachment hangs = attachments[instance];
+        const Affine socket_from_model = {hangs.socket_from_model[0], hangs.socket_from_model[1],
+                                          hangs.socket_from_model[2]};
+        world_from_model = affine_multiply(carrier_sockets[hangs.carrier * push.carrier_socket_count + hangs.socket],
                                            socket_from_model);
+        placements[instance] = world_from_model;
+    }
+    for (uint socket = instance * push.socket_count; socket < (instance + 1) * push.socket_count; ++socket)
+        sockets[socket] = affine_multiply(world_from_model, sockets[socket]);
 }

@@ -23,6 +23,12 @@ struct Failure : std::exception {
     std::string text;
 };
 
+// Throws that what the caller gave at `place` cannot be taken.
+template <class... Parts>
+[[noreturn]] void refuse(const std::string& place, const Parts&... message) {
+    throw Failure(ErrorCode::kInvalidArgument, place, message...);
+}
+
 // Calls what the application has handed over; what it throws becomes a Failure. `name` is what it is called in
 // messages.
 template <class Call>

@@ -11,10 +11,6 @@ namespace {
 
 constexpr double kUniform = 1e-5;  // scales that differ by no more of the larger one count as the same
 
-[[noreturn]] void refuse(const std::string& place, std::string why) {
-    throw Failure(ErrorCode::kInvalidArgument, place, std::move(why));
-}
-
 bool is_finite(const Trs<double>& t) {
     const auto& [q, p, s] = t;
     return std::ranges::all_of(std::array{q.x, q.y, q.z, q.w, p.x, p.y, p.z, s.x, s.y, s.z},

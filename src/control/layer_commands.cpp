@@ -10,10 +10,6 @@
 namespace throng {
 namespace {
 
-[[noreturn]] void refuse(const std::string& place, std::string why) {
-    throw Failure(ErrorCode::kInvalidArgument, place, std::move(why));
-}
-
 void check_layer(std::span<const LayerKind> kinds, uint32_t layer, const std::string& place) {
     if (layer >= kinds.size())
         refuse(place, "layer " + std::to_string(layer) + " of a controller that has " + std::to_string(kinds.size()));

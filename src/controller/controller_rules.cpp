@@ -10,11 +10,6 @@
 namespace throng {
 namespace {
 
-template <class... Parts>
-[[noreturn]] void refuse(const std::string& place, const Parts&... message) {
-    throw Failure(ErrorCode::kInvalidArgument, place, message...);
-}
-
 std::string text(float value) {
     char digits[64];
     // 1000000, not 1e+06

@@ -13,6 +13,9 @@ namespace throng {
 namespace {
 
 constexpr io::InstanceAttachment kOnNobody{.carrier_batch = kNone};
+constexpr uint32_t kMostLevels = 64;  // each is a dispatch, which waits for the one before
+
+bool has_world_sockets(const Group& group) { return group.sockets && group.socket_space == SocketSpace::kWorld; }
 
 }  // namespace
 
@@ -21,9 +24,6 @@ void check_carried(const CrowdGroup& group) {
     const std::string place = group.character->name + ": is_carried";
     if (group.steering || group.on_terrain)
         throw Failure(ErrorCode::kInvalidArgument, place, "not together with steering or on_terrain");
-    if (!group.sockets.empty())
-        throw Failure(ErrorCode::kInvalidArgument, place,
-                      "not together with sockets: nothing hangs on what is carried");
     if (group.controller && group.moves_placements && !group.character->root_rows.empty())
         throw Failure(ErrorCode::kInvalidArgument, place,
                       "not together with root motion that moves placements: set moves_placements to false");
@@ -40,43 +40,61 @@ void AttachStage::plan(BatchPlan& plan) {
 AttachStage::AttachStage(const StageContext& context)
     : Stage(context), attachments_(context.instance_count, kOnNobody), kernel_(kernels::attach.on(gpu_)) {
     dirty_.add(0, context.instance_count);
-    for (uint32_t carried = 0; carried < batches_.size(); ++carried)
-        for (uint32_t carrier = 0; carrier < batches_.size(); ++carrier) {
-            if (!group_of(batches_[carried]).is_carried || !batches_[carrier][io::kSocketsBuffer]) continue;
-            const BufferTable table = batches_[carried]
-                                          .table(group_of(batches_[carried]), {})
-                                          .set({{io::kSocketsBuffer, batches_[carrier][io::kSocketsBuffer]}});
-            pairs_.try_emplace({carried, carrier}, Pair{kernel_.bind(table), 0});
-        }
+    for (uint32_t carried = 0; carried < batches_.size(); ++carried) {
+        const Batch& batch = batches_[carried];
+        const Group& group = group_of(batch);
+        if (!group.is_carried) continue;
+        const auto add = [&](uint32_t carrier, const Buffer& sockets) {
+            const BufferTable table =
+                batch.table(group, batch[io::kPlacementsBuffer]).set({{io::kCarrierSocketsBuffer, sockets}});
+            pairs_.try_emplace({carried, carrier}, Pair{.bindings = kernel_.bind(table), .counts = {}});
+        };
+        for (uint32_t carrier = 0; carrier < batches_.size(); ++carrier)
+            if (has_world_sockets(group_of(batches_[carrier]))) add(carrier, batches_[carrier][io::kSocketsBuffer]);
+        if (has_world_sockets(group)) add(kNone, batch[io::kSocketsBuffer]);
+    }
 }
 
 bool AttachStage::is_possible(const io::InstanceAttachment& attachment) const {
     if (attachment.carrier_batch >= batches_.size()) return false;
     const Batch& batch = batches_[attachment.carrier_batch];
     return attachment.carrier < batch.instance_count && attachment.socket < group_of(batch).socket_count() &&
-           group_of(batch).socket_space == SocketSpace::kWorld;
+           has_world_sockets(group_of(batch));
+}
+
+io::InstanceAttachment AttachStage::to_io(uint32_t instance, const Attachment& attachment) const {
+    const std::string place = "attachment of instance " + std::to_string(instance);
+    if (!group_at(instance).is_carried) refuse(place, "its group is not carried (CrowdGroup::is_carried)");
+    const InBatch carrier = in_batch(batches_, attachment.carrier.instance);
+    io::InstanceAttachment made{
+        .carrier_batch = carrier.batch, .carrier = carrier.instance, .socket = attachment.socket, .level = 1};
+    std::memcpy(made.socket_from_model, &attachment.socket_from_model, sizeof attachment.socket_from_model);
+    const Group& of_carrier = group_of(batches_[carrier.batch]);
+    if (!is_possible(made))
+        refuse(place, "the carrier has ", of_carrier.socket_count(), " sockets, in ",
+               of_carrier.socket_space == SocketSpace::kWorld ? "world" : "model", " space; there is no socket ",
+               attachment.socket, " in world space");
+    if (!is_finite(attachment.socket_from_model)) refuse(place, "socket_from_model: a number is not finite");
+    return made;
 }
 
 void AttachStage::attach(const Instances& instances, const Each<Attachment>& attachment) {
-    std::vector<io::InstanceAttachment> all;
+    std::vector<io::InstanceAttachment> all, before;
+    bool are_in_rows = false;  // more than one carrier above the other
     for (uint32_t i = 0; i < instances.size(); ++i) {
-        const std::string place = "attachment of instance " + std::to_string(instances.number(i));
-        if (!group_at(instances.number(i)).is_carried)
-            throw Failure(ErrorCode::kInvalidArgument, place, "its group is not carried (CrowdGroup::is_carried)");
-        const Attachment& to = attachment[i];
-        const InBatch carrier = in_batch(batches_, to.carrier.instance);
-        io::InstanceAttachment& made = all.emplace_back(
-            io::InstanceAttachment{.carrier_batch = carrier.batch, .carrier = carrier.instance, .socket = to.socket});
-        std::memcpy(made.socket_from_model, &to.socket_from_model, sizeof to.socket_from_model);
-        if (!is_possible(made))
-            throw Failure(ErrorCode::kInvalidArgument, place, "the carrier has ",
-                          group_at(to.carrier.instance).socket_count(), " sockets, in ",
-                          group_at(to.carrier.instance).socket_space == SocketSpace::kWorld ? "world" : "model",
-                          " space; there is no socket ", to.socket, " in world space");
-        if (!is_finite(to.socket_from_model))
-            throw Failure(ErrorCode::kInvalidArgument, place, "socket_from_model: a number is not finite");
+        all.push_back(to_io(instances.number(i), attachment[i]));
+        are_in_rows = are_in_rows || group_at(instances.number(i)).sockets ||
+                      group_of(batches_[all.back().carrier_batch]).is_carried;
     }
-    for (uint32_t i = 0; i < instances.size(); ++i) set(instances.number(i), all[i]);
+    for (uint32_t i = 0; i < instances.size(); ++i) {
+        before.push_back(attachments_[instances.number(i)]);
+        set(instances.number(i), all[i]);
+    }
+    if (!are_in_rows) return;
+    const std::string mistake = count_levels();
+    if (mistake.empty()) return;
+    for (uint32_t i = instances.size(); i-- > 0;) set(instances.number(i), before[i]);
+    refuse("attachment", mistake);
 }
 
 void AttachStage::detach(const Instances& instances) {
@@ -97,13 +115,50 @@ void AttachStage::despawn(std::span<const InstanceHandle> gone) {
 
 void AttachStage::set(uint32_t instance, const io::InstanceAttachment& attachment) {
     const uint32_t carried = batch_index_of(batches_, instance);
-    const auto add = [&](uint32_t carrier, uint32_t count) {
-        if (carrier != kNone) pairs_.at({carried, carrier}).count += count;
+    const auto add = [&](const io::InstanceAttachment& to, uint32_t count) {
+        if (to.carrier_batch == kNone) return;
+        std::vector<uint32_t>& counts = pairs_.at({carried, to.carrier_batch}).counts;
+        if (counts.size() <= to.level) counts.resize(to.level + 1);
+        counts[to.level] += count;
     };
-    add(attachments_[instance].carrier_batch, ~0u);  // one less
-    add(attachment.carrier_batch, 1);
+    add(attachments_[instance], ~0u);  // one less
+    add(attachment, 1);
     attachments_[instance] = attachment;
     dirty_.add(instance, 1);
+}
+
+// kNone: it hangs on nobody.
+uint32_t AttachStage::carrier_of(uint32_t instance) const {
+    const io::InstanceAttachment& hangs = attachments_[instance];
+    return hangs.carrier_batch == kNone ? kNone : batches_[hangs.carrier_batch].first_instance + hangs.carrier;
+}
+
+// Of all that hang on somebody; from each up to where the levels are known, and back. Returns what is wrong, and
+// changes nothing then. Where somebody lets go, levels stay as they are until the next time: still each above its
+// carrier's.
+std::string AttachStage::count_levels() {
+    constexpr uint32_t kUnknown = kNone, kOnTheWay = kNone - 1;
+    std::vector<uint32_t> levels(attachments_.size(), kUnknown), way;
+    for (uint32_t instance = 0; instance < levels.size(); ++instance) {
+        uint32_t at = instance;
+        for (way.clear(); at != kNone && levels[at] == kUnknown; at = carrier_of(at)) {
+            levels[at] = kOnTheWay;
+            way.push_back(at);
+        }
+        uint32_t level = at == kNone ? ~0u : levels[at];
+        if (level == kOnTheWay) return "instance " + std::to_string(at) + " would hang on itself";
+        for (; !way.empty(); way.pop_back()) levels[way.back()] = ++level;
+        if (levels[instance] > kMostLevels)
+            return "instance " + std::to_string(instance) + " would have more than " + std::to_string(kMostLevels) +
+                   " carriers, each on the next";
+    }
+    for (uint32_t instance = 0; instance < levels.size(); ++instance) {
+        io::InstanceAttachment moved = attachments_[instance];
+        if (moved.level == levels[instance]) continue;
+        moved.level = levels[instance];
+        set(instance, moved);
+    }
+    return {};
 }
 
 void AttachStage::begin(const Update& update) {
@@ -114,20 +169,40 @@ void AttachStage::begin(const Update& update) {
     });
 }
 
+// Level by level, since each follows the one before. A barrier between pairs, too, since synchronization validation
+// takes the placements that two write for one range.
 void AttachStage::record(const Update& update) {
-    for (const auto& [which, pair] : pairs_) {
-        if (pair.count == 0) continue;
-        const Batch &carried = batches_[which.first], &carrier = batches_[which.second];
-        const io::AttachPush push{carried.used_count, which.second, group_of(carrier).socket_count()};
-        kernel_.dispatch_invocations(update.commands, pair.bindings, push, push.instance_count);
-    }
-    separate_kernels(update.commands);
+    size_t level_count = 1;
+    for (const auto& [which, pair] : pairs_) level_count = std::max(level_count, pair.counts.size());
+    for (uint32_t level = 0; level < level_count; ++level)
+        for (const auto& [which, pair] : pairs_) {
+            const auto [of_carried, of_carrier] = which;
+            const bool hangs = of_carrier != kNone;
+            if (hangs ? level >= pair.counts.size() || pair.counts[level] == 0 : level > 0) continue;
+            const Batch& carried = batches_[of_carried];
+            const Group& group = group_of(carried);
+            const io::AttachPush push{.instance_count = carried.used_count,
+                                      .level = level,
+                                      .carrier_batch = of_carrier,
+                                      .carrier_socket_count = hangs ? group_of(batches_[of_carrier]).socket_count() : 0,
+                                      .socket_count = has_world_sockets(group) ? group.socket_count() : 0,
+                                      .birth = carried.birth};
+            kernel_.dispatch_invocations(update.commands, pair.bindings, push, push.instance_count);
+            separate_kernels(update.commands);
+        }
     update.end_stage("attach");
+}
+
+// Groups, which are read one after the other, may not form circles with what was there before.
+void AttachStage::exchange(StateArchive& archive) {
+    if (!archive.reads()) return;
+    for (uint32_t instance = 0; instance < attachments_.size(); ++instance)
+        if (attachments_[instance].carrier_batch != kNone) set(instance, kOnNobody);
 }
 
 // Carriers by their numbers in the crowd. All are handed to the device with the next update.
 void AttachStage::exchange_group(StateArchive& archive, uint32_t group) {
-    for_each_batch_of(group, [&](const Batch& batch, uint32_t index) {
+    for_each_batch_of(group, [&](const Batch& batch, uint32_t) {
         if (!group_of(batch).is_carried) return;
         const auto attachments = std::span(attachments_).subspan(batch.first_instance, batch.instance_count);
         std::vector<io::InstanceAttachment> by_number(attachments.begin(), attachments.end());
@@ -135,24 +210,23 @@ void AttachStage::exchange_group(StateArchive& archive, uint32_t group) {
             if (one.carrier_batch != kNone) one.carrier += batches_[one.carrier_batch].first_instance;
         archive.values(std::span(by_number));
         if (!archive.reads()) return;
-        for (auto& [which, pair] : pairs_)
-            if (which.first == index) pair.count = 0;
-        for (io::InstanceAttachment& one : by_number) {
-            if (one.carrier_batch == kNone) continue;
-            one.carrier = archive.renumbered(one.carrier);
-            if (one.carrier == kNone) {
-                one = kOnNobody;
+        for (uint32_t i = 0; i < by_number.size(); ++i) {
+            io::InstanceAttachment& one = by_number[i];
+            if (one.carrier_batch != kNone) one.carrier = archive.renumbered(one.carrier);
+            if (one.carrier_batch == kNone || one.carrier == kNone) {
+                set(batch.first_instance + i, kOnNobody);
                 continue;
             }
             const Batch* const carrier = batch_at(batches_, one.carrier);
             StateArchive::require(carrier, "somebody hangs where nothing is");
             one.carrier_batch = static_cast<uint32_t>(carrier - batches_.data());
             one.carrier -= carrier->first_instance;
+            one.level = 1;
             StateArchive::require(is_possible(one), "somebody hangs where nothing is");
-            ++pairs_.at({index, one.carrier_batch}).count;
+            set(batch.first_instance + i, one);
         }
-        std::ranges::copy(by_number, attachments.begin());
-        dirty_.add(batch.first_instance, batch.instance_count);
+        const std::string mistake = count_levels();
+        StateArchive::require(mistake.empty(), mistake);
     });
 }
 

@@ -13,7 +13,7 @@
 
 namespace throng {
 
-// Throws kInvalidArgument where a group that is carried would also move by itself, or has sockets.
+// Throws kInvalidArgument where a group that is carried would also move by itself.
 void check_carried(const CrowdGroup& group);
 
 class AttachStage : public Stage {
@@ -22,8 +22,8 @@ public:
     static void plan(BatchPlan& plan);
     explicit AttachStage(const StageContext& context);
 
-    // Throws kInvalidArgument where the group is not carried, or the attachment is none; whether the carrier is there
-    // is for the caller to see to.
+    // Throws kInvalidArgument where the group is not carried, or the attachment is none, and changes nothing then;
+    // whether the carrier is there is for the caller to see to.
     void attach(const Instances& instances, const Each<Attachment>& attachment);
     void detach(const Instances& instances);
     // Detaches instances that are being despawned, and what hangs on them: whoever gets their number next has neither.
@@ -33,11 +33,15 @@ public:
     // Behind all that moves sockets.
     void record(const Update& update) override;
     void discard() override { dirty_.put_back(); }
+    void exchange(StateArchive& archive) override;
     void exchange_group(StateArchive& archive, uint32_t group) override;
 
 private:
     bool is_possible(const io::InstanceAttachment& attachment) const;
+    io::InstanceAttachment to_io(uint32_t instance, const Attachment& attachment) const;
     void set(uint32_t instance, const io::InstanceAttachment& attachment);
+    uint32_t carrier_of(uint32_t instance) const;
+    std::string count_levels();
     const Group& group_at(uint32_t instance) const { return group_of(batches_[batch_index_of(batches_, instance)]); }
 
     std::vector<io::InstanceAttachment> attachments_;  // [instance_count], as last set
@@ -45,9 +49,10 @@ private:
     Kernel kernel_;
     struct Pair {
         Bindings bindings;
-        uint32_t count = 0;  // of those that hang there
+        std::vector<uint32_t> counts;  // [level]: of those that hang there
     };
-    std::map<std::pair<uint32_t, uint32_t>, Pair> pairs_;  // a carried batch, and one of carriers
+    // A carried batch, and one of carriers; or kNone, for the sockets of those that hang on nobody.
+    std::map<std::pair<uint32_t, uint32_t>, Pair> pairs_;
 };
 
 }  // namespace throng

@@ -15,10 +15,6 @@ std::string place_of(const char* what, uint32_t instance) {
     return std::string(what) + " of instance " + std::to_string(instance);
 }
 
-[[noreturn]] void refuse(const char* what, uint32_t instance, const std::string& why) {
-    throw Failure(ErrorCode::kInvalidArgument, place_of(what, instance), why);
-}
-
 }  // namespace
 
 void CrowdState::check_range(uint32_t first_instance, uint32_t count, const char* what) const {
@@ -79,7 +75,8 @@ void CrowdState::set_playback(const Instances& instances, const Each<Playback>& 
 void CrowdState::set_placement(const Instances& instances, const Each<Affine>& world_from_model) {
     check_there(instances, "placement");
     for (uint32_t i = 0; i < instances.size(); ++i)
-        if (!is_finite(world_from_model[i])) refuse("placement", instances.number(i), "a number is not finite");
+        if (!is_finite(world_from_model[i]))
+            refuse(place_of("placement", instances.number(i)), "a number is not finite");
     placements->set(instances, world_from_model);
 }
 
@@ -103,7 +100,7 @@ void CrowdState::send_each(const Instances& instances, const char* what, const M
     commands.reserve(instances.size());
     for (uint32_t i = 0; i < instances.size(); ++i) {
         const Group& group = group_of(instances.number(i));
-        if (!group.controller) refuse(what, instances.number(i), group.name + " has no controller");
+        if (!group.controller) refuse(place_of(what, instances.number(i)), group.name + " has no controller");
         commands.push_back(make_command(i, group, place_of(what, instances.number(i))));
     }
     for (uint32_t i = 0; i < instances.size(); ++i) send(instances.number(i), commands[i]);
@@ -113,10 +110,10 @@ void CrowdState::attach(const Instances& instances, const Each<Attachment>& atta
     check_there(instances, "attachment");
     for (uint32_t i = 0; i < instances.size(); ++i)
         if (!is_alive(attachment[i].carrier))
-            refuse("attachment", instances.number(i),
+            refuse(place_of("attachment", instances.number(i)),
                    "its carrier, " + name_of(attachment[i].carrier) + ", is not there");
     if (!attachments && instances.size() > 0)
-        refuse("attachment", instances.number(0), "no group is carried (CrowdGroup::is_carried)");
+        refuse(place_of("attachment", instances.number(0)), "no group is carried (CrowdGroup::is_carried)");
     if (attachments) attachments->attach(instances, attachment);
 }
 
@@ -164,7 +161,7 @@ void CrowdState::check_agents(const Instances& instances) const {
     check_there(instances, "destination");
     for (uint32_t i = 0; i < instances.size(); ++i)
         if (const Group& group = group_of(instances.number(i)); !group.steering)
-            refuse("destination", instances.number(i), group.name + " has no steering");
+            refuse(place_of("destination", instances.number(i)), group.name + " has no steering");
 }
 
 void CrowdState::set_destination(const Instances& instances, const Each<Vec3<float>>& world_place) {
@@ -172,7 +169,7 @@ void CrowdState::set_destination(const Instances& instances, const Each<Vec3<flo
     for (uint32_t i = 0; i < instances.size(); ++i) {
         const auto& [x, y, z] = world_place[i];
         if (!std::isfinite(x) || !std::isfinite(y) || !std::isfinite(z))
-            refuse("destination", instances.number(i), "a number is not finite");
+            refuse(place_of("destination", instances.number(i)), "a number is not finite");
     }
     for (uint32_t i = 0; i < instances.size(); ++i) {
         const auto& [x, y, z] = world_place[i];

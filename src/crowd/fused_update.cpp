@@ -53,7 +53,7 @@ FusedUpdate::FusedUpdate(const StageContext& context)
         if (group.fused.empty()) continue;
         Member& member = members_.emplace_back(Member{.batch = i, .sets = {}, .sockets = {}});
         if (!gpu_->is_native()) bind(member);
-        if (!group.sockets || group.socket_space != SocketSpace::kWorld) continue;
+        if (!group.sockets || group.socket_flags() == 0) continue;
         if (!sockets_) sockets_ = socket_kernel(gpu_);
         member.sockets = sockets_->bind(batch.table(group, batch[io::kSocketsBuffer]));
     }
@@ -185,7 +185,7 @@ void FusedUpdate::record_sockets(VkCommandBuffer commands) const {
     for (const Member& member : members_) {
         const Batch& batch = batches_[member.batch];
         const Group& group = group_of(batch);
-        if (!group.sockets || group.socket_space != SocketSpace::kWorld) continue;
+        if (!group.sockets || group.socket_flags() == 0) continue;
         sockets_->dispatch_invocations(commands, member.sockets,
                                        io::SocketPush{batch.used_count, group.joint_count, group.socket_count(),
                                                       group.socket_flags(), batch.birth},

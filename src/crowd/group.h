@@ -157,7 +157,10 @@ struct Group {
         return steering || on_terrain || is_carried || command_capacity > 0 ||
                (has_root_motion() && controller->moves_placements);
     }
-    uint32_t socket_flags() const { return socket_space == SocketSpace::kWorld ? io::kSocketsToWorld : 0; }
+    // Of what is carried, the attach stage takes them to world space, when it knows where it is.
+    uint32_t socket_flags() const {
+        return socket_space == SocketSpace::kWorld && !is_carried ? io::kSocketsToWorld : 0;
+    }
     uint32_t socket_count() const { return sockets ? static_cast<uint32_t>(sockets->joints.size()) : 0; }
     bool takes_similarities() const { return scan_choice.method->format == ScanFormat::kSimilarity; }
     uint64_t size_bytes() const;  // but for native walks, which groups share

@@ -33,7 +33,7 @@ TEST(ForgedState, NeverACrash) {
         .groups =
             {{.character = &character, .instance_count = 3, .pose_capacity = 2, .capacity = 5},
              {.character = &character, .instance_count = 3, .controller = &controller, .sockets = {3}, .capacity = 4},
-             {.character = &character, .instance_count = 2, .is_carried = true}},
+             {.character = &character, .instance_count = 3, .sockets = {2}, .is_carried = true}},
         .culling = Culling{.skips_updates = true}};
     Crowd crowd = Crowd::create(device, settings).value();
     for (int update = 0; update < 4; ++update) {
@@ -46,6 +46,7 @@ TEST(ForgedState, NeverACrash) {
     }
     ASSERT_TRUE(crowd.set_parameter(InstanceHandle{7}, 0, 1.0f));
     ASSERT_TRUE(crowd.attach(InstanceHandle{9}, Attachment{.carrier = {6}}));
+    ASSERT_TRUE(crowd.attach(InstanceHandle{10}, Attachment{.carrier = {9}}));
     const std::vector<std::byte> saved = crowd.save_state().value();
     Random random(1);
     uint32_t refused = 0, taken = 0;
