@@ -51,7 +51,7 @@ void CrowdState::check_groups(const CrowdSettings& settings) const {
 }
 
 void CrowdState::make_groups(Uploads& uploads, const CrowdSettings& settings) {
-    NativeRigs rigs;
+    SharedRigs rigs(gpu);
     for (const CrowdGroup& group : settings.groups) {
         if (const std::string unsupported_reason = skin_format_unsupported_reason(skin_format, *group.character);
             !unsupported_reason.empty())

@@ -68,7 +68,7 @@ void add_group(Checksum& made_of, const Group& group) {
     made_of.add(uint32_t{group.varies});
     made_of.add(uint32_t{group.native});
     made_of.add(uint32_t{group.packed});
-    made_of.add(uint32_t{group.rows.has_value()});
+    made_of.add(uint32_t{group.rows != nullptr});
     made_of.add(uint32_t{group.moves_placements()});
     made_of.add(uint32_t{group.is_carried});
     made_of.add(group.command_capacity);

@@ -70,9 +70,9 @@ GroupController::GroupController(Uploads& uploads, const Controller& controller,
         buffers[io::kParentsBuffer] = upload_table(uploads, character.name + ": parents", character.rig.parents);
 }
 
-Group::Group(Uploads& uploads, NativeRigs& rigs, const CrowdGroup& group, const PathChoice& choice,
+Group::Group(Uploads& uploads, SharedRigs& rigs, const CrowdGroup& group, const PathChoice& choice,
              const CrowdSettings& settings)
-    : Group(uploads, *group.character, choice) {
+    : Group(uploads, rigs, *group.character, choice) {
     if (group.controller)
         controller.emplace(uploads, *group.controller, *group.character, group.moves_placements, buffers);
     varies = group.capacity > 0;
@@ -114,7 +114,7 @@ Group::Group(Uploads& uploads, NativeRigs& rigs, const CrowdGroup& group, const 
             uploads.gpu(), name + ": poses of CrowdGroup::pose_capacity", uint64_t{pose_capacity} * joint_count);
 }
 
-Group::Group(Uploads& uploads, const Character& character, const PathChoice& choice)
+Group::Group(Uploads& uploads, SharedRigs& rigs, const Character& character, const PathChoice& choice)
     : name(character.name),
       joint_count(character.rig.joint_count()),
       palette_count(static_cast<uint32_t>(character.palette.size())),
@@ -132,7 +132,7 @@ Group::Group(Uploads& uploads, const Character& character, const PathChoice& cho
       path_reason(choice.path_reason) {
     native = choice.native;
     if (choice.fused)
-        add_fused(uploads, character, FusedRig(character), *choice.fused, choice.rows);
+        add_fused(uploads, rigs, character, FusedRig(character), *choice.fused, choice.rows);
     else
         scan.emplace(uploads, scan_choice, ScanRig(character.rig.parents, character.rig.uniform_scale),
                      scan_limits(*uploads.gpu()));
@@ -160,12 +160,13 @@ Group::Group(Uploads& uploads, const Character& character, const PathChoice& cho
 }
 
 // From rows where `may_have_rows`, in whose order the joints are then walked.
-void Group::add_fused(Uploads& uploads, const Character& character, FusedRig rig, FusedPlan plan, bool may_have_rows) {
+void Group::add_fused(Uploads& uploads, SharedRigs& rigs, const Character& character, FusedRig rig, FusedPlan plan,
+                      bool may_have_rows) {
     if (may_have_rows) {
         FusedRig in_order = rig.in_stream_order(plan.choice.threads);
         FusedPlan of_order = plan_fused(plan.choice, in_order, scan_limits(*uploads.gpu()));
         if (fused.empty() && of_order.unsupported_reason.empty()) {
-            rows = GroupRows::make(uploads, character, in_order, buffers);
+            rows = GroupRows::make(uploads, rigs, character, in_order, buffers);
             if (rows) path_reason += ", from rows";
         }
         if (rows) {
@@ -192,7 +193,7 @@ void Group::make_lods(Uploads& uploads, const Character& character) {
 }
 
 // For a set of joints that is there already.
-void Group::make_native(NativeRigs& rigs, const Character& character, const CrowdSettings& settings, uint32_t lod) {
+void Group::make_native(SharedRigs& rigs, const Character& character, const CrowdSettings& settings, uint32_t lod) {
     if (!native || fused.empty()) return;
     // Where most joints move, all of them in the palette's order are written faster than these (docs/native.md).
     constexpr uint32_t kWorthIt = 3;
@@ -200,11 +201,11 @@ void Group::make_native(NativeRigs& rigs, const Character& character, const Crow
     if (lod > 0 && kWorthIt * joints.joint_count > joint_count)
         joints.native = fused[0].native;
     else
-        joints.native = rigs.get(character, {.lod = lod,
-                                             .keeps_model = settings.keep_model_matrices,
-                                             .sockets = sockets ? sockets->joints : std::vector<uint32_t>(),
-                                             .sockets_only = sockets_only,
-                                             .all_move = pose_capacity > 0});
+        joints.native = rigs.native(character, {.lod = lod,
+                                                .keeps_model = settings.keep_model_matrices,
+                                                .sockets = sockets ? sockets->joints : std::vector<uint32_t>(),
+                                                .sockets_only = sockets_only,
+                                                .all_move = pose_capacity > 0});
     if (controller) joints.native_masks = joints.native->masks_in_order(controller->masks);
 }
 
@@ -218,7 +219,7 @@ void Group::leave_native(const std::string& reason) {
 
 // The sets of joints of coarser levels, as far as the method of the finest goes about them, and the influences that
 // refer to no others.
-void Group::reduce_joints(Uploads& uploads, NativeRigs& rigs, const Character& character,
+void Group::reduce_joints(Uploads& uploads, SharedRigs& rigs, const Character& character,
                           const CrowdSettings& settings) {
     if (character.joint_lods.empty()) return;
     std::vector<Influences> all = character.influences;
@@ -226,7 +227,7 @@ void Group::reduce_joints(Uploads& uploads, NativeRigs& rigs, const Character& c
         const FusedRig rig(character, lod);
         FusedPlan plan = fused[0].plan;
         if (!uploads.gpu()->is_native()) plan = plan_fused(plan.choice, rig, scan_limits(*uploads.gpu()));
-        add_fused(uploads, character, rig, std::move(plan), rows.has_value());
+        add_fused(uploads, rigs, character, rig, std::move(plan), rows != nullptr);
         if (fused.size() <= lod) break;
         make_native(rigs, character, settings, lod);
         const std::vector<Influences> of_lod = influences_of_lod(character, lod);

@@ -6,8 +6,8 @@
 #include "control/controller_io.h"
 #include "control/layer_commands.h"
 #include "crowd/group_rows.h"
-#include "crowd/native_rigs.h"
 #include "crowd/path.h"
+#include "crowd/shared_rigs.h"
 #include "cull/cull_io.h"
 #include "gpu/kernel.h"
 #include "gpu/upload.h"
@@ -73,7 +73,7 @@ struct GroupLife {};
 
 struct Group {
     Group() = default;  // is_gone()
-    Group(Uploads& uploads, NativeRigs& rigs, const CrowdGroup& group, const PathChoice& choice,
+    Group(Uploads& uploads, SharedRigs& rigs, const CrowdGroup& group, const PathChoice& choice,
           const CrowdSettings& settings);
 
     // By it others know this group from one that is made later at the same place, and when it is gone.
@@ -113,7 +113,7 @@ struct Group {
     std::optional<ScanStage> scan;  // where staged
     // Where fused: all joints; then, with Culling::reduces_joints, those of each coarser level of detail
     std::vector<FusedJoints> fused;
-    std::optional<GroupRows> rows;                           // where fused kernels read rows
+    std::shared_ptr<const GroupRows> rows;                   // where fused kernels read rows
     std::array<uint32_t, io::kLodCount> set_entry_counts{};  // [fused], palette entries of each set of joints
     bool uniform_scale = false;                              // Rig::uniform_scale
     uint32_t pose_capacity = 0;
@@ -167,17 +167,18 @@ struct Group {
 
 private:
     void make_procedural(Uploads& uploads, const ProceduralRules& rules, const Character& character);
-    void make_native(NativeRigs& rigs, const Character& character, const CrowdSettings& settings, uint32_t lod);
-    void add_fused(Uploads& uploads, const Character& character, FusedRig rig, FusedPlan plan, bool may_have_rows);
+    void make_native(SharedRigs& rigs, const Character& character, const CrowdSettings& settings, uint32_t lod);
+    void add_fused(Uploads& uploads, SharedRigs& rigs, const Character& character, FusedRig rig, FusedPlan plan,
+                   bool may_have_rows);
     void make_lods(Uploads& uploads, const Character& character);
-    void reduce_joints(Uploads& uploads, NativeRigs& rigs, const Character& character, const CrowdSettings& settings);
+    void reduce_joints(Uploads& uploads, SharedRigs& rigs, const Character& character, const CrowdSettings& settings);
     void make_palette_by_set(Uploads& uploads, const Character& character);
     void make_skin_tables(Uploads& uploads, const Character& character);
     float usual_pose_margin(SkinBlend blend) const;
     void bound_poses(const Character& character, float margin);
     void make_looks(Uploads& uploads, const CrowdGroup& group);
     void make_sockets(Uploads& uploads, const std::vector<uint32_t>& joints);
-    Group(Uploads& uploads, const Character& character, const PathChoice& choice);
+    Group(Uploads& uploads, SharedRigs& rigs, const Character& character, const PathChoice& choice);
 };
 
 // The first of the rest pose's tracks, which come after those of the clips.

@@ -1,44 +1,74 @@
 #include "crowd/group_rows.h"
 
-#include "native/gpu_rows.h"
-
 #include <algorithm>
 #include <functional>
+#include <optional>
 
 namespace throng {
 
-std::optional<GroupRows> GroupRows::make(Uploads& uploads, const Character& character, const FusedRig& finest,
-                                         Buffers& buffers) {
-    const native::RowSpaces spaces(character, false);
-    if (!spaces.uniform_scale) return std::nullopt;
-    GroupRows out;
-    out.columns_.resize(character.rig.joint_count());
+namespace {
+
+std::vector<native::RowJoint> joints_of(const native::RowSpaces& spaces, const FusedRig& finest) {
     std::vector<native::RowJoint> joints;
-    for (const uint32_t joint : finest.rig_joints) {
-        out.columns_[joint] = static_cast<uint32_t>(joints.size());
-        joints.push_back(spaces.of_joints[joint]);
-    }
+    for (const uint32_t joint : finest.rig_joints) joints.push_back(spaces.of_joints[joint]);
+    return joints;
+}
+
+std::optional<GpuRows> rows_of(const Gpu& gpu, const Character& character, const native::RowSpaces& spaces,
+                               const FusedRig& finest) {
+    constexpr uint64_t kMostRows_bytes = uint64_t{1} << 30;  // which are made in host memory first
+    return make_gpu_rows(
+        character, joints_of(spaces, finest),
+        std::min({kMostRows_bytes, uint64_t{gpu.properties.limits.maxStorageBufferRange}, gpu.max_allocation_bytes}));
+}
+
+}  // namespace
+
+GroupRows::GroupRows(const Character& character, const native::RowSpaces& spaces, const FusedRig& finest,
+                     const GpuRows& rows)
+    : columns_(character.rig.joint_count()) {
+    for (const uint32_t joint : finest.rig_joints) columns_[joint] = counts_.joint_count++;
     for (const PaletteEntry& entry : character.palette) {
         const AffineT<double> bind = native::to_affine(spaces.of_joints[entry.joint].joint_space) *
                                      entry.joint_from_bind.as<double>();
-        out.binds_.matrices.push_back(bind.as<float>());
-        out.binds_.is_plain.push_back(native::is_identity(bind, character.size));
+        binds_.matrices.push_back(bind.as<float>());
+        binds_.is_plain.push_back(native::is_identity(bind, character.size));
     }
-    constexpr uint64_t kMostRows_bytes = uint64_t{1} << 30;  // which are made in host memory first
-    const Gpu& gpu = *uploads.gpu();
-    const std::optional<GpuRows> made = make_gpu_rows(
-        character, joints,
-        std::min({kMostRows_bytes, uint64_t{gpu.properties.limits.maxStorageBufferRange}, gpu.max_allocation_bytes}));
-    if (!made) return std::nullopt;
-    const GpuRows& rows = *made;
-    out.counts_ = {.joint_count = static_cast<uint32_t>(joints.size()),
-                   .fine_rotation_count = rows.fine_rotation_count,
-                   .motion_count = rows.motion_count,
-                   .fine_motion_count = rows.fine_motion_count,
-                   .plain_entries = std::ranges::all_of(out.binds_.is_plain, std::identity())};
-    buffers[io::kRowsBuffer] = upload(uploads, character.name + ": rows", rows.rows);
-    buffers[io::kRowJointsBuffer] = upload(uploads, character.name + ": joints of rows", rows.joints);
-    buffers[io::kRowPlacesBuffer] = upload(uploads, character.name + ": places of rows", rows.places);
+    counts_.fine_rotation_count = rows.fine_rotation_count;
+    counts_.motion_count = rows.motion_count;
+    counts_.fine_motion_count = rows.fine_motion_count;
+    counts_.plain_entries = std::ranges::all_of(binds_.is_plain, std::identity());
+}
+
+// Its buffers are found by what they are made from, like itself; they may still have to be made where it is there,
+// since others may only use them when they have been uploaded.
+std::shared_ptr<const GroupRows> GroupRows::make(Uploads& uploads, SharedRigs& rigs, const Character& character,
+                                                 const FusedRig& finest, Buffers& buffers) {
+    Gpu& gpu = *uploads.gpu();
+    SharedValues::Key key = rigs.motion(character);
+    key.push_back(uint64_t(SharedValue::kGroupRows));
+    key.insert(key.end(), finest.rig_joints.begin(), finest.rig_joints.end());
+    std::optional<GpuRows> rows;
+    std::shared_ptr<const GroupRows> out = gpu.values.find<GroupRows>(key);
+    if (!out) {
+        const native::RowSpaces spaces(character, false);
+        if (spaces.uniform_scale) rows = rows_of(gpu, character, spaces, finest);
+        if (!rows) return nullptr;
+        out = gpu.values.add(key, std::make_shared<const GroupRows>(character, spaces, finest, *rows));
+    }
+    const auto share = [&](uint32_t number, const char* what, auto GpuRows::*member) {
+        key.push_back(number);
+        const auto buffer_key = SharedBuffers::key_of(std::as_bytes(std::span(key)), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT,
+                                                      0);
+        key.pop_back();
+        buffers[number] = uploads.share(buffer_key, [&] {
+            if (!rows) rows = rows_of(gpu, character, native::RowSpaces(character, false), finest);
+            return upload(uploads, character.name + what, (*rows).*member);
+        });
+    };
+    share(io::kRowsBuffer, ": rows", &GpuRows::rows);
+    share(io::kRowJointsBuffer, ": joints of rows", &GpuRows::joints);
+    share(io::kRowPlacesBuffer, ": places of rows", &GpuRows::places);
     return out;
 }
 

@@ -1,20 +1,24 @@
 // The rows of a group's clips, which kernels read in place of keys, and the matrices that go with them.
 #pragma once
 
+#include "crowd/shared_rigs.h"
 #include "fused/fused.h"
 #include "gpu/upload.h"
+#include "native/gpu_rows.h"
 
-#include <optional>
+#include <memory>
 #include <vector>
 
 namespace throng {
 
 class GroupRows {
 public:
-    // `finest`: all joints of the character, in the order of the rows' columns. Adds its buffers. None where the
+    // `finest`: all joints of the character, in the order of the rows' columns. Adds its buffers. Null where the
     // character's joints have several scales, or its rows are more than a kernel of the device can bind.
-    static std::optional<GroupRows> make(Uploads& uploads, const Character& character, const FusedRig& finest,
-                                         Buffers& buffers);
+    static std::shared_ptr<const GroupRows> make(Uploads& uploads, SharedRigs& rigs, const Character& character,
+                                                 const FusedRig& finest, Buffers& buffers);
+
+    GroupRows(const Character& character, const native::RowSpaces& spaces, const FusedRig& finest, const GpuRows& rows);
 
     // For a set of joints: upload_fused_tables(), and their columns.
     Buffers upload_tables(Uploads& uploads, const Character& character, const FusedRig& rig,

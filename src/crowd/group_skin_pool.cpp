@@ -35,7 +35,7 @@ uint64_t row_bytes(const Group& group, SkinFormat format) {
 
 }  // namespace
 
-GroupSkinPool make_skin_pool(Uploads& uploads, NativeRigs& rigs, Group& group, const CrowdGroup& made_of,
+GroupSkinPool make_skin_pool(Uploads& uploads, SharedRigs& rigs, Group& group, const CrowdGroup& made_of,
                              const CrowdSettings& settings) {
     const std::string place = group.name + ": skin pool";
     const Character& character = *made_of.character;
@@ -58,7 +58,7 @@ GroupSkinPool make_skin_pool(Uploads& uploads, NativeRigs& rigs, Group& group, c
         throw Failure(ErrorCode::kLimit, place,
                       "a capacity of " + std::to_string(pool.capacity) + "; the device dispatches " +
                           std::to_string(most) + " workgroups at most");
-    SharedPoses shared = make_shared_poses(character, *rigs.get(character, {}), settings.skin_format,
+    SharedPoses shared = make_shared_poses(character, *rigs.native(character, {}), settings.skin_format,
                                            pool.shared_poses_per_s);
     group.buffers[io::kSharedClipsBuffer] = upload(uploads, group.name + ": shared clips", shared.clips);
     return {.capacity = std::min(pool.capacity, made_of.instance_count),

@@ -7,7 +7,7 @@ namespace throng {
 
 // Of a group that has everything else already; adds kSharedClipsBuffer to it. Throws what Crowd::create() promises of
 // skin pools.
-GroupSkinPool make_skin_pool(Uploads& uploads, NativeRigs& rigs, Group& group, const CrowdGroup& made_of,
+GroupSkinPool make_skin_pool(Uploads& uploads, SharedRigs& rigs, Group& group, const CrowdGroup& made_of,
                              const CrowdSettings& settings);
 
 // The skin matrices of its batches, and their rows.

@@ -4,6 +4,7 @@
 #include "gpu/memory.h"
 #include "gpu/native.h"
 #include "gpu/shared_kernels.h"
+#include "gpu/shared_values.h"
 #include "gpu/submissions.h"
 #include "gpu/vulkan.h"
 
@@ -116,6 +117,7 @@ public:
     MemoryBlocks memory;
     SharedKernels kernels;
     const std::unique_ptr<SharedBuffers> buffers;
+    SharedValues values;
     mutable GpuCounts counts;
 
 private:

@@ -1,0 +1,49 @@
+#include "crowd/shared_rigs.h"
+
+#include "gpu/shared_buffers.h"
+
+#include <span>
+
+namespace throng {
+
+const SharedValues::Key& SharedRigs::motion(const Character& character) {
+    const auto [entry, is_new] = motions_.try_emplace(&character);
+    SharedValues::Key& key = entry->second;
+    if (!is_new) return key;
+    const auto add = [&](const auto& values) {
+        using T = std::ranges::range_value_t<decltype(values)>;
+        static_assert(std::is_trivially_copyable_v<T>);
+        const auto [crc, hash, size_bytes, usage, texel_bytes] = SharedBuffers::key_of(std::as_bytes(std::span(values)),
+                                                                                       0, 0);
+        key.insert(key.end(), {crc, hash, size_bytes});
+    };
+    std::vector<uint32_t> clips;
+    for (const Clip& clip : character.clips)
+        clips.insert(clips.end(), {clip.first_time, clip.row_count, clip.row_stride, clip.first_row});
+    add(clips);
+    add(std::vector{character.size, character.packed ? 1.0f : 0.0f});
+    add(character.rig.parents);
+    add(character.rig.rest);
+    add(character.times_s);
+    add(character.keys);
+    add(character.words);
+    add(character.tracks);
+    add(character.palette);
+    add(character.joint_lods);
+    // How far what hangs on a joint lies from it
+    add(character.sections);
+    add(character.vertices);
+    add(character.influences);
+    return key;
+}
+
+std::shared_ptr<const NativeRig> SharedRigs::native(const Character& character, const NativeRigSettings& settings) {
+    SharedValues::Key key = motion(character);
+    key.insert(key.end(), {uint64_t(SharedValue::kNativeRig), settings.lod, settings.keeps_model, settings.sockets_only,
+                           settings.all_move});
+    key.insert(key.end(), settings.sockets.begin(), settings.sockets.end());
+    if (auto found = gpu_->values.find<NativeRig>(key)) return found;
+    return gpu_->values.add(std::move(key), std::make_shared<const NativeRig>(character, settings));
+}
+
+}  // namespace throng

@@ -1,0 +1,29 @@
+// What is computed of a character's joints and clips, once for all groups of a device that would have the same.
+#pragma once
+
+#include "gpu/gpu.h"
+#include "native/native_rig.h"
+
+#include <map>
+#include <memory>
+
+namespace throng {
+
+// What follows motion() in the keys of SharedValues.
+enum class SharedValue : uint64_t { kNativeRig, kGroupRows };
+
+// While the groups of a crowd are made: their characters do not change meanwhile.
+class SharedRigs {
+public:
+    explicit SharedRigs(std::shared_ptr<Gpu> gpu) : gpu_(std::move(gpu)) {}
+
+    std::shared_ptr<const NativeRig> native(const Character& character, const NativeRigSettings& settings);
+    // Checksums of all that rows (native/rows.h, native/gpu_rows.h) depend on.
+    const SharedValues::Key& motion(const Character& character);
+
+private:
+    std::shared_ptr<Gpu> gpu_;
+    std::map<const Character*, SharedValues::Key> motions_;
+};
+
+}  // namespace throng

@@ -1,0 +1,42 @@
+// What is computed once a device and shared by all whose inputs are the same.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <utility>
+#include <vector>
+
+namespace throng {
+
+// Finds a value that is in use by what it was computed from. Thread-safe.
+class SharedValues {
+public:
+    // All that the value depends on, its type too.
+    using Key = std::vector<uint64_t>;
+
+    // Null where there is none.
+    template <class T>
+    std::shared_ptr<const T> find(const Key& key) {
+        const std::lock_guard lock(mutex_);
+        const auto found = by_key_.find(key);
+        return found == by_key_.end() ? nullptr : std::static_pointer_cast<const T>(found->second.lock());
+    }
+    // Returns the one to use: that of another thread, where it was faster. It is not kept alive.
+    template <class T>
+    std::shared_ptr<const T> add(Key key, std::shared_ptr<const T> made) {
+        const std::lock_guard lock(mutex_);
+        std::erase_if(by_key_, [](const auto& entry) { return entry.second.expired(); });
+        const auto entry = by_key_.try_emplace(std::move(key), made).first;
+        if (const auto found = entry->second.lock()) return std::static_pointer_cast<const T>(found);
+        entry->second = made;
+        return made;
+    }
+
+private:
+    std::mutex mutex_;
+    std::map<Key, std::weak_ptr<const void>> by_key_;
+};
+
+}  // namespace throng
