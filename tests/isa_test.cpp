@@ -127,9 +127,10 @@ TEST(Isa, CostsOfThePlannerAreThoseOfMachineCode) {
     const auto machine = std::ranges::find(machines(), "RX 6900 XT", &Machine::name);
     const PredictedCosts predicted = predict_scan_costs(*machine, built_in, [](const std::string&) {});
     EXPECT_GT(predicted.scan_count, 50u);
-    EXPECT_LT(predicted.largest_slack, 1.4) << "1.38 for 100 characters, a matter of microseconds";
-    for (const auto constant : {&ScanCosts::row_ns, &ScanCosts::multiplication_ns, &ScanCosts::workgroup_ns,
-                                &ScanCosts::latency_ns, &ScanCosts::units, &ScanCosts::resident_subgroups})
+    EXPECT_LT(predicted.largest_slack, 1.1);
+    for (const auto constant :
+         {&ScanCosts::row_ns, &ScanCosts::multiplication_ns, &ScanCosts::barrier_ns, &ScanCosts::workgroup_ns,
+          &ScanCosts::latency_ns, &ScanCosts::units, &ScanCosts::resident_subgroups})
         EXPECT_NEAR(built_in.*constant, predicted.costs.*constant, 0.1 * predicted.costs.*constant);
 }
 

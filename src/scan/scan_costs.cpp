@@ -51,8 +51,8 @@ ScanCosts costs_of(const DataSheet& gpu) {
             // A row takes 32 lines of the cache instead of the 12 of joints side by side
             .scattered_rows = 2.7,
             .multiplication_ns = 61 / gpu.clock_ghz,
-            .barrier_ns = 2 / gpu.clock_ghz,
-            .workgroup_ns = 83 / gpu.clock_ghz,
+            .barrier_ns = 14 / gpu.clock_ghz,
+            .workgroup_ns = 66 / gpu.clock_ghz,
             .latency_ns = 451 / gpu.clock_ghz,
             .units = gpu.simds,
             .resident_subgroups = gpu.simds * gpu.subgroups,

@@ -64,8 +64,10 @@ double predict_ms(const ScanPlan& plan, const ScanRig& rig, const ScanMethod& me
                                 plan.instances_per_workgroup *
                                     (counts.issue_steps * costs.multiplication_ns + counts.issue_rows * row_ns);
     const double issue_ns = std::ceil(workgroups / costs.units) * workgroup_ns;
+    // Of subgroups that are wider than the device's own: each instruction takes as many
+    const double passes = std::max(1.0, static_cast<double>(plan.subgroup_size) / limits.subgroup_size);
     const double latency_ns = std::ceil(workgroups * subgroups / costs.resident_subgroups) * counts.longest_thread *
-                              (kRowsOfAffine * row_ns + costs.latency_ns);
+                              passes * (kRowsOfAffine * row_ns + costs.latency_ns);
     const double bytes_a_joint = 16 * ((method.format == ScanFormat::kSimilarity ? kRowsOfSimilarity : kRowsOfAffine) +
                                        kRowsOfAffine) +
                                  counts.split_bytes();

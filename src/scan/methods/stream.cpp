@@ -44,7 +44,7 @@ ScanPlan plan_with(const ScanRig& rig, const ScanLimits& limits, uint32_t lanes,
     constexpr double kShuffles = 0.35;  // in products, by machine code of navi21: 83 instructions a round, 62 a product
     const double rows_of_local = bytes_of(format) / 16.0;
     const auto chunks = static_cast<uint32_t>(stream.chunks.size());
-    const double subgroups = std::min(1.0, static_cast<double>(lanes) / limits.subgroup_size) / stream.characters;
+    const double subgroups = static_cast<double>(lanes) / limits.subgroup_size / stream.characters;
     plan.counts = {
         .multiplications = stream.multiplications / stream.characters,
         .longest_thread = stream.longest_lane,
