@@ -292,14 +292,14 @@ TEST(Draw, AFailedUploadIsNotBlamedOnTheNextTexture) {
     const AssetImage next{.name = "next", .encoded = png_bytes(gradient(8, 8))};
     std::vector<std::string> warnings;
     uint64_t room_bytes = kTexturesLimit_bytes;
-    TextureAccount account{warnings, room_bytes};
-    const Result<void> made = as_result([&] { make_texture(uploads, next, kColorTexture, account); });
+    TextureAccount account{warnings, room_bytes, gpu.values};
+    const Result<void> made = as_result([&] { make_texture(uploads, next, true, account); });
     ASSERT_FALSE(made);
     EXPECT_EQ(made.error().code, ErrorCode::kOutOfMemory);
     EXPECT_EQ(made.error().text().find("next"), std::string::npos) << made.error().text();
     EXPECT_TRUE(warnings.empty());
     gpu.vk.vkQueueSubmit2 = driver_submit;
-    EXPECT_TRUE(make_texture(uploads, next, kColorTexture, account));
+    EXPECT_TRUE(make_texture(uploads, next, true, account));
 }
 
 // Images that say they are large, and have no pixels: each takes a sixth of what there is room for, before it is

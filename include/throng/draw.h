@@ -89,6 +89,12 @@ struct RenderResult {
     std::vector<std::string> warnings{};  // textures that could not be decoded and are drawn white
 };
 
+// Decodes the images of a crowd's materials, on the calling thread, and keeps them with its groups, also when
+// Crowd::add_groups() takes these into another crowd, until a Renderer has made textures of them: so the thread that
+// draws decodes none. For crowds that a loading thread makes, while nobody draws them. The pictures take host memory
+// meanwhile; images that cannot be decoded are left to the renderer, which warns of them. Errors: kOutOfMemory.
+Result<void> decode_images(const Crowd& crowd);
+
 struct RendererState;  // internal
 
 // Natively it needs no Vulkan, and but for record(), record_drawing() and picture() nothing of it; else a device with a

@@ -69,7 +69,10 @@ struct GroupSkinPool {
     uint32_t row_count(uint32_t instance_count) const { return std::min(capacity, instance_count); }
 };
 
-struct GroupLife {};
+struct GroupLife {
+    // Of decode_images(): keeps what SharedValues then finds, until a renderer has made its textures
+    mutable std::shared_ptr<const void> decoded{};
+};
 
 struct Group {
     Group() = default;  // is_gone()

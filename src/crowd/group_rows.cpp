@@ -45,8 +45,7 @@ GroupRows::GroupRows(const Character& character, const native::RowSpaces& spaces
 std::shared_ptr<const GroupRows> GroupRows::make(Uploads& uploads, SharedRigs& rigs, const Character& character,
                                                  const FusedRig& finest, Buffers& buffers) {
     Gpu& gpu = *uploads.gpu();
-    SharedValues::Key key = rigs.motion(character);
-    key.push_back(uint64_t(SharedValue::kGroupRows));
+    SharedValues::Key key = rigs.key_of(SharedValue::kGroupRows, character);
     key.insert(key.end(), finest.rig_joints.begin(), finest.rig_joints.end());
     std::optional<GpuRows> rows;
     std::shared_ptr<const GroupRows> out = gpu.values.find<GroupRows>(key);

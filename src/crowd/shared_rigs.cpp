@@ -6,6 +6,7 @@
 
 namespace throng {
 
+// Checksums of all that rows depend on.
 const SharedValues::Key& SharedRigs::motion(const Character& character) {
     const auto [entry, is_new] = motions_.try_emplace(&character);
     SharedValues::Key& key = entry->second;
@@ -37,13 +38,17 @@ const SharedValues::Key& SharedRigs::motion(const Character& character) {
     return key;
 }
 
-std::shared_ptr<const NativeRig> SharedRigs::native(const Character& character, const NativeRigSettings& settings) {
+SharedValues::Key SharedRigs::key_of(SharedValue kind, const Character& character) {
     SharedValues::Key key = motion(character);
-    key.insert(key.end(), {uint64_t(SharedValue::kNativeRig), settings.lod, settings.keeps_model, settings.sockets_only,
-                           settings.all_move});
+    key.insert(key.begin(), uint64_t(kind));
+    return key;
+}
+
+std::shared_ptr<const NativeRig> SharedRigs::native(const Character& character, const NativeRigSettings& settings) {
+    SharedValues::Key key = key_of(SharedValue::kNativeRig, character);
+    key.insert(key.end(), {settings.lod, settings.keeps_model, settings.sockets_only, settings.all_move});
     key.insert(key.end(), settings.sockets.begin(), settings.sockets.end());
-    if (auto found = gpu_->values.find<NativeRig>(key)) return found;
-    return gpu_->values.add(std::move(key), std::make_shared<const NativeRig>(character, settings));
+    return gpu_->values.get<NativeRig>(key, [&] { return NativeRig(character, settings); });
 }
 
 }  // namespace throng

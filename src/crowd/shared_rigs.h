@@ -9,19 +9,18 @@
 
 namespace throng {
 
-// What follows motion() in the keys of SharedValues.
-enum class SharedValue : uint64_t { kNativeRig, kGroupRows };
-
 // While the groups of a crowd are made: their characters do not change meanwhile.
 class SharedRigs {
 public:
     explicit SharedRigs(std::shared_ptr<Gpu> gpu) : gpu_(std::move(gpu)) {}
 
     std::shared_ptr<const NativeRig> native(const Character& character, const NativeRigSettings& settings);
-    // Checksums of all that rows (native/rows.h, native/gpu_rows.h) depend on.
-    const SharedValues::Key& motion(const Character& character);
+    // The key of something that depends on what rows (native/rows.h, native/gpu_rows.h) depend on.
+    SharedValues::Key key_of(SharedValue kind, const Character& character);
 
 private:
+    const SharedValues::Key& motion(const Character& character);
+
     std::shared_ptr<Gpu> gpu_;
     std::map<const Character*, SharedValues::Key> motions_;
 };

@@ -7,17 +7,17 @@ namespace throng {
 namespace {
 
 GroupMaterials make_materials(Uploads& uploads, const Group& group, const ShaderLayout& layout,
-                              const MaterialSampling& sampling, std::vector<std::string>& warnings,
-                              uint64_t& room_bytes) {
-    TextureAccount account{warnings, room_bytes};
+                              const MaterialSampling& sampling, TextureAccount account) {
     return {uploads, group, layout.set(kMaterialSet), sampling, account};
 }
 
 }  // namespace
 
 GroupBindings::GroupBindings(Uploads& uploads, const ShaderLayout& layout, const MaterialSampling& sampling,
-                             const CrowdState& crowd, uint32_t group_index, uint64_t& room_bytes)
-    : materials(make_materials(uploads, crowd.groups[group_index], layout, sampling, warnings, room_bytes)) {
+                             const CrowdState& crowd, uint32_t group_index, uint64_t& room_bytes,
+                             SharedValues& textures)
+    : materials(
+          make_materials(uploads, crowd.groups[group_index], layout, sampling, {warnings, room_bytes, textures})) {
     const Group& group = crowd.groups[group_index];
     for (const Batch& batch : crowd.batches) {
         if (batch.group != group_index) continue;

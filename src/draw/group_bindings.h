@@ -10,9 +10,10 @@
 namespace throng {
 
 struct GroupBindings {
-    // Decodes textures, and takes what they need from `room_bytes`. To be drawn with when the uploads have finished.
+    // Makes what `textures`, the renderer's, lack, and takes what all need from `room_bytes`. To be drawn with when the
+    // uploads have finished.
     GroupBindings(Uploads& uploads, const ShaderLayout& layout, const MaterialSampling& sampling,
-                  const CrowdState& crowd, uint32_t group, uint64_t& room_bytes);
+                  const CrowdState& crowd, uint32_t group, uint64_t& room_bytes, SharedValues& textures);
 
     VkDescriptorSet set_of(const Batch& batch) const { return batches_[batch.of_group][batch.slot].set(); }
 

@@ -23,8 +23,11 @@ public:
             if (!crowd.groups[group].is_gone() && !find(crowd.groups[group])) missing.push_back(group);
         if (!missing.empty()) {
             std::vector<std::unique_ptr<Kept>> made = make(missing);
-            for (size_t i = 0; i < made.size(); ++i)
-                entries_.push_back({crowd.groups[missing[i]].life, std::move(made[i])});
+            for (size_t i = 0; i < made.size(); ++i) {
+                const std::shared_ptr<const GroupLife>& life = crowd.groups[missing[i]].life;
+                life->decoded.reset();
+                entries_.push_back({life, std::move(made[i])});
+            }
         }
         std::vector<const Kept*> all;
         for (const Group& group : crowd.groups) all.push_back(find(group));

@@ -18,7 +18,7 @@ MaterialSampling::MaterialSampling(const std::shared_ptr<Gpu>& gpu) : white(make
 GroupMaterials::GroupMaterials(Uploads& uploads, const Group& group, const ShaderLayout::Set& set,
                                const MaterialSampling& sampling, TextureAccount& account)
     : materials_(group, [&](const AssetImage& image, bool is_color) {
-          return make_texture(uploads, image, is_color ? kColorTexture : kNumberTexture, account);
+          return make_texture(uploads, image, is_color, account);
       }) {
     for (const TexturedMaterial<Image>& material : materials_.all()) {
         std::array<VkDescriptorImageInfo, kMaterialTextures.size()> images{};

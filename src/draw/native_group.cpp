@@ -33,22 +33,18 @@ std::vector<raster::Material> to_raster(const TexturedMaterials<raster::OwnedTex
     return all;
 }
 
-TexturedMaterials<raster::OwnedTexture> textured(const Group& group, std::vector<std::string>& warnings,
-                                                 uint64_t& room_bytes) {
-    TextureAccount account{warnings, room_bytes};
-    return {group, [&](const AssetImage& image, bool is_color) -> std::optional<raster::OwnedTexture> {
-                const std::optional<Picture> picture = decode_or_none(image, account);
-                if (!picture) return std::nullopt;
-                return raster::OwnedTexture(*picture,
-                                            is_color ? raster::TexelKind::kColor : raster::TexelKind::kNumbers);
-            }};
-}
-
 }  // namespace
+
+TexturedMaterials<raster::OwnedTexture> native_materials(Gpu& gpu, const Group& group,
+                                                         std::vector<std::string>& warnings, uint64_t& room_bytes) {
+    TextureAccount account{warnings, room_bytes, gpu.values};
+    return {group,
+            [&](const AssetImage& image, bool is_color) { return make_native_texture(gpu, image, is_color, account); }};
+}
 
 NativeGroup::NativeGroup(const CrowdState& crowd, const Group& group, uint64_t& room_bytes)
     : joint_levels_(levels_of(group.parents)),
-      textured_(textured(group, warnings_, room_bytes)),
+      textured_(native_materials(*crowd.gpu, group, warnings_, room_bytes)),
       materials_(to_raster(textured_)),
       mesh_(group, crowd.cull ? 1 + static_cast<uint32_t>(group.lods.size()) : 1) {}
 

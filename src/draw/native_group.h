@@ -13,10 +13,13 @@
 
 namespace throng {
 
+// What a device's native renderers share: textures are made where none has them. Takes what they need from
+// `room_bytes`: counts as the device's renderer does, so that both draw the same ones white.
+TexturedMaterials<raster::OwnedTexture> native_materials(Gpu& gpu, const Group& group,
+                                                         std::vector<std::string>& warnings, uint64_t& room_bytes);
+
 class NativeGroup {
 public:
-    // Takes what textures need from `room_bytes`: counts as the device's renderer does, so that both draw the same ones
-    // white.
     NativeGroup(const CrowdState& crowd, const Group& group, uint64_t& room_bytes);
     NativeGroup(const NativeGroup&) = delete;
 

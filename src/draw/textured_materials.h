@@ -5,7 +5,7 @@
 
 #include <array>
 #include <map>
-#include <optional>
+#include <memory>
 #include <vector>
 
 namespace throng {
@@ -31,8 +31,8 @@ struct TexturedMaterial {
 template <class Texture>
 class TexturedMaterials {
 public:
-    // make(image, is_color) is called once for each image of a material that some outfit shows; what it has nothing for
-    // is drawn white, and leaves normals as they are.
+    // make(image, is_color) is called once for each image of a material that some outfit shows, and returns a shared
+    // pointer; what it has nothing for is drawn white, and leaves normals as they are.
     template <class Make>
     TexturedMaterials(const Group& group, const Make& make) {
         std::vector<bool> used(group.materials.size());
@@ -44,7 +44,7 @@ public:
             const std::pair key(image, is_color);
             auto found = textures_.find(key);
             if (found == textures_.end()) found = textures_.emplace(key, make(group.images[image], is_color)).first;
-            return found->second ? &*found->second : nullptr;
+            return found->second.get();
         };
         for (size_t i = 0; i <= group.materials.size(); ++i) {
             const bool is_default = i == group.materials.size();
@@ -65,7 +65,7 @@ public:
     const std::vector<TexturedMaterial<Texture>>& all() const { return all_; }
 
 private:
-    std::map<std::pair<uint32_t, bool>, std::optional<Texture>> textures_;  // by image and is_color
+    std::map<std::pair<uint32_t, bool>, std::shared_ptr<const Texture>> textures_;  // by image and is_color
     std::vector<TexturedMaterial<Texture>> all_;
 };
 

@@ -20,35 +20,64 @@ namespace throng {
 
 static_assert(STBI_MAX_DIMENSIONS == kTextureDimensionLimit);
 
-Picture decode_image(const AssetImage& image, uint64_t& room_bytes) {
-    const std::string place = "image '" + image.name + "'";
-    if (image.encoded.empty()) throw Failure(ErrorCode::kInvalidFile, place, "has no content");
-    if (image.encoded.size() > static_cast<size_t>(std::numeric_limits<int>::max()))
-        throw Failure(ErrorCode::kLimit, place, "is larger than 2 GiB");
-    const auto* bytes = reinterpret_cast<const stbi_uc*>(image.encoded.data());
-    const int size_bytes = static_cast<int>(image.encoded.size());
-    int width = 0, height = 0, channels = 0;
-    const auto refuse = [&] {
+namespace {
+
+struct Encoded {
+    explicit Encoded(const AssetImage& image)
+        : place("image '" + image.name + "'"), bytes(reinterpret_cast<const stbi_uc*>(image.encoded.data())) {
+        if (image.encoded.empty()) throw Failure(ErrorCode::kInvalidFile, place, "has no content");
+        if (image.encoded.size() > static_cast<size_t>(std::numeric_limits<int>::max()))
+            throw Failure(ErrorCode::kLimit, place, "is larger than 2 GiB");
+        size_bytes = static_cast<int>(image.encoded.size());
+    }
+    Failure undecodable() const {
         return Failure(ErrorCode::kInvalidFile, place, std::string("cannot be decoded: ") + stbi_failure_reason());
-    };
-    if (!stbi_info_from_memory(bytes, size_bytes, &width, &height, &channels)) throw refuse();
+    }
+
+    std::string place;
+    const stbi_uc* bytes;
+    int size_bytes = 0;
+};
+
+Picture decode(const AssetImage& image) {
+    const Encoded encoded(image);
+    int width = 0, height = 0, channels = 0;
+    const std::unique_ptr<stbi_uc, decltype(&stbi_image_free)> pixels(
+        stbi_load_from_memory(encoded.bytes, encoded.size_bytes, &width, &height, &channels, STBI_rgb_alpha),
+        &stbi_image_free);
+    if (!pixels) throw encoded.undecodable();
+    Picture picture{.width = static_cast<uint32_t>(width), .height = static_cast<uint32_t>(height)};
+    picture.rgba.assign(pixels.get(), pixels.get() + uint64_t{picture.width} * picture.height * 4);
+    return picture;
+}
+
+}  // namespace
+
+SharedValues::Key image_key(SharedValue kind, const AssetImage& image) {
+    const auto [crc, hash, size_bytes, usage, texel_bytes] = SharedBuffers::key_of(image.encoded, 0, 0);
+    return {uint64_t(kind), crc, hash, size_bytes};
+}
+
+void take_room(const AssetImage& image, uint64_t& room_bytes) {
+    const Encoded encoded(image);
+    int width = 0, height = 0, channels = 0;
+    if (!stbi_info_from_memory(encoded.bytes, encoded.size_bytes, &width, &height, &channels))
+        throw encoded.undecodable();
     const uint64_t pixel_count = static_cast<uint64_t>(width) * static_cast<uint64_t>(height),
                    with_mips_bytes = pixel_count * 4 * 4 / 3;
     const std::string size = std::to_string(width) + " x " + std::to_string(height);
     if (pixel_count > kTexturePixelLimit)
-        throw Failure(ErrorCode::kLimit, place,
+        throw Failure(ErrorCode::kLimit, encoded.place,
                       size + " exceeds the limit of " + std::to_string(kTexturePixelLimit) + " pixels");
     if (with_mips_bytes > room_bytes)
-        throw Failure(ErrorCode::kLimit, place,
+        throw Failure(ErrorCode::kLimit, encoded.place,
                       size + " is more than the other textures leave of the limit of " +
                           std::to_string(kTexturesLimit_bytes) + " bytes for those of a crowd");
     room_bytes -= with_mips_bytes;
-    const std::unique_ptr<stbi_uc, decltype(&stbi_image_free)> pixels(
-        stbi_load_from_memory(bytes, size_bytes, &width, &height, &channels, STBI_rgb_alpha), &stbi_image_free);
-    if (!pixels) throw refuse();
-    Picture picture{.width = static_cast<uint32_t>(width), .height = static_cast<uint32_t>(height)};
-    picture.rgba.assign(pixels.get(), pixels.get() + uint64_t{picture.width} * picture.height * 4);
-    return picture;
+}
+
+std::shared_ptr<const Picture> decoded_picture(Gpu& gpu, const AssetImage& image) {
+    return gpu.values.get<Picture>(image_key(SharedValue::kPicture, image), [&] { return decode(image); });
 }
 
 Image upload_texture(Uploads& uploads, std::string_view what, const Picture& picture, VkFormat format) {
@@ -89,30 +118,63 @@ Image upload_texture(Uploads& uploads, std::string_view what, const Picture& pic
 
 namespace {
 
-// What `make` returns; none, with a warning, where that is no more than a texture the less.
+// What `make` returns, a pointer; null, with a warning, where that is no more than a texture the less.
 template <class Make>
-std::optional<std::invoke_result_t<Make>> or_white(TextureAccount& account, const Make& make) {
+std::invoke_result_t<Make> or_white(TextureAccount& account, const Make& make) {
     try {
         return make();
     } catch (const Failure& failure) {
         const ErrorCode code = failure.error.code;
         if (code != ErrorCode::kInvalidFile && code != ErrorCode::kLimit && code != ErrorCode::kOutOfMemory) throw;
         account.warnings.push_back(failure.error.text() + "; drawn white");
-        return std::nullopt;
+        return nullptr;
     }
+}
+
+SharedValues::Key texture_key(SharedValue kind, const AssetImage& image, bool is_color) {
+    SharedValues::Key key = image_key(kind, image);
+    key.push_back(is_color);
+    return key;
 }
 
 }  // namespace
 
-std::optional<Picture> decode_or_none(const AssetImage& image, TextureAccount& account) {
-    return or_white(account, [&] { return decode_image(image, account.room_bytes); });
+std::shared_ptr<const Picture> decode_or_none(Gpu& gpu, const AssetImage& image, TextureAccount& account) {
+    return or_white(account, [&] {
+        take_room(image, account.room_bytes);
+        return decoded_picture(gpu, image);
+    });
 }
 
-std::optional<Image> make_texture(Uploads& uploads, const AssetImage& image, VkFormat format, TextureAccount& account) {
-    const std::optional<Picture> picture = decode_or_none(image, account);
-    if (!picture) return std::nullopt;
+std::shared_ptr<const Image> make_texture(Uploads& uploads, const AssetImage& image, bool is_color,
+                                          TextureAccount& account) {
+    std::shared_ptr<const Image> found;
+    const SharedValues::Key key = texture_key(SharedValue::kTexture, image, is_color);
+    const auto picture = or_white(account, [&]() -> std::shared_ptr<const Picture> {
+        take_room(image, account.room_bytes);
+        found = account.textures.find<Image>(key);
+        return found ? nullptr : decoded_picture(*uploads.gpu(), image);
+    });
+    if (!picture) return found;
     uploads.make_room(picture->rgba.size());  // none of this texture's, where it fails
-    return or_white(account, [&] { return upload_texture(uploads, "image '" + image.name + "'", *picture, format); });
+    return or_white(account, [&] {
+        return account.textures.get<Image>(key, [&] {
+            return upload_texture(uploads, "image '" + image.name + "'", *picture,
+                                  is_color ? kColorTexture : kNumberTexture);
+        });
+    });
+}
+
+std::shared_ptr<const raster::OwnedTexture> make_native_texture(Gpu& gpu, const AssetImage& image, bool is_color,
+                                                                TextureAccount& account) {
+    return or_white(account, [&] {
+        take_room(image, account.room_bytes);
+        const auto make = [&] {
+            return raster::OwnedTexture(*decoded_picture(gpu, image),
+                                        is_color ? raster::TexelKind::kColor : raster::TexelKind::kNumbers);
+        };
+        return account.textures.get<raster::OwnedTexture>(texture_key(SharedValue::kTexture, image, is_color), make);
+    });
 }
 
 Image make_white_texture(const std::shared_ptr<Gpu>& gpu) {

@@ -3,11 +3,14 @@
 
 #include "draw/image.h"
 #include "gpu/upload.h"
+#include "raster/texture.h"
 
 #include <throng/character.h>
 #include <throng/draw.h>
 
-#include <optional>
+#include <memory>
+#include <string>
+#include <vector>
 
 namespace throng {
 
@@ -16,9 +19,13 @@ inline constexpr uint64_t kTexturePixelLimit = uint64_t{1} << 26;  // 256 MiB de
 // Size of all textures of a crowd, with mipmaps: a small file may ask for a lot
 inline constexpr uint64_t kTexturesLimit_bytes = uint64_t{1} << 31;
 
-// PNG or JPEG. Takes what it needs with mipmaps from `room_bytes`, before it decodes. Throws kInvalidFile, and kLimit
+// Of a texture that is made of this image, beside what else it depends on.
+SharedValues::Key image_key(SharedValue kind, const AssetImage& image);
+// Takes what an image needs with mipmaps from `room_bytes`. Throws kInvalidFile where that cannot be read, and kLimit
 // above the limits.
-Picture decode_image(const AssetImage& image, uint64_t& room_bytes);
+void take_room(const AssetImage& image, uint64_t& room_bytes);
+// Of a PNG or JPEG: the picture that is in use already, or decoded now. Throws kInvalidFile.
+std::shared_ptr<const Picture> decoded_picture(Gpu& gpu, const AssetImage& image);
 
 inline constexpr VkFormat kColorTexture = VK_FORMAT_R8G8B8A8_SRGB, kNumberTexture = VK_FORMAT_R8G8B8A8_UNORM;
 
@@ -28,14 +35,19 @@ Image upload_texture(Uploads& uploads, std::string_view what, const Picture& pic
 // What the textures of a group are made with.
 struct TextureAccount {
     std::vector<std::string>& warnings;
-    uint64_t& room_bytes;  // of kTexturesLimit_bytes
+    uint64_t& room_bytes;    // of kTexturesLimit_bytes
+    SharedValues& textures;  // where textures of the same images are found: the renderer's, natively the device's
 };
 
-// The decoded image; none, with a warning that it is drawn white, where it cannot be decoded or is too much.
-std::optional<Picture> decode_or_none(const AssetImage& image, TextureAccount& account);
-// The texture of an image; none, with a warning that it is drawn white, where it cannot be decoded or there is no room
-// for it. As upload_texture().
-std::optional<Image> make_texture(Uploads& uploads, const AssetImage& image, VkFormat format, TextureAccount& account);
+// Null, with a warning that the image is drawn white, where it cannot be decoded or is too much.
+std::shared_ptr<const Picture> decode_or_none(Gpu& gpu, const AssetImage& image, TextureAccount& account);
+// The texture of an image; null, with a warning that it is drawn white, where it cannot be decoded or there is no room
+// for it. Of the renderer's textures that it finds the uploads have finished, or are these; as upload_texture().
+std::shared_ptr<const Image> make_texture(Uploads& uploads, const AssetImage& image, bool is_color,
+                                          TextureAccount& account);
+// For the native renderer.
+std::shared_ptr<const raster::OwnedTexture> make_native_texture(Gpu& gpu, const AssetImage& image, bool is_color,
+                                                                TextureAccount& account);
 // Submits and waits.
 Image make_white_texture(const std::shared_ptr<Gpu>& gpu);
 

@@ -110,8 +110,8 @@ std::vector<const GroupBindings*> VulkanRenderer::bindings_of(const CrowdState& 
         uint64_t room_bytes = kTexturesLimit_bytes;
         std::vector<std::unique_ptr<const GroupBindings>> made;
         for (const uint32_t group : new_groups)
-            made.push_back(
-                std::make_unique<const GroupBindings>(uploads, layout_, sampling_, crowd, group, room_bytes));
+            made.push_back(std::make_unique<const GroupBindings>(uploads, layout_, sampling_, crowd, group, room_bytes,
+                                                                 textures_));
         uploads.finish();
         return made;
     });

@@ -54,6 +54,7 @@ private:
     ShaderLayout layout_;
     PipelineSettings pipelines_;
     MaterialSampling sampling_;
+    SharedValues textures_;
     SceneBinding scene_;
     OwnedPipeline ground_;
     std::map<CharacterKind, CharacterPipelines> characters_;

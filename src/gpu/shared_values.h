@@ -10,12 +10,20 @@
 
 namespace throng {
 
+enum class SharedValue : uint64_t { kNativeRig, kGroupRows, kPicture, kTexture };
+
 // Finds a value that is in use by what it was computed from. Thread-safe.
 class SharedValues {
 public:
-    // All that the value depends on, its type too.
+    // A SharedValue, and all that it depends on.
     using Key = std::vector<uint64_t>;
 
+    // make() returns a T.
+    template <class T, class Make>
+    std::shared_ptr<const T> get(const Key& key, const Make& make) {
+        if (auto found = find<T>(key)) return found;
+        return add<T>(key, std::make_shared<const T>(make()));
+    }
     // Null where there is none.
     template <class T>
     std::shared_ptr<const T> find(const Key& key) {
