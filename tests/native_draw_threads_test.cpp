@@ -15,6 +15,7 @@ struct DrawnKind {
     Character character;
     CrowdSettings settings;
     uint32_t samples = 4;
+    bool decodes_ahead = false;
 };
 
 std::vector<std::byte> pictures_of(const DrawnKind& kind, const Device& device) {
@@ -32,6 +33,9 @@ std::vector<std::byte> pictures_of(const DrawnKind& kind, const Device& device) 
     EXPECT_TRUE(crowd.set_playback(crowd.instances(), random_playbacks(random, kind.character, kCount)));
     Renderer renderer = *Renderer::create(
         device, {.width = kWidth, .height = kHeight, .samples = kind.samples, .options = {.skeletons = true}});
+    if (kind.decodes_ahead) {
+        EXPECT_TRUE(decode_images(crowd));
+    }
     UpdateBits bits;
     for (uint32_t frame = 0; frame < kFrames; ++frame) {
         const Camera camera = fit_camera(world_bounds(crowd), static_cast<float>(kWidth) / kHeight);
@@ -48,7 +52,9 @@ TEST(NativeDrawThreads, EachDrawsACrowdOfItsOwnOnOneDevice) {
         Asset asset = make_ball({.columns = 12, .rows = 8, .is_open = true, .has_morphs = true});
         add_maps(asset);
         asset.materials[0].alpha_mode = mode;
-        kinds.push_back({.character = *compile_character(asset), .settings = {.culling = Culling{}}});
+        kinds.push_back({.character = *compile_character(asset),
+                         .settings = {.culling = Culling{}},
+                         .decodes_ahead = mode == AlphaMode::kMask});
     }
     kinds.push_back({.character = creature(30, 10),
                      .settings = {.skin_format = SkinFormat::kHalfAffine, .skins_once = true},
