@@ -5,6 +5,12 @@
 
 namespace throng {
 
+double ScanCounts::split_bytes() const {
+    constexpr double kSplitLines_bytes = 157, kRun_bytes = 77, kLongRun = 32;
+    const double more_runs = run_joints > 0 ? std::max(0.0, 1 / run_joints - 1 / kLongRun) : 0;  // a joint
+    return (splits_lines ? kSplitLines_bytes : 0) + kRun_bytes * more_runs;
+}
+
 ScanCounter::ScanCounter(uint32_t threads, uint32_t subgroup_size)
     : threads_(threads), subgroup_size_(std::max(subgroup_size, 1u)) {
     loop_iterations_.resize((threads_ + subgroup_size_ - 1) / subgroup_size_);

@@ -27,9 +27,12 @@ struct ScanCounts {
     bool scattered = false;
     // Lines of the cache are begun by one store and completed by a later one
     bool splits_lines = false;
-    // What that adds to the memory that a joint moves, on an H100, whose subgroups together write more than its cache
-    // holds (docs/scan.md)
-    double split_bytes() const { return splits_lines ? 157 : 0; }
+    // Joints side by side that are stored at once, where these are not all of a character
+    double run_joints = 0;
+    // What both add to the memory that a joint moves: on an H100, whose subgroups together write more than its cache
+    // holds; and for each run beyond those of 32 joints on an H200, where runs of 8 take 1.06 to 1.10 times as long
+    // (docs/scan.md)
+    double split_bytes() const;
     // 16-byte rows that a subgroup loads or stores, likewise, wherever they lie; a link counts as half a row
     double issue_rows = 0;
     // Of the loops of scan() and what it calls, in the text's order; none: not counted. `throng bench isa` finds the

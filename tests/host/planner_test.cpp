@@ -127,6 +127,7 @@ TEST(Planner, AGpuStreamsManyAndSharesFew) {
             const ExplainedChoice many = choose_scan("auto", rig, 10'000, kHardware, costs),
                                   few = choose_scan("auto", rig, 1, kHardware, costs);
             EXPECT_EQ(many.choice.method->name, "stream_quaternion") << many.reason;
+            EXPECT_EQ(many.choice.threads, 32u) << "an H200 takes longer with fewer";
             EXPECT_GT(plan_scan(*few.choice.method, rig, kHardware, few.choice.threads).workgroup_size, 64u)
                 << few.reason;
             const double bytes = 10'000.0 * 300 * (32 + 48);
