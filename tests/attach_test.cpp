@@ -352,6 +352,11 @@ TEST_P(AttachInRows, AreSaved) {
     ASSERT_TRUE(crowd.update(0.1f) && other.update(0.1f));
     for (const Hanging& one : rows) EXPECT_EQ(placement(crowd, one.thing), placement(other, one.thing));
     expect_all_there(other, rows);
+    // Bytes tell who hangs on whom, and not how that came about.
+    ASSERT_TRUE(crowd.detach(all[5]));
+    const std::vector<std::byte> saved = crowd.save_state().value();
+    ASSERT_TRUE(crowd.restore_state(saved));
+    EXPECT_TRUE(crowd.save_state().value() == saved);
 }
 
 TEST_P(AttachInRows, NobodyHangsOnItself) {

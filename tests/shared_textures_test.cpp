@@ -35,15 +35,15 @@ protected:
     }
     // Whether the texture, or the picture, of the ball's first image is in use.
     bool has_texture() const {
-        SharedValues::Key key = image_key(SharedValue::kTexture, asset_.images[0]);
+        SharedValues::Key key = image_key(SharedValue::kNativeTexture, asset_.images[0]);
         key.push_back(1);
         return test_gpu()->values.find<raster::OwnedTexture>(key) != nullptr;
     }
     bool has_picture() const {
         return test_gpu()->values.find<Picture>(image_key(SharedValue::kPicture, asset_.images[0])) != nullptr;
     }
-    // What decode_images() keeps: what the renderer of such a device makes textures of.
-    bool is_decoded() const { return test_gpu()->native ? has_texture() : has_picture(); }
+    // What the renderer then needs.
+    bool is_decoded() const { return is_native() ? has_texture() : has_picture(); }
 
     Asset asset_ = make_ball();
     Character ball_;
@@ -108,6 +108,31 @@ TEST_P(SharedTextures, ImagesMayBeDecodedAhead) {
     EXPECT_EQ(drawn(drawer, running).picture.rgba, wanted.rgba);
     EXPECT_FALSE(has_picture()) << "it was kept for longer than it was needed";
     EXPECT_EQ(has_texture(), is_native());
+}
+
+TEST_P(SharedTextures, OfACrowdThatHasGoneAreFoundByTheNext) {
+    if (!is_native()) GTEST_SKIP() << "the device's renderers do not tell";
+    SharedValues::Key key = image_key(SharedValue::kNativeTexture, asset_.images[0]);
+    key.push_back(1);
+    Renderer drawer = renderer();
+    const auto drawn_with = [&] {
+        drawn(drawer, crowd_of(ball_));
+        return test_gpu()->values.find<raster::OwnedTexture>(key).get();
+    };
+    const raster::OwnedTexture* const first = drawn_with();
+    ASSERT_TRUE(first);
+    EXPECT_EQ(drawn_with(), first);
+}
+
+// Of groups that the renderer has already nothing is kept either.
+TEST_P(SharedTextures, WhatIsDecodedTooLateGoesWithTheNextPicture) {
+    Renderer drawer = renderer();
+    const Crowd crowd = crowd_of(ball_);
+    drawn(drawer, crowd);
+    ASSERT_TRUE(decode_images(crowd));
+    EXPECT_EQ(has_picture(), !test_gpu()->is_native());
+    drawn(drawer, crowd);
+    EXPECT_FALSE(has_picture());
 }
 
 TEST_P(SharedTextures, WhatCannotBeDecodedIsWarnedOfWhenItIsDrawn) {

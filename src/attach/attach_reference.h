@@ -1,4 +1,5 @@
-// What the attach stage computes, in double precision.
+// What the attach stage computes, in double precision, beside the sockets of what it has placed: world_from_model of
+// these, times what they were.
 #pragma once
 
 #include <throng/transform.h>

@@ -91,10 +91,12 @@ void AttachStage::attach(const Instances& instances, const Each<Attachment>& att
         set(instances.number(i), all[i]);
     }
     if (!are_in_rows) return;
-    const std::string mistake = count_levels();
-    if (mistake.empty()) return;
-    for (uint32_t i = instances.size(); i-- > 0;) set(instances.number(i), before[i]);
-    refuse("attachment", mistake);
+    try {
+        if (const std::string mistake = count_levels(); !mistake.empty()) refuse("attachment", mistake);
+    } catch (...) {
+        for (uint32_t i = instances.size(); i-- > 0;) set(instances.number(i), before[i]);
+        throw;
+    }
 }
 
 void AttachStage::detach(const Instances& instances) {
@@ -208,6 +210,7 @@ void AttachStage::exchange_group(StateArchive& archive, uint32_t group) {
         std::vector<io::InstanceAttachment> by_number(attachments.begin(), attachments.end());
         for (io::InstanceAttachment& one : by_number)
             if (one.carrier_batch != kNone) one.carrier += batches_[one.carrier_batch].first_instance;
+        for (io::InstanceAttachment& one : by_number) one.level = 0;  // follows from the others
         archive.values(std::span(by_number));
         if (!archive.reads()) return;
         for (uint32_t i = 0; i < by_number.size(); ++i) {

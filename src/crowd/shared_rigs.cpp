@@ -6,7 +6,7 @@
 
 namespace throng {
 
-// Checksums of all that rows depend on.
+// Checksums of all that rows and the native walk depend on.
 const SharedValues::Key& SharedRigs::motion(const Character& character) {
     const auto [entry, is_new] = motions_.try_emplace(&character);
     SharedValues::Key& key = entry->second;
@@ -48,7 +48,7 @@ std::shared_ptr<const NativeRig> SharedRigs::native(const Character& character, 
     SharedValues::Key key = key_of(SharedValue::kNativeRig, character);
     key.insert(key.end(), {settings.lod, settings.keeps_model, settings.sockets_only, settings.all_move});
     key.insert(key.end(), settings.sockets.begin(), settings.sockets.end());
-    return gpu_->values.get<NativeRig>(key, [&] { return NativeRig(character, settings); });
+    return made_.emplace_back(gpu_->values.get<NativeRig>(key, [&] { return NativeRig(character, settings); }));
 }
 
 }  // namespace throng

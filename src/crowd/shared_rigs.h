@@ -6,6 +6,7 @@
 
 #include <map>
 #include <memory>
+#include <vector>
 
 namespace throng {
 
@@ -15,7 +16,7 @@ public:
     explicit SharedRigs(std::shared_ptr<Gpu> gpu) : gpu_(std::move(gpu)) {}
 
     std::shared_ptr<const NativeRig> native(const Character& character, const NativeRigSettings& settings);
-    // The key of something that depends on what rows (native/rows.h, native/gpu_rows.h) depend on.
+    // The key of something that depends on what rows (native/rows.h, native/gpu_rows.h) and the native walk depend on.
     SharedValues::Key key_of(SharedValue kind, const Character& character);
 
 private:
@@ -23,6 +24,7 @@ private:
 
     std::shared_ptr<Gpu> gpu_;
     std::map<const Character*, SharedValues::Key> motions_;
+    std::vector<std::shared_ptr<const NativeRig>> made_;  // which no group may keep
 };
 
 }  // namespace throng

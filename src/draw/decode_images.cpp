@@ -3,19 +3,31 @@
 
 #include <throng/draw.h>
 
+#include <algorithm>
+#include <memory>
+#include <optional>
+
 namespace throng {
 namespace {
 
-using Pictures = TexturedMaterials<Picture>;
-using NativeTextures = TexturedMaterials<raster::OwnedTexture>;
+// For each renderer that the device may have: its shaders', and the native one.
+struct Decoded {
+    std::optional<TexturedMaterials<Picture>> pictures;
+    std::optional<TexturedMaterials<raster::OwnedTexture>> textures;
+};
 
-// What the renderer warns of when it draws is left to it.
-std::shared_ptr<const void> decoded_of(Gpu& gpu, const Group& group, uint64_t& room_bytes) {
+// What a renderer warns of when it draws is left to it.
+std::shared_ptr<const Decoded> decoded_of(Gpu& gpu, const Group& group, uint64_t& room_bytes) {
     std::vector<std::string> warnings;
-    if (gpu.native) return std::make_shared<const NativeTextures>(native_materials(gpu, group, warnings, room_bytes));
-    TextureAccount account{warnings, room_bytes, gpu.values};
-    return std::make_shared<const Pictures>(
-        group, [&](const AssetImage& image, bool) { return decode_or_none(gpu, image, account); });
+    auto decoded = std::make_shared<Decoded>();
+    uint64_t room_of_pictures_bytes = room_bytes;
+    TextureAccount account{warnings, room_of_pictures_bytes, gpu.values};
+    if (!gpu.is_native())
+        decoded->pictures.emplace(group,
+                                  [&](const AssetImage& image, bool) { return decode_or_none(gpu, image, account); });
+    if (gpu.native) decoded->textures.emplace(native_materials(gpu, group, warnings, room_bytes));
+    room_bytes = std::min(room_bytes, room_of_pictures_bytes);
+    return decoded;
 }
 
 }  // namespace

@@ -17,18 +17,18 @@ public:
     // new, in their order. Removes the entries of groups that live no more.
     template <class Make>
     std::vector<const Kept*> of(const CrowdState& crowd, const Make& make) {
-        std::erase_if(entries_, [](const Entry& entry) { return entry.life.expired(); });
         std::vector<uint32_t> missing;
         for (uint32_t group = 0; group < crowd.groups.size(); ++group)
             if (!crowd.groups[group].is_gone() && !find(crowd.groups[group])) missing.push_back(group);
         if (!missing.empty()) {
             std::vector<std::unique_ptr<Kept>> made = make(missing);
-            for (size_t i = 0; i < made.size(); ++i) {
-                const std::shared_ptr<const GroupLife>& life = crowd.groups[missing[i]].life;
-                life->decoded.reset();
-                entries_.push_back({life, std::move(made[i])});
-            }
+            for (size_t i = 0; i < made.size(); ++i)
+                entries_.push_back({crowd.groups[missing[i]].life, std::move(made[i])});
         }
+        // After that, so that what is new finds the textures of what has just gone.
+        std::erase_if(entries_, [](const Entry& entry) { return entry.life.expired(); });
+        for (const Group& group : crowd.groups)
+            if (!group.is_gone()) group.life->decoded.reset();
         std::vector<const Kept*> all;
         for (const Group& group : crowd.groups) all.push_back(find(group));
         return all;

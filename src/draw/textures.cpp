@@ -173,7 +173,8 @@ std::shared_ptr<const raster::OwnedTexture> make_native_texture(Gpu& gpu, const 
             return raster::OwnedTexture(*decoded_picture(gpu, image),
                                         is_color ? raster::TexelKind::kColor : raster::TexelKind::kNumbers);
         };
-        return account.textures.get<raster::OwnedTexture>(texture_key(SharedValue::kTexture, image, is_color), make);
+        return account.textures.get<raster::OwnedTexture>(texture_key(SharedValue::kNativeTexture, image, is_color),
+                                                          make);
     });
 }
 

@@ -1,4 +1,4 @@
-// What is computed once a device and shared by all whose inputs are the same.
+// What is computed once, of a device or a renderer, and shared by all whose inputs are the same.
 #pragma once
 
 #include <cstdint>
@@ -10,7 +10,7 @@
 
 namespace throng {
 
-enum class SharedValue : uint64_t { kNativeRig, kGroupRows, kPicture, kTexture };
+enum class SharedValue : uint64_t { kNativeRig, kGroupRows, kPicture, kTexture, kNativeTexture };
 
 // Finds a value that is in use by what it was computed from. Thread-safe.
 class SharedValues {

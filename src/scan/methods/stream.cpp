@@ -52,7 +52,7 @@ ScanPlan plan_with(const ScanRig& rig, const ScanLimits& limits, uint32_t lanes,
         // A round is a product and the shuffles that bring it the other factor.
         .issue_steps = (stream.longest_lane + kShuffles * stream.round_count) * subgroups,
         .loop_iterations = uint64_t{2} * chunks + stream.round_count + 1,
-        .run_joints = static_cast<double>(lanes),
+        .run_joints = lanes < rig.joint_count() ? static_cast<double>(lanes) : 0,
         // Links, a local transform, a slot read and one written, a model transform
         .issue_rows = chunks * (2 * kRowsOfLink + 3 * rows_of_local + kRowsOfAffine) * subgroups,
         .loops = {{"chunks", static_cast<double>(chunks)}, {"rounds", static_cast<double>(stream.round_count)}}};
