@@ -98,6 +98,14 @@ TEST_F(SharedRigs, GoWithTheirLastCrowd) {
     EXPECT_TRUE(crowd_of(character_).update(0.1f));
 }
 
+// Groups with a skin pool only look at theirs while they are made.
+TEST_F(SharedRigs, AreKeptUntilAllGroupsOfACrowdAreMade) {
+    throng::SharedRigs rigs(test_gpu());
+    const std::weak_ptr<const NativeRig> first = rigs.native(character_, {});
+    EXPECT_FALSE(first.expired());
+    EXPECT_EQ(rigs.native(character_, {}), first.lock());
+}
+
 // A server of many matches. Prints the figures of docs/performance.md, "Making a crowd".
 TEST_F(SharedRigs, AThousandCrowdsOfOneCharacter) {
     if (!test_gpu()->is_native()) GTEST_SKIP() << "for servers, which have no other device";

@@ -245,9 +245,9 @@ public:
     // hangs on somebody is placed by each update, behind all that moves the carrier, so that both fit together in every
     // picture; what a view sees goes by where it was in the update before. When a carrier is despawned, what hangs on
     // it stays where it is. 64 bytes are uploaded for each. Carriers may hang on others in turn, up to 64 in a row:
-    // each takes a dispatch more, and calls that hang them look at all that hangs. Errors: kInvalidArgument (not of a
-    // group with CrowdGroup::is_carried, no such carrier or socket, sockets in model space, number not finite, it would
-    // hang on itself or in a longer row).
+    // each level takes a dispatch, and attaching to such a carrier takes time in proportion to all attachments. Errors:
+    // kInvalidArgument (not of a group with CrowdGroup::is_carried, no such carrier or socket, sockets in model space,
+    // number not finite, it would hang on itself or in a longer row).
     Result<void> attach(const Instances& instances, const Attachment& attachment);
     Result<void> attach(const Instances& instances, std::span<const Attachment> attachment);
     Result<void> detach(const Instances& instances);

@@ -92,7 +92,7 @@ void AttachStage::attach(const Instances& instances, const Each<Attachment>& att
     }
     if (!are_in_rows) return;
     try {
-        if (const std::string mistake = count_levels(); !mistake.empty()) refuse("attachment", mistake);
+        if (const std::string mistake = set_levels(); !mistake.empty()) refuse("attachment", mistake);
     } catch (...) {
         for (uint32_t i = instances.size(); i-- > 0;) set(instances.number(i), before[i]);
         throw;
@@ -135,10 +135,10 @@ uint32_t AttachStage::carrier_of(uint32_t instance) const {
     return hangs.carrier_batch == kNone ? kNone : batches_[hangs.carrier_batch].first_instance + hangs.carrier;
 }
 
-// Of all that hang on somebody; from each up to where the levels are known, and back. Returns what is wrong, and
-// changes nothing then. Where somebody lets go, levels stay as they are until the next time: still each above its
-// carrier's.
-std::string AttachStage::count_levels() {
+// Gives each attachment its level, one more than its carrier's: follows the carriers up to one whose level is known,
+// and numbers those in between on the way back. Returns an error message, empty where there is no error; on an error no
+// level changes. detach() need not call this: levels are then higher than necessary, but still above the carrier's.
+std::string AttachStage::set_levels() {
     constexpr uint32_t kUnknown = kNone, kOnTheWay = kNone - 1;
     std::vector<uint32_t> levels(attachments_.size(), kUnknown), way;
     for (uint32_t instance = 0; instance < levels.size(); ++instance) {
@@ -228,7 +228,7 @@ void AttachStage::exchange_group(StateArchive& archive, uint32_t group) {
             StateArchive::require(is_possible(one), "somebody hangs where nothing is");
             set(batch.first_instance + i, one);
         }
-        const std::string mistake = count_levels();
+        const std::string mistake = set_levels();
         StateArchive::require(mistake.empty(), mistake);
     });
 }

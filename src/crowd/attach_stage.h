@@ -41,7 +41,7 @@ private:
     io::InstanceAttachment to_io(uint32_t instance, const Attachment& attachment) const;
     void set(uint32_t instance, const io::InstanceAttachment& attachment);
     uint32_t carrier_of(uint32_t instance) const;
-    std::string count_levels();
+    std::string set_levels();
     const Group& group_at(uint32_t instance) const { return group_of(batches_[batch_index_of(batches_, instance)]); }
 
     std::vector<io::InstanceAttachment> attachments_;  // [instance_count], as last set

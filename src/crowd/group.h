@@ -70,7 +70,8 @@ struct GroupSkinPool {
 };
 
 struct GroupLife {
-    // Of decode_images(): keeps what SharedValues then finds, until a renderer has made its textures
+    // What decode_images() has decoded. Renderers find it through SharedValues, which keeps nothing alive, and release
+    // it when they have made their textures
     mutable std::shared_ptr<const void> decoded{};
 };
 
@@ -160,7 +161,8 @@ struct Group {
         return steering || on_terrain || is_carried || command_capacity > 0 ||
                (has_root_motion() && controller->moves_placements);
     }
-    // Of what is carried, the attach stage takes them to world space, when it knows where it is.
+    // Updates leave sockets of carried groups in model space, since only the attach stage knows their placements; it
+    // takes them to world space.
     uint32_t socket_flags() const {
         return socket_space == SocketSpace::kWorld && !is_carried ? io::kSocketsToWorld : 0;
     }

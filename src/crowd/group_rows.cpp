@@ -5,7 +5,6 @@
 #include <optional>
 
 namespace throng {
-
 namespace {
 
 std::vector<native::RowJoint> joints_of(const native::RowSpaces& spaces, const FusedRig& finest) {
@@ -40,8 +39,8 @@ GroupRows::GroupRows(const Character& character, const native::RowSpaces& spaces
     counts_.plain_entries = std::ranges::all_of(binds_.is_plain, std::identity());
 }
 
-// Its buffers are found by what they are made from, like itself; they may still have to be made where it is there,
-// since others may only use them when they have been uploaded.
+// Its buffers are shared by the same key. Where another crowd has the rows but has not uploaded them yet, its buffers
+// must not be used, so they are computed again.
 std::shared_ptr<const GroupRows> GroupRows::make(Uploads& uploads, SharedRigs& rigs, const Character& character,
                                                  const FusedRig& finest, Buffers& buffers) {
     Gpu& gpu = *uploads.gpu();

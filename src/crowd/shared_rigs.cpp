@@ -31,7 +31,7 @@ const SharedValues::Key& SharedRigs::motion(const Character& character) {
     add(character.tracks);
     add(character.palette);
     add(character.joint_lods);
-    // How far what hangs on a joint lies from it
+    // Errors of rows are bounded by how far the skin reaches from its joints
     add(character.sections);
     add(character.vertices);
     add(character.influences);

@@ -1,4 +1,5 @@
-// What is computed of a character's joints and clips, once for all groups of a device that would have the same.
+// Native rigs and rows for GPUs take tens of milliseconds to compute, so groups whose characters have the same content
+// share them, across all crowds of a device.
 #pragma once
 
 #include "gpu/gpu.h"
@@ -10,13 +11,13 @@
 
 namespace throng {
 
-// While the groups of a crowd are made: their characters do not change meanwhile.
+// Lives while the groups of one crowd are made. Their characters do not change meanwhile, so each is hashed once.
 class SharedRigs {
 public:
     explicit SharedRigs(std::shared_ptr<Gpu> gpu) : gpu_(std::move(gpu)) {}
 
     std::shared_ptr<const NativeRig> native(const Character& character, const NativeRigSettings& settings);
-    // The key of something that depends on what rows (native/rows.h, native/gpu_rows.h) and the native walk depend on.
+    // Covers everything of the character that native rigs and rows are computed from; callers append what else matters.
     SharedValues::Key key_of(SharedValue kind, const Character& character);
 
 private:
@@ -24,7 +25,8 @@ private:
 
     std::shared_ptr<Gpu> gpu_;
     std::map<const Character*, SharedValues::Key> motions_;
-    std::vector<std::shared_ptr<const NativeRig>> made_;  // which no group may keep
+    std::vector<std::shared_ptr<const NativeRig>>
+        made_;  // so that later groups find them, even where no group keeps them
 };
 
 }  // namespace throng

@@ -10,13 +10,13 @@
 namespace throng {
 namespace {
 
-// For each renderer that the device may have: its shaders', and the native one.
+// On a software device either renderer may draw: by shaders from pictures, natively from its own textures.
 struct Decoded {
     std::optional<TexturedMaterials<Picture>> pictures;
     std::optional<TexturedMaterials<raster::OwnedTexture>> textures;
 };
 
-// What a renderer warns of when it draws is left to it.
+// Drops warnings, since renderers decode again what could not be decoded, and warn then.
 std::shared_ptr<const Decoded> decoded_of(Gpu& gpu, const Group& group, uint64_t& room_bytes) {
     std::vector<std::string> warnings;
     auto decoded = std::make_shared<Decoded>();

@@ -25,7 +25,7 @@ public:
             for (size_t i = 0; i < made.size(); ++i)
                 entries_.push_back({crowd.groups[missing[i]].life, std::move(made[i])});
         }
-        // After that, so that what is new finds the textures of what has just gone.
+        // After make(), so that new groups can take over the textures of groups that have just gone.
         std::erase_if(entries_, [](const Entry& entry) { return entry.life.expired(); });
         for (const Group& group : crowd.groups)
             if (!group.is_gone()) group.life->decoded.reset();

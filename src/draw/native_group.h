@@ -13,8 +13,8 @@
 
 namespace throng {
 
-// What a device's native renderers share: textures are made where none has them. Takes what they need from
-// `room_bytes`: counts as the device's renderer does, so that both draw the same ones white.
+// Textures are shared by all native renderers of the device. Takes what they need from `room_bytes`, counting as the
+// renderer by shaders does, so that both draw the same ones white.
 TexturedMaterials<raster::OwnedTexture> native_materials(Gpu& gpu, const Group& group,
                                                          std::vector<std::string>& warnings, uint64_t& room_bytes);
 

@@ -19,12 +19,12 @@ inline constexpr uint64_t kTexturePixelLimit = uint64_t{1} << 26;  // 256 MiB de
 // Size of all textures of a crowd, with mipmaps: a small file may ask for a lot
 inline constexpr uint64_t kTexturesLimit_bytes = uint64_t{1} << 31;
 
-// Of a texture that is made of this image, beside what else it depends on.
+// A key for what is made from this image; callers append what else it depends on.
 SharedValues::Key image_key(SharedValue kind, const AssetImage& image);
 // Takes what an image needs with mipmaps from `room_bytes`. Throws kInvalidFile where that cannot be read, and kLimit
 // above the limits.
 void take_room(const AssetImage& image, uint64_t& room_bytes);
-// Of a PNG or JPEG: the picture that is in use already, or decoded now. Throws kInvalidFile.
+// Decodes a PNG or JPEG, unless somebody on the device holds the picture already. Throws kInvalidFile.
 std::shared_ptr<const Picture> decoded_picture(Gpu& gpu, const AssetImage& image);
 
 inline constexpr VkFormat kColorTexture = VK_FORMAT_R8G8B8A8_SRGB, kNumberTexture = VK_FORMAT_R8G8B8A8_UNORM;
@@ -42,7 +42,8 @@ struct TextureAccount {
 // Null, with a warning that the image is drawn white, where it cannot be decoded or is too much.
 std::shared_ptr<const Picture> decode_or_none(Gpu& gpu, const AssetImage& image, TextureAccount& account);
 // The texture of an image; null, with a warning that it is drawn white, where it cannot be decoded or there is no room
-// for it. Of the renderer's textures that it finds the uploads have finished, or are these; as upload_texture().
+// for it. One that it finds in account.textures has been uploaded, or is among these uploads: it can be drawn with when
+// they have finished.
 std::shared_ptr<const Image> make_texture(Uploads& uploads, const AssetImage& image, bool is_color,
                                           TextureAccount& account);
 // For the native renderer.

@@ -1,4 +1,4 @@
-// What is computed once, of a device or a renderer, and shared by all whose inputs are the same.
+// Results of expensive computations, shared on a device, or in a renderer, by all that have the same inputs.
 #pragma once
 
 #include <cstdint>
