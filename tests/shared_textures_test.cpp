@@ -60,6 +60,9 @@ TEST_P(SharedTextures, GroupsOfTheSameImagesHaveTheSame) {
         const auto same = native_materials(*test_gpu(), group, warnings, room_bytes);
         EXPECT_EQ(one.all()[0].textures, same.all()[0].textures);
         EXPECT_EQ(kTexturesLimit_bytes - room_bytes, 2 * taken_bytes) << "which textures are white would depend on it";
+        TextureAccount account{warnings, room_bytes, test_gpu()->values};
+        EXPECT_NE(make_native_texture(*test_gpu(), asset_.images[0], true, account),
+                  make_native_texture(*test_gpu(), asset_.images[0], false, account));
     } else {
         SharedValues textures;
         TextureAccount account{warnings, room_bytes, textures};
