@@ -94,7 +94,7 @@ std::string figure_of(const Cells& cells, PageFigures& page) {
                : "<figure><div class=\"plot\">" + svg + "</div><figcaption>" + summary + "</figcaption></figure>\n";
 }
 
-std::string device_section(const Cells& cells, PageFigures& page) {
+std::string updates_section(const Cells& cells, PageFigures& page) {
     std::string figures, tables;
     for (const Cells& configuration : grouped(cells, {"configuration", "characters", "joints", "levels"})) {
         const Json& first = *configuration.front();
@@ -137,7 +137,7 @@ std::string frame_section(std::span<const Json> records, PageFigures& page) {
     const Cells cells = latest_cells(records, "frame", "variant",
                                      {"device", "driver", "configuration", "characters", "joints", "levels"});
     std::string html;
-    for (const Cells& device : grouped(cells, {"device", "driver"})) html += device_section(device, page);
+    for (const Cells& device : grouped(cells, {"device", "driver"})) html += updates_section(device, page);
     return html.empty() ? html : html + kMethod;
 }
 

@@ -219,7 +219,7 @@ std::string grid_section(const Cells& cells) {
     return html;
 }
 
-std::string device_section(const Cells& cells, PageFigures& page) {
+std::string scans_section(const Cells& cells, PageFigures& page) {
     const std::string device = text(*cells.front(), "device");
     return "<section>\n<h2>" + (device.empty() ? "Unnamed device" : escape(device)) + "</h2>\n" +
            levels_section(cells, page) + scaling_section(cells, "joints", {"shape"}, kJoints, "Over joints", page) +
@@ -315,7 +315,7 @@ std::string scan_report(std::span<const Json> records, bool with_figures) {
     const char* title = cells.empty() && !frames.empty() ? "A frame of animation" : "Hierarchy-Scan, every method";
     std::string body = std::string("<h1>") + title + "</h1>\n";
     if (!cells.empty()) body += facts(cells) + legend(cells);
-    for (const Cells& device : grouped(cells, {"device", "driver"})) body += device_section(device, page);
+    for (const Cells& device : grouped(cells, {"device", "driver"})) body += scans_section(device, page);
     body += frames + summary_section(records) + baseline_section(records);
     if (!cells.empty())
         body += methods_section(cells) + measuring_section(cells);

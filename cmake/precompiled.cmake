@@ -1,8 +1,11 @@
+# What makes a build quick; packagers may want none of it.
+option(THRONG_QUICK_BUILD "Precompile headers, compile several files at a time and what seldom runs with -O1" ON)
+
 # The standard library's headers that most files read, compiled once: 0.7 s of processor time of every file. With GCC
 # alone; other compilers want a precompiled header's flags and definitions to be the same in all that use it.
-option(THRONG_QUICK_BUILD "Precompile the standard headers; compile what seldom runs with -O1" ON)
 set(THRONG_STANDARD_HEADERS <algorithm> <array> <cmath> <cstdint> <cstdio> <cstring> <filesystem> <functional>
-  <map> <memory> <optional> <span> <string> <string_view> <variant> <vector>)
+  <limits> <map> <memory> <mutex> <numeric> <optional> <span> <string> <string_view> <thread> <utility> <variant>
+  <vector>)
 
 # ccache keeps nothing that is compiled with a precompiled header, unless it is told that it may (its manual,
 # "Precompiled headers").
@@ -11,17 +14,23 @@ if(THRONG_QUICK_BUILD AND CMAKE_CXX_COMPILER_LAUNCHER MATCHES "ccache$")
     ${CMAKE_COMMAND} -E env CCACHE_SLOPPINESS=pch_defines,time_macros ${CMAKE_CXX_COMPILER_LAUNCHER})
 endif()
 
-# throng_add_precompiled(name kind header...): what throng_precompile() takes. `kind` is -fPIC, for libraries, or -fPIE,
-# for programs. It has throng_options' flags, but no definitions: those who use it may not lack any.
+# throng_add_precompiled(name kind [VOLK] header...): what throng_precompile() takes. `kind` is -fPIC, for libraries, or
+# -fPIE, for programs. It has throng_options' flags and folders; its definition with VOLK alone: those who use a
+# precompiled header may not lack any, and not all declare Vulkan's functions as pointers.
 function(throng_add_precompiled name kind)
   if(NOT THRONG_QUICK_BUILD OR NOT CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
     return()
   endif()
+  cmake_parse_arguments(PARSE_ARGV 2 precompiled "VOLK" "" "")
   file(CONFIGURE OUTPUT ${name}.cpp CONTENT "// CMake makes precompiled headers for sources: for this one.\n")
   add_library(${name} OBJECT ${CMAKE_CURRENT_BINARY_DIR}/${name}.cpp)
   set_target_properties(${name} PROPERTIES POSITION_INDEPENDENT_CODE OFF)
   target_compile_options(${name} PRIVATE ${kind} $<TARGET_PROPERTY:throng_options,INTERFACE_COMPILE_OPTIONS>)
-  target_precompile_headers(${name} PRIVATE ${ARGN})
+  target_include_directories(${name} PRIVATE $<TARGET_PROPERTY:throng_options,INTERFACE_INCLUDE_DIRECTORIES>)
+  if(precompiled_VOLK)
+    target_compile_definitions(${name} PRIVATE $<TARGET_PROPERTY:throng_options,INTERFACE_COMPILE_DEFINITIONS>)
+  endif()
+  target_precompile_headers(${name} PRIVATE ${precompiled_UNPARSED_ARGUMENTS})
 endfunction()
 
 # The sources of `target` begin with the headers of `precompiled`.
@@ -33,4 +42,12 @@ function(throng_precompile target precompiled)
   # The first is what ccache asks for. The others find false alarms in std::string where it is precompiled, as
   # -Wrestrict does anywhere (GCC bug 105329).
   target_compile_options(${target} PRIVATE -fpch-preprocess -Wno-array-bounds -Wno-stringop-overflow)
+endfunction()
+
+# The sources of `target` are compiled five at a time, for most of a file's time goes to headers and to what it
+# instantiates of them. Names in their unnamed namespaces must differ.
+function(throng_compile_together target)
+  if(THRONG_QUICK_BUILD)
+    set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 5)
+  endif()
 endfunction()

@@ -116,6 +116,7 @@ function(throng_add_scan_methods target)
   file(CONFIGURE OUTPUT ${PROJECT_BINARY_DIR}/shaders/scan/scan_natives.inc @ONLY CONTENT "${natives}")
   list(TRANSFORM THRONG_SCAN_SOURCES PREPEND ${PROJECT_SOURCE_DIR}/src/ OUTPUT_VARIABLE sources)
   target_sources(${target} PRIVATE ${sources})
+  set_source_files_properties(${sources} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)  # all say plan() and simulate()
   throng_add_scan_variants(${target} scan_shader_rows.inc ScanShaders plain software fused fused_software fused_rows
     fused_rows_software tiled native)
   list(JOIN THRONG_SCAN_METHODS "();\nScanMethod " declarations)

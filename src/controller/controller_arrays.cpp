@@ -136,10 +136,11 @@ private:
     std::vector<uint32_t> event_clips_;  // [event_count]
 };
 
-using Test = ControllerCondition::Test;
-static_assert(uint32_t(Test::kAbove) == io::kTestAbove && uint32_t(Test::kBelow) == io::kTestBelow &&
-              uint32_t(Test::kIsTrue) == io::kTestTrue && uint32_t(Test::kIsFalse) == io::kTestFalse &&
-              uint32_t(Test::kTriggered) == io::kTestTriggered);
+using ConditionTest = ControllerCondition::Test;
+static_assert(uint32_t(ConditionTest::kAbove) == io::kTestAbove && uint32_t(ConditionTest::kBelow) == io::kTestBelow &&
+              uint32_t(ConditionTest::kIsTrue) == io::kTestTrue &&
+              uint32_t(ConditionTest::kIsFalse) == io::kTestFalse &&
+              uint32_t(ConditionTest::kTriggered) == io::kTestTriggered);
 
 }  // namespace
 

@@ -12,7 +12,6 @@
 namespace throng {
 namespace {
 
-constexpr uint64_t kMatrix_bytes = sizeof(Affine);
 constexpr float kMostPoseMargin = 1000;
 
 }  // namespace
@@ -183,10 +182,10 @@ OutputBlock CrowdState::output_of(const Batch& batch, uint32_t of_slot) const {
                                              : BufferView(),
             .skin_row_count = static_cast<uint32_t>(rows),
             .skin_row = output(io::kSkinRowsBuffer, sizeof(uint32_t)),
-            .model = output(io::kModelBuffer, group.joint_count * kMatrix_bytes),
-            .placement = output(io::kPlacementsBuffer, kMatrix_bytes),
+            .model = output(io::kModelBuffer, group.joint_count * sizeof(Affine)),
+            .placement = output(io::kPlacementsBuffer, sizeof(Affine)),
             .socket_count = group.socket_count(),
-            .socket = output(io::kSocketsBuffer, group.socket_count() * kMatrix_bytes),
+            .socket = output(io::kSocketsBuffer, group.socket_count() * sizeof(Affine)),
             .parameter_count = parameters,
             .parameter = output(io::kParametersBuffer, parameters * sizeof(float)),
             .root = output(io::kRootsBuffer, sizeof(RootMotion)),
@@ -215,7 +214,7 @@ void CrowdState::make_feedback() {
     uint64_t most_bytes = 0, most_skin_bytes = 0;  // of one that is watched, or whose pose is requested
     for (const Group& group : groups) {
         any = any || group.controller || group.sockets || group.steering;
-        uint64_t size_bytes = kMatrix_bytes + sizeof(io::RootState) + group.socket_count() * kMatrix_bytes;
+        uint64_t size_bytes = sizeof(Affine) + sizeof(io::RootState) + group.socket_count() * sizeof(Affine);
         if (group.controller)
             size_bytes += group.controller->parameter_count * sizeof(float) +
                           group.controller->layer_count * sizeof(io::LayerState);

@@ -10,11 +10,7 @@
 #include <set>
 
 namespace throng {
-namespace {
-
-constexpr uint64_t kMatrix_bytes = sizeof(Affine);
-
-}  // namespace
+namespace {}  // namespace
 
 void CrowdState::watch(const Instances& instances) {
     if (!feedback)
@@ -36,9 +32,9 @@ void CrowdState::watch(const Instances& instances) {
         };
         Watched one{.instance = instance,
                     .place = i,
-                    .placement = all(batch[io::kPlacementsBuffer], kMatrix_bytes),
+                    .placement = all(batch[io::kPlacementsBuffer], sizeof(Affine)),
                     .root = all(batch[io::kRootsBuffer], sizeof(io::RootState)),
-                    .sockets = all(batch[io::kSocketsBuffer], group.socket_count() * kMatrix_bytes),
+                    .sockets = all(batch[io::kSocketsBuffer], group.socket_count() * sizeof(Affine)),
                     .parameters = {},
                     .layers = {},
                     .layer_kinds = {},
@@ -116,7 +112,7 @@ std::vector<Affine> CrowdState::read_matrices(const InstanceHandle& handle, bool
     if (model && !batch[io::kModelBuffer])
         throw Failure(ErrorCode::kInvalidArgument, "read-back",
                       "model matrices are kept only with CrowdSettings::keep_model_matrices");
-    const uint64_t size_bytes = model ? group.joint_count * kMatrix_bytes
+    const uint64_t size_bytes = model ? group.joint_count * sizeof(Affine)
                                       : uint64_t{group.palette_count} * skin_format_bytes(skin_format);
     const uint32_t of_batch = handle.instance - batch.first_instance;
     const uint64_t row = model ? of_batch : read_skin_row(group, batch, of_batch);

@@ -24,7 +24,7 @@ enum Op : uint32_t {
     kOpMemberDecorate = 72,
     kOpExecutionModeId = 331
 };
-constexpr uint32_t kMagic = 0x07230203, kHeaderWords = 5;
+constexpr uint32_t kSpirvMagic = 0x07230203, kHeaderWords = 5;
 constexpr uint32_t kModeLocalSize = 17, kModeLocalSizeId = 38;
 constexpr uint32_t kDecorationSpecId = 1, kDecorationBinding = 33, kDecorationSet = 34, kDecorationOffset = 35;
 constexpr uint32_t kStorageUniformConstant = 0, kStorageUniform = 2, kStoragePushConstant = 9, kStorageBuffer = 12;
@@ -40,7 +40,7 @@ struct Id {
 
 SpirvInfo read_spirv(std::span<const uint32_t> words) {
     const auto refuse = [](const char* why) { return Failure(ErrorCode::kInvalidArgument, "SPIR-V", why); };
-    if (words.size() < kHeaderWords || words[0] != kMagic) throw refuse("not a SPIR-V module");
+    if (words.size() < kHeaderWords || words[0] != kSpirvMagic) throw refuse("not a SPIR-V module");
     SpirvInfo info;
     std::map<uint32_t, Id> ids;
     uint32_t local_size_id = 0;

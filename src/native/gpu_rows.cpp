@@ -13,8 +13,8 @@ namespace {
 using namespace native;
 
 // Parts of the character's size; half of what rows.cpp allows, since a further column costs little
-constexpr double kStill = 1e-7;
-constexpr double kSeen = 1e-6;
+constexpr double kGpuStillError = 1e-7;
+constexpr double kGpuFineError = 1e-6;
 constexpr double kFiner = 65536;            // a finer word counts parts of a word
 constexpr double kLeastStep = 1.0 / 16384;  // of a rotation's range, the least normal half float
 
@@ -104,11 +104,13 @@ private:
                 moves.half[c] = motion.half[c] * (1 + 1e-6) + std::abs(motion.middle[c] - moves.middle[c]);
             }
             Columns& columns = columns_.emplace_back();
-            if (2 * turns.error(0, 4) * joint.reach > kSeen * size) columns.fine_rotation = out_.fine_rotation_count++;
+            if (2 * turns.error(0, 4) * joint.reach > kGpuFineError * size)
+                columns.fine_rotation = out_.fine_rotation_count++;
             const double most_moved = std::max({motion.half[0], motion.half[1], motion.half[2]});
-            if (most_moved <= kStill * size && motion.half[3] * joint.reach <= kStill * size) continue;
+            if (most_moved <= kGpuStillError * size && motion.half[3] * joint.reach <= kGpuStillError * size) continue;
             columns.motion = 0;
-            columns.is_fine_motion = std::max(moves.error(0, 3), moves.error(3, 4) * joint.reach) > kSeen * size;
+            columns.is_fine_motion = std::max(moves.error(0, 3), moves.error(3, 4) * joint.reach) >
+                                     kGpuFineError * size;
         }
         // Finer ones first, so that their columns need no numbers of their own
         for (const bool fine : {true, false})

@@ -8,8 +8,8 @@ namespace throng::native {
 namespace {
 
 // Parts of the character's size
-constexpr double kSeen = 5e-7;    // below it a constant is the identity
-constexpr double kUneven = 3e-6;  // below it the scales along x, y and z are one
+constexpr double kIdentityError = 5e-7;  // below it a constant is the identity
+constexpr double kUneven = 3e-6;         // below it the scales along x, y and z are one
 
 // How far apart the scales of a joint along x, y and z are at most, as a part of the largest: files say 0.999999 for 1.
 double unevenness(const Character& character, size_t joint) {
@@ -117,7 +117,7 @@ RowSpaces::RowSpaces(const Character& character, bool may_scale_unevenly) {
 bool is_identity(const AffineT<double>& m, double size) {
     for (size_t r = 0; r < 3; ++r)
         for (size_t c = 0; c < 4; ++c)
-            if (!(std::abs(m.row[r][c] - (r == c ? 1 : 0)) * (c < 3 ? size : 1) <= kSeen * size)) return false;
+            if (!(std::abs(m.row[r][c] - (r == c ? 1 : 0)) * (c < 3 ? size : 1) <= kIdentityError * size)) return false;
     return true;
 }
 

@@ -7,7 +7,7 @@
 namespace throng::native {
 namespace {
 
-constexpr double kSeen = 1e-6;  // parts of the character's size: how far an arc may be from its chord
+constexpr double kArcError = 1e-6;  // parts of the character's size: how far an arc may be from its chord
 constexpr uint32_t kMostPieces = 256;
 
 // How the joints go from one row of keys to the next.
@@ -28,7 +28,7 @@ bool differ(TrackTarget target, const TrackValue& a, const TrackValue& b) {
 // Quaternions `angle` apart, interpolated along their chord, are off by up to sqrt(3) / 216 * angle^3 (the cubic term
 // of atan(w tan(angle)) - w angle), a point at a distance of 1 by twice that.
 double pieces_for(double angle, double reach, double size) {
-    const double most = std::cbrt(kSeen * size / (2 * std::sqrt(3.0) / 216 * std::max(reach, 1e-12 * size)));
+    const double most = std::cbrt(kArcError * size / (2 * std::sqrt(3.0) / 216 * std::max(reach, 1e-12 * size)));
     return std::clamp(std::ceil(angle / most), 1.0, double{kMostPieces});
 }
 

@@ -10,8 +10,8 @@
 namespace throng::native {
 namespace {
 
-constexpr double kStill = 1e-7;          // parts of the character's size below which nothing moves
-constexpr double kSeen = 2e-6;           // and above which a joint's words are floats
+constexpr double kStillError = 1e-7;     // parts of the character's size below which nothing moves
+constexpr double kFineError = 2e-6;      // and above which a joint's words are floats
 constexpr double kPart = 1 / kMostWord;  // a fraction between two rows is off by half of it
 
 // How far one of these components is off at most.
@@ -83,7 +83,7 @@ private:
             const RowRange rotation = values_.range_of(values.rotation), motion = values_.range_of(values.motion),
                            three = values_.range_of(values.scales);
             rotations.push_back(rotation);
-            fine_rotations.push_back(2 * error_of(rotation, 0, 4) * joint.reach > kSeen * size);
+            fine_rotations.push_back(2 * error_of(rotation, 0, 4) * joint.reach > kFineError * size);
             StillJoint still{.centre = {motion.middle[0], motion.middle[1], motion.middle[2]}};
             const bool uniform = settings_.uniform_scale;
             still.scale = uniform ? Vec3<double>{motion.middle[3], motion.middle[3], motion.middle[3]}
@@ -92,17 +92,17 @@ private:
                 return *std::max_element(range.half.begin() + static_cast<ptrdiff_t>(first),
                                          range.half.begin() + static_cast<ptrdiff_t>(end));
             };
-            if (settings_.all_move || most(motion, 0, 3) > kStill * size ||
-                most(motion, 3, 4) * joint.reach > kStill * size) {
+            if (settings_.all_move || most(motion, 0, 3) > kStillError * size ||
+                most(motion, 3, 4) * joint.reach > kStillError * size) {
                 still.motion = rows_.motion_count++;
                 motions.push_back(motion);
                 fine_motions.push_back(std::max(error_of(motion, 0, 3), error_of(motion, 3, 4) * joint.reach) >
-                                       kSeen * size);
+                                       kFineError * size);
             }
-            if (!uniform && (settings_.all_move || most(three, 0, 3) * joint.reach > kStill * size)) {
+            if (!uniform && (settings_.all_move || most(three, 0, 3) * joint.reach > kStillError * size)) {
                 still.scales = rows_.scales_count++;
                 scales.push_back(three);
-                fine_scales.push_back(error_of(three, 0, 3) * joint.reach > kSeen * size);
+                fine_scales.push_back(error_of(three, 0, 3) * joint.reach > kFineError * size);
             }
             rows_.still.push_back(still);
         }

@@ -11,14 +11,14 @@ namespace {
 // Below, its root would enlarge the others' errors more than storing it costs
 constexpr double kSmallestLeftOut = 0.02;
 
-double largest(const Vec3<double>& v) { return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)}); }
+double largest_part(const Vec3<double>& v) { return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)}); }
 
 // Largest scale along the path from the root to the parent of each joint.
 std::vector<double> parent_scales(const Character& character, std::span<const Trs<double>> pose) {
     std::vector<double> scales(pose.size(), 1);
     for (size_t joint = 0; joint < pose.size(); ++joint) {
         const uint32_t parent = character.rig.parents[joint];
-        if (parent != kNone) scales[joint] = scales[parent] * largest(pose[parent].scale);
+        if (parent != kNone) scales[joint] = scales[parent] * largest_part(pose[parent].scale);
     }
     return scales;
 }
@@ -32,7 +32,7 @@ std::vector<double> joint_radii(const Character& character, std::span<const Box>
         const uint32_t parent = character.rig.parents[joint];
         if (parent != kNone)
             radii[parent] = std::max(radii[parent],
-                                     length(pose[joint].translation) + largest(pose[joint].scale) * radii[joint]);
+                                     length(pose[joint].translation) + largest_part(pose[joint].scale) * radii[joint]);
     }
     return radii;
 }
@@ -138,7 +138,8 @@ std::vector<double> joint_reaches(const Character& character, std::span<const Bo
                                   std::span<const Trs<double>> pose) {
     std::vector<double> reaches = joint_radii(character, boxes, pose);
     const std::vector<double> scales = parent_scales(character, pose);
-    for (size_t joint = 0; joint < pose.size(); ++joint) reaches[joint] *= scales[joint] * largest(pose[joint].scale);
+    for (size_t joint = 0; joint < pose.size(); ++joint)
+        reaches[joint] *= scales[joint] * largest_part(pose[joint].scale);
     return reaches;
 }
 
@@ -178,7 +179,7 @@ void add_sensitivity(std::vector<TrackShape>& shapes, const Character& character
         levers[parent].add(pose[joint].translation);
         const TrackShape& rotation = shape(TrackTarget::kRotation);
         if (!rotation.full && displacement_of(rotation, half_range(rotation)) <= bound) {
-            const double radius = radii[joint] * largest(pose[joint].scale);  // boxes of boxes grow; this does not
+            const double radius = radii[joint] * largest_part(pose[joint].scale);  // boxes of boxes grow; this does not
             const Vec3<double>& o = pose[joint].translation;
             for (const Vec3<double>& arm : arms)
                 levers[parent].add(o + Vec3<double>{std::clamp(arm.x, -radius, radius),
