@@ -6,6 +6,7 @@
 #include "bench/row_kernel.h"
 
 #include <array>
+#include <optional>
 
 namespace throng::bench {
 

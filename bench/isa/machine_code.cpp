@@ -1,6 +1,7 @@
 #include "bench/isa/machine_code.h"
 
 #include <algorithm>
+#include <cstddef>
 #include <map>
 #include <numeric>
 #include <utility>
@@ -112,8 +113,8 @@ MachineCode read_machine_code(std::string_view assembly) {
         const auto around = std::ranges::count_if(loops, [&](const Loop& other) { return first < other.end; });
         loops.push_back({first, end});
         const auto has = [&](std::string_view beginning) {
-            return std::any_of(lines.begin() + static_cast<ptrdiff_t>(first),
-                               lines.begin() + static_cast<ptrdiff_t>(end),
+            return std::any_of(lines.begin() + static_cast<std::ptrdiff_t>(first),
+                               lines.begin() + static_cast<std::ptrdiff_t>(end),
                                [&](const Line& line) { return line.name.starts_with(beginning); });
         };
         const auto next = ends.upper_bound(first);

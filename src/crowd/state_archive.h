@@ -45,8 +45,9 @@ public:
             if (size_bytes > 0) std::memcpy(all.data(), unread_.data(), size_bytes);
             unread_ = unread_.subspan(size_bytes);
         } else {
-            const std::span<const std::byte> bytes = std::as_bytes(all);
-            written_.insert(written_.end(), bytes.begin(), bytes.end());
+            const size_t first = written_.size();
+            written_.resize(first + size_bytes);
+            if (size_bytes > 0) std::memcpy(written_.data() + first, all.data(), size_bytes);
         }
     }
     template <class T>

@@ -19,7 +19,7 @@ struct ScanOptions {
 
 void print_cell(std::span<const Json> records) {
     const Json& first = records.front();
-    const bool on_chip = first.at("experiment") == "on_chip";
+    const bool on_chip = text(first, "experiment") == "on_chip";
     std::printf("\n%s:", on_chip ? "on-chip, without memory" : "from memory to memory");
     print_columns(first, {{" %.0f characters", "characters"}, {" x %.0f joints", "joints"}});
     std::printf(", %s", text(first, "shape").c_str());
