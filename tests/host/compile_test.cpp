@@ -7,6 +7,8 @@
 #include "tests/test_rig.h"
 #include "tests/text.h"
 
+#include <gtest/gtest.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
