@@ -10,8 +10,6 @@
 #include <set>
 
 namespace throng {
-namespace {}  // namespace
-
 void CrowdState::watch(const Instances& instances) {
     if (!feedback)
         throw Failure(ErrorCode::kInvalidArgument, "watch",

@@ -25,8 +25,8 @@ private:
 
     std::shared_ptr<Gpu> gpu_;
     std::map<const Character*, SharedValues::Key> motions_;
-    std::vector<std::shared_ptr<const NativeRig>>
-        made_;  // so that later groups find them, even where no group keeps them
+    // Later groups find these even where no group keeps them.
+    std::vector<std::shared_ptr<const NativeRig>> made_;
 };
 
 }  // namespace throng

@@ -13,7 +13,7 @@ namespace {
 using namespace native;
 
 // Parts of the character's size; half of what rows.cpp allows, since a further column costs little
-constexpr double kGpuStillError = 1e-7;
+constexpr double kGpuStill = 1e-7;
 constexpr double kGpuFineError = 1e-6;
 constexpr double kFiner = 65536;            // a finer word counts parts of a word
 constexpr double kLeastStep = 1.0 / 16384;  // of a rotation's range, the least normal half float
@@ -107,7 +107,7 @@ private:
             if (2 * turns.error(0, 4) * joint.reach > kGpuFineError * size)
                 columns.fine_rotation = out_.fine_rotation_count++;
             const double most_moved = std::max({motion.half[0], motion.half[1], motion.half[2]});
-            if (most_moved <= kGpuStillError * size && motion.half[3] * joint.reach <= kGpuStillError * size) continue;
+            if (most_moved <= kGpuStill * size && motion.half[3] * joint.reach <= kGpuStill * size) continue;
             columns.motion = 0;
             columns.is_fine_motion = std::max(moves.error(0, 3), moves.error(3, 4) * joint.reach) >
                                      kGpuFineError * size;

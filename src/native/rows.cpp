@@ -10,7 +10,7 @@
 namespace throng::native {
 namespace {
 
-constexpr double kStillError = 1e-7;     // parts of the character's size below which nothing moves
+constexpr double kStill = 1e-7;          // parts of the character's size below which nothing moves
 constexpr double kFineError = 2e-6;      // and above which a joint's words are floats
 constexpr double kPart = 1 / kMostWord;  // a fraction between two rows is off by half of it
 
@@ -92,14 +92,14 @@ private:
                 return *std::max_element(range.half.begin() + static_cast<ptrdiff_t>(first),
                                          range.half.begin() + static_cast<ptrdiff_t>(end));
             };
-            if (settings_.all_move || most(motion, 0, 3) > kStillError * size ||
-                most(motion, 3, 4) * joint.reach > kStillError * size) {
+            if (settings_.all_move || most(motion, 0, 3) > kStill * size ||
+                most(motion, 3, 4) * joint.reach > kStill * size) {
                 still.motion = rows_.motion_count++;
                 motions.push_back(motion);
                 fine_motions.push_back(std::max(error_of(motion, 0, 3), error_of(motion, 3, 4) * joint.reach) >
                                        kFineError * size);
             }
-            if (!uniform && (settings_.all_move || most(three, 0, 3) * joint.reach > kStillError * size)) {
+            if (!uniform && (settings_.all_move || most(three, 0, 3) * joint.reach > kStill * size)) {
                 still.scales = rows_.scales_count++;
                 scales.push_back(three);
                 fine_scales.push_back(error_of(three, 0, 3) * joint.reach > kFineError * size);
