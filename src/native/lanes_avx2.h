@@ -65,6 +65,8 @@ struct Lanes {
     static void fence() { _mm_sfence(); }
 
     // Only raster/lane_types.h uses what follows
+    static V multiply_add(V a, V b, V c) { return _mm256_fmadd_ps(a, b, c); }
+    static float multiply_add(float a, float b, float c) { return __builtin_fmaf(a, b, c); }
     static void store_fours(float* p, size_t stride, V v) {
         _mm_store_ps(p, _mm256_castps256_ps128(v));
         _mm_store_ps(p + stride, _mm256_extractf128_ps(v, 1));

@@ -73,6 +73,8 @@ struct Lanes {
     static void fence() { _mm_sfence(); }
 
     // Only raster/lane_types.h uses what follows
+    static V multiply_add(V a, V b, V c) { return _mm512_fmadd_ps(a, b, c); }
+    static float multiply_add(float a, float b, float c) { return __builtin_fmaf(a, b, c); }
     static void store_fours(float* p, size_t stride, V v) {
         _mm_store_ps(p, _mm512_castps512_ps128(v));
         _mm_store_ps(p + stride, _mm512_extractf32x4_ps(v, 1));

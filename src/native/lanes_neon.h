@@ -63,6 +63,8 @@ struct Lanes {
     static void fence() {}
 
     // Only raster/lane_types.h uses what follows
+    static V multiply_add(V a, V b, V c) { return vfmaq_f32(c, a, b); }
+    static float multiply_add(float a, float b, float c) { return __builtin_fmaf(a, b, c); }
     static void store_fours(float* p, size_t, V v) { store(p, v); }
     static V load_any(const float* p) { return vld1q_f32(p); }
     static void store_any(float* p, V v) { vst1q_f32(p, v); }

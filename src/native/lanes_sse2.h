@@ -69,6 +69,8 @@ struct Lanes {
     static void fence() { _mm_sfence(); }
 
     // Only raster/lane_types.h uses what follows
+    static V multiply_add(V a, V b, V c) { return a * b + c; }
+    static float multiply_add(float a, float b, float c) { return a * b + c; }
     static void store_fours(float* p, size_t, V v) { store(p, v); }
     static V load_any(const float* p) { return _mm_loadu_ps(p); }
     static void store_any(float* p, V v) { _mm_storeu_ps(p, v); }

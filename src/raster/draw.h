@@ -141,27 +141,22 @@ private:
         const uint32_t small = bits(is_small), hit = bits(live & ~(is_small & (samples == 0)));
         if (hit == 0) return;
 
-        const Real z0 = gather(screen_.z, a.vertex), of_b = gather(screen_.z, b.vertex),
-                   of_c = gather(screen_.z, c.vertex);
-        const Real z1 = of_b - z0, z2 = of_c - z0;
-        const Real per_area = Real(-1) / area;
-        const Real per_x = (z1 * y2 - z2 * y1) * per_area, per_y = (z2 * x1 - z1 * x2) * per_area;
-        const Real bias = kInto == Into::kMap ? bias_of(per_x, per_y) : Real(0);
-        const LanePlane plane_of{a.x, a.y, z0 - bias, per_x, per_y, max(max(of_b, of_c), z0) - bias};
+        const Real z[3]{gather(screen_.z, a.vertex), gather(screen_.z, b.vertex), gather(screen_.z, c.vertex)};
+        const Plane<Real> planes = plane_of<kInto>(a.x, a.y, {x1, y1, x2, y2}, z, Real(-1) / area);
         uint32_t rest = hit;
         if constexpr (Of::kCount == 1 && !kMasked) {
             const Mask is_single = is_small & (samples > 0) & ((samples & (samples - 1)) == 0);
-            write_singles(first, samples, box, plane_of, is_single);
+            write_singles(first, samples, box, planes, is_single);
             rest &= ~bits(is_single);
             if (rest == 0) return;
         }
         FittingTriangles triangles;
-        triangles.set_planes(plane_of);
+        triangles.set_planes(planes);
         triangles.set_box(box, samples);
         if ((rest & ~small) != 0) triangles.set_edges(edges);
         for (; rest != 0; rest &= rest - 1) {
             const int i = __builtin_ctz(rest);
-            const Plane plane = triangles.plane(i);
+            const Plane<float> plane = triangles.plane(i);
             const auto write = [&](int x, int y, uint32_t mask) {
                 write_block(x, y, mask, plane, first + static_cast<uint32_t>(i));
             };
@@ -173,11 +168,12 @@ private:
     }
 
     // Triangles of one sample, whose depths lanes find: `samples`, in blocks of pixels that have one each.
-    INLINE void write_singles(uint32_t first, Whole samples, const PixelBox& box, const LanePlane& plane, Mask live) {
+    INLINE void write_singles(uint32_t first, Whole samples, const PixelBox& box, const Plane<Real>& planes,
+                              Mask live) {
         const Whole place = (bits_of(Real(samples)) >> 23) - 127;  // the bit's number, by its exponent
         const Real x = box.x0 + Real(place & 3), y = box.y0 + Real(place >> 2);
         alignas(64) float depths[Lanes::kCount];
-        store(depths, plane.at(x * kSubpixels + Of::kX[0], y * kSubpixels + Of::kY[0]));
+        store(depths, planes.at(x * kSubpixels + Of::kX[0], y * kSubpixels + Of::kY[0]));
         uint32_t columns[Lanes::kCount], rows[Lanes::kCount];
         store_any(columns, truncated(x));
         store_any(rows, truncated(y));
@@ -188,7 +184,7 @@ private:
         }
     }
 
-    INLINE void write_block(int x, int y, uint32_t mask, const Plane& plane, uint32_t triangle) {
+    INLINE void write_block(int x, int y, uint32_t mask, const Plane<float>& plane, uint32_t triangle) {
         if constexpr (kMasked) {
             constexpr uint32_t kOfPixel = (1u << Of::kCount) - 1;
             for (int pixel = 0; pixel < Block::kSide * Block::kSide; ++pixel)
@@ -241,8 +237,7 @@ private:
     void fill_triangle(const ScreenTriangle& t, uint32_t triangle) {
         const int64_t area = doubled_area(t);
         if (area == 0 || (culls_ && (area > 0) == draw_.is_mirrored)) return;
-        Plane plane = plane_of(t, area);
-        if constexpr (kInto == Into::kMap) plane.lower(bias_of(plane.per_x, plane.per_y));
+        const Plane<float> plane = plane_of<kInto>(t, area);
         fill<kInto>(t, tile_, area, [&](int x, int y, uint32_t mask) { write_block(x, y, mask, plane, triangle); });
     }
 

@@ -18,14 +18,12 @@ INLINE int64_t doubled_area(const ScreenTriangle& t) {
     return int64_t{t.x[2] - t.x[0]} * (t.y[1] - t.y[0]) - int64_t{t.x[1] - t.x[0]} * (t.y[2] - t.y[0]);
 }
 
-INLINE Plane plane_of(const ScreenTriangle& t, int64_t doubled_area) {
-    const float per_area = -1 / static_cast<float>(doubled_area);
-    const auto x1 = static_cast<float>(t.x[1] - t.x[0]), y1 = static_cast<float>(t.y[1] - t.y[0]),
-               x2 = static_cast<float>(t.x[2] - t.x[0]), y2 = static_cast<float>(t.y[2] - t.y[0]);
-    const float z1 = t.z[1] - t.z[0], z2 = t.z[2] - t.z[0];
-    const float most = t.z[1] > t.z[2] ? t.z[1] : t.z[2];
-    return {static_cast<float>(t.x[0]),     static_cast<float>(t.y[0]),     t.z[0],
-            (z1 * y2 - z2 * y1) * per_area, (z2 * x1 - z1 * x2) * per_area, most > t.z[0] ? most : t.z[0]};
+template <Into kInto>
+INLINE Plane<float> plane_of(const ScreenTriangle& t, int64_t doubled_area) {
+    const Sides<float> sides{static_cast<float>(t.x[1] - t.x[0]), static_cast<float>(t.y[1] - t.y[0]),
+                             static_cast<float>(t.x[2] - t.x[0]), static_cast<float>(t.y[2] - t.y[0])};
+    return plane_of<kInto>(static_cast<float>(t.x[0]), static_cast<float>(t.y[0]), sides, t.z,
+                           -1 / static_cast<float>(doubled_area));
 }
 
 // An edge at the pixels of a block. Samples lie at multiples of 32 subpixels: of its value they need no more than the

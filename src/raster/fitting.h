@@ -54,19 +54,13 @@ INLINE Whole samples_of_block(const LaneEdge (&edges)[3], const PixelBox& box, c
     return samples;
 }
 
-// As Plane, of as many triangles as there are lanes.
-struct LanePlane {
-    Real x0, y0, z0, per_x, per_y, most;
-    INLINE Real at(Real x, Real y) const { return depth_on(*this, x, y); }
-};
-
 class FittingTriangles {
 public:
     // So that all numbers of edges are exact, also in a block that reaches 3 pixels beyond the box: the sum of two
     // products of at most 9 and 12 times 256 is below 2^24.
     static constexpr int kMostPixels = 8;
 
-    INLINE void set_planes(const LanePlane& of) {
+    INLINE void set_planes(const Plane<Real>& of) {
         const Real numbers[6]{of.x0, of.y0, of.z0, of.per_x, of.per_y, of.most};
         for (int k = 0; k < 6; ++k) store(plane_[k], numbers[k]);
     }
@@ -84,7 +78,7 @@ public:
         }
     }
 
-    INLINE Plane plane(int i) const {
+    INLINE Plane<float> plane(int i) const {
         return {plane_[0][i], plane_[1][i], plane_[2][i], plane_[3][i], plane_[4][i], plane_[5][i]};
     }
     INLINE int x0(int i) const { return static_cast<int>(box_[0][i]); }

@@ -14,7 +14,7 @@ public:
     Fragments(const Draw& draw, const Target<kInto>& target) : draw_(draw), target_(target) {}
 
     // `samples`: bits of those in the triangle.
-    void add(int x, int y, uint32_t samples, const Plane& plane, uint32_t triangle) {
+    void add(int x, int y, uint32_t samples, const Plane<float>& plane, uint32_t triangle) {
         x_[count_] = static_cast<uint32_t>(x);
         y_[count_] = static_cast<uint32_t>(y);
         triangles_[count_] = triangle;
@@ -69,7 +69,7 @@ private:
     uint32_t count_ = 0;
     alignas(64) uint32_t x_[Lanes::kCount], y_[Lanes::kCount], triangles_[Lanes::kCount];
     uint32_t samples_[Lanes::kCount];
-    Plane planes_[Lanes::kCount];
+    Plane<float> planes_[Lanes::kCount];
 };
 
 }  // namespace

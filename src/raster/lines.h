@@ -23,7 +23,7 @@ void draw_lines(const Frame& frame, const Tile& tile) {
                     for (float& z : t.z) z = kOverEverything;
                 const int64_t area = doubled_area(t);
                 if (area == 0) return;
-                const Plane plane = plane_of(t, area);
+                const Plane<float> plane = plane_of<kInto>(t, area);
                 fill<kInto>(t, tile, area, [&](int x, int y, uint32_t mask) {
                     target.write_block(x, y, mask, plane, frame.first_line_id + 2 * i + half);
                 });

@@ -54,38 +54,51 @@ struct SampleBlock {
     }
 };
 
-// What a shadow map lowers triangles by: 1.5 texels of their slope, as the pipeline's depth bias does, so that none
-// shadows itself between the texels.
-INLINE Real bias_of(Real per_x, Real per_y) { return max(abs(per_x), abs(per_y)) * (1.5f * 256); }
-INLINE float bias_of(float per_x, float per_y) {
-    return __builtin_fmaxf(__builtin_fabsf(per_x), __builtin_fabsf(per_y)) * (1.5f * 256);
-}
-
-// The depth, or height, of a triangle over the subpixels from its first corner: at least kLeastDepth, as 0 means empty,
-// and bits of numbers below 0 do not compare as integers. This is the only expression for it, of one triangle or of
-// several, so that a sample's depth depends on no tile or block.
-constexpr float kLeastDepth = 0x1p-126f;
 INLINE float lesser(float a, float b) { return a < b ? a : b; }
 INLINE Real lesser(Real a, Real b) { return min(a, b); }
 INLINE float greater(float a, float b) { return a > b ? a : b; }
 INLINE Real greater(Real a, Real b) { return max(a, b); }
-template <class Of, class Number>
-INLINE Number depth_on(const Of& plane, Number x, Number y) {
-    const Number z = plane.per_x * (x - plane.x0) + (plane.per_y * (y - plane.y0) + plane.z0);
-    return greater(lesser(z, plane.most), kLeastDepth);
-}
+INLINE float magnitude(float a) { return __builtin_fabsf(a); }
+INLINE Real magnitude(Real a) { return abs(a); }
 
+// The depths, or heights, of a triangle, or of as many as there are lanes. These are the only expressions for them, and
+// leave the compiler no choice, so that a sample's depth depends on no tile, block or material.
+template <class Number>
 struct Plane {
-    float x0, y0, z0;  // x0, y0: subpixels
-    float per_x, per_y;
-    float most;  // at its corners
-    INLINE void lower(float by) {
-        z0 -= by;
-        most -= by;
+    // At least that: 0 means empty, and bits of numbers below 0 do not compare as integers.
+    static constexpr float kLeastDepth = 0x1p-126f;
+
+    Number x0, y0, z0;  // of the first corner; x0, y0: subpixels
+    Number per_x, per_y;
+    Number most;  // at its corners
+
+    // Subpixels, one or as many as there are lanes.
+    template <class Place>
+    INLINE Place at(Place x, Place y) const {
+        const Place of_row = multiply_add(per_y, y - y0, z0);
+        return greater(lesser(multiply_add(per_x, x - x0, of_row), most), kLeastDepth);
     }
-    INLINE Real at(Real x, Real y) const { return depth_on(*this, x, y); }
-    INLINE float at(float x, float y) const { return depth_on(*this, x, y); }
 };
+
+// Of corners 1 and 2, from the first one: subpixels.
+template <class Number>
+struct Sides {
+    Number x1, y1, x2, y2;
+};
+
+// A shadow map has triangles lower by 1.5 texels of their slope, as by the pipeline's depth bias, so that none shadows
+// itself between the texels.
+template <Into kInto, class Number>
+INLINE Plane<Number> plane_of(Number x0, Number y0, const Sides<Number>& sides, const Number (&z)[3], Number per_area) {
+    const Number z1 = z[1] - z[0], z2 = z[2] - z[0], most = greater(greater(z[1], z[2]), z[0]);
+    const Number per_x = multiply_add(z1, sides.y2, -(z2 * sides.y1)) * per_area,
+                 per_y = multiply_add(z2, sides.x1, -(z1 * sides.x2)) * per_area;
+    const auto lowered = [&](Number height) {
+        return multiply_add(greater(magnitude(per_x), magnitude(per_y)), -1.5f * 256, height);
+    };
+    if constexpr (kInto == Into::kMap) return {x0, y0, lowered(z[0]), per_x, per_y, lowered(most)};
+    return {x0, y0, z[0], per_x, per_y, most};
+}
 
 template <Into kInto>
 struct Target {
@@ -104,7 +117,7 @@ struct Target {
             raise(frame.samples[pixel * Pattern<kInto>::kCount + static_cast<int>(sample)], sample_of(depth, id));
     }
     // Samples of a block, whose first pixel is at x, y.
-    INLINE void write_block(int x, int y, uint32_t mask, const Plane& plane, uint32_t id) const {
+    INLINE void write_block(int x, int y, uint32_t mask, const Plane<float>& plane, uint32_t id) const {
         using Of = Pattern<kInto>;
         using Block = SampleBlock<kInto>;
         const auto left = static_cast<float>(256 * x), top = static_cast<float>(256 * y);
