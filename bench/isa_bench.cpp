@@ -226,14 +226,14 @@ private:
 std::vector<Json> measure_isa(const std::string& family, IsaScope scope, const Progress& progress) {
     std::vector<Json> records;
     const Simd& simd = *find_family(family);
-    for (const uint32_t subgroup_size : {64, 32}) {
+    for (const uint32_t subgroup_size : {64u, 32u}) {
         if (subgroup_size < simd.smallest_subgroup) continue;
         IsaMeasurement measurement(simd, subgroup_size, progress);
         measurement.measure_crowds(visit_default_forms);
         if (scope == IsaScope::kAll) {
             measurement.measure_crowds(visit_other_forms);
             if (subgroup_size == std::max(simd.smallest_subgroup, 32u))
-                for (const uint32_t levels : {15, 30, 60, 120}) measurement.measure_scans(levels);
+                for (const uint32_t levels : {15u, 30u, 60u, 120u}) measurement.measure_scans(levels);
             measurement.measure_drawing();
         }
         records.insert(records.end(), measurement.records().begin(), measurement.records().end());

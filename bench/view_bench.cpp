@@ -109,7 +109,7 @@ private:
         auto first = drawn.begin();
         for (const uint32_t of_level : entrant.drawn) {
             const uint32_t checked = std::min(kChecked, of_level);
-            for (uint32_t i = 0; i < checked; ++i) compare(entrant, *(first + uint64_t{of_level} * i / checked));
+            for (uint32_t i = 0; i < checked; ++i) compare(entrant, first[int64_t{of_level} * i / checked]);
             first += of_level;
         }
     }

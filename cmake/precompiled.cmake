@@ -2,7 +2,7 @@
 option(THRONG_QUICK_BUILD "Precompile headers, compile several files at a time and what seldom runs with -O1" ON)
 
 # The standard library's headers that most files read, compiled once: 0.7 s of processor time of every file. With GCC
-# alone; other compilers want a precompiled header's flags and definitions to be the same in all that use it.
+# and Clang; other compilers want a precompiled header's flags and definitions to be the same in all that use it.
 set(THRONG_STANDARD_HEADERS <algorithm> <array> <cmath> <cstdint> <cstdio> <cstring> <filesystem> <functional>
   <limits> <map> <memory> <mutex> <numeric> <optional> <span> <string> <string_view> <thread> <utility> <variant>
   <vector>)
@@ -18,7 +18,7 @@ endif()
 # -fPIE, for programs. It has throng_options' flags and folders; its definition with VOLK alone: those who use a
 # precompiled header may not lack any, and not all declare Vulkan's functions as pointers.
 function(throng_add_precompiled name kind)
-  if(NOT THRONG_QUICK_BUILD OR NOT CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+  if(NOT THRONG_QUICK_BUILD OR NOT CMAKE_CXX_COMPILER_ID MATCHES "^(GNU|Clang)$")
     return()
   endif()
   cmake_parse_arguments(PARSE_ARGV 2 precompiled "VOLK" "" "")
@@ -41,7 +41,9 @@ function(throng_precompile target precompiled)
   target_precompile_headers(${target} REUSE_FROM ${precompiled})
   # The first is what ccache asks for. The others find false alarms in std::string where it is precompiled, as
   # -Wrestrict does anywhere (GCC bug 105329).
-  target_compile_options(${target} PRIVATE -fpch-preprocess -Wno-array-bounds -Wno-stringop-overflow)
+  if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+    target_compile_options(${target} PRIVATE -fpch-preprocess -Wno-array-bounds -Wno-stringop-overflow)
+  endif()
 endfunction()
 
 # The sources of `target` are compiled five at a time, for most of a file's time goes to headers and to what it

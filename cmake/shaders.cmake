@@ -30,6 +30,8 @@ set(native_options -ffp-contract=off -fno-math-errno -fno-trapping-math -fno-str
   -Wno-unused-function)
 if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
   list(APPEND native_options -fsingle-precision-constant -Wno-maybe-uninitialized)
+elseif(CMAKE_CXX_COMPILER_ID STREQUAL "Clang")
+  list(APPEND native_options -Xclang -cl-single-precision-constant)
 endif()
 function(throng_add_native target shader name)
   set(source ${PROJECT_BINARY_DIR}/native/${name}.cpp)

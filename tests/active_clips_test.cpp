@@ -238,7 +238,8 @@ double amplification(const std::vector<ReferenceLayer>& layers, const Trs<double
 }
 
 void expect_reference(Character character) {
-    const Stage stage(std::move(character), make_masks(character.rig.joint_count()));
+    std::vector<float> masks = make_masks(character.rig.joint_count());
+    const Stage stage(std::move(character), std::move(masks));
     Random random(stage.joint_count());
     std::vector<Layers> instances;
     for (uint32_t active_clip_count = 1; active_clip_count <= 10; ++active_clip_count)

@@ -317,14 +317,14 @@ TEST_P(AttachInRows, WhatIsLetGoStaysAndStillCarries) {
     for (int update = 0; update < 2; ++update) {
         ASSERT_TRUE(crowd.update(0.1f));
         EXPECT_EQ(placement(crowd, all[1]), was);
-        for (const size_t i : {0, 2, 3}) expect_there(crowd, rows[i].thing, rows[i].attachment);
+        for (const size_t i : {0u, 2u, 3u}) expect_there(crowd, rows[i].thing, rows[i].attachment);
     }
     // Its carrier gone, so does the next.
     const Affine next_was = placement(crowd, all[2]);
     ASSERT_TRUE(crowd.despawn(std::array{all[1]}));
     ASSERT_TRUE(crowd.update(0.1f));
     EXPECT_EQ(placement(crowd, all[2]), next_was);
-    for (const size_t i : {0, 3}) expect_there(crowd, rows[i].thing, rows[i].attachment);
+    for (const size_t i : {0u, 3u}) expect_there(crowd, rows[i].thing, rows[i].attachment);
 }
 
 TEST_P(AttachInRows, BatchesChangeNothing) {

@@ -122,7 +122,7 @@ TEST(Baseline, TheKernelFollowsTheDefinition) {
                 crowd.update(0);
                 double worst = 0;
                 for (uint32_t i = 0; i < playbacks.size(); ++i) {
-                    const std::vector<Affine> got = crowd.read_skin_matrices({i});
+                    const std::vector<Affine> got = crowd.read_skin_matrices(i);
                     const std::vector<AffineT<double>> wanted = baseline.skin_matrices(stored, playbacks[i]);
                     ASSERT_EQ(got.size(), wanted.size());
                     for (size_t entry = 0; entry < got.size(); ++entry)
@@ -144,7 +144,7 @@ TEST(Baseline, TimePasses) {
         const BaselineCrowd crowd(test_gpu(), baseline, stored, playbacks);
         EXPECT_GE(crowd.update(0.5f).ms, 0.0);
         const auto wanted = baseline.skin_matrices(stored, {.first = {.clip = 1, .time_s = 2.5}});
-        EXPECT_LE(matrix_error(crowd.read_skin_matrices({0}).back(), wanted.back(), character.size), 1e-5)
+        EXPECT_LE(matrix_error(crowd.read_skin_matrices(0).back(), wanted.back(), character.size), 1e-5)
             << baseline.name;
     }
 }

@@ -36,7 +36,7 @@ void follow(UpdatePath path, const char* name, double error) {
     EXPECT_EQ(crowd.path(0)->is_fused, path == UpdatePath::kFused);
     std::vector<ReferenceCharacter> wanted = references(character, controller, kInstances);
     ASSERT_TRUE(crowd.watch(crowd.instances()));
-    size_t fading = 0;
+    std::ptrdiff_t fading = 0;
     Random random(11);
     for (uint32_t update = 1; update <= kUpdates; ++update) {
         for (uint32_t i = 0; i < kInstances; ++i) {
@@ -63,7 +63,7 @@ void follow(UpdatePath path, const char* name, double error) {
         for (const auto& [key, count] : seen)
             EXPECT_EQ(count, 0) << "instance " << key.first << ", event " << key.second << ", update " << update;
     }
-    EXPECT_GT(fading, 0u);
+    EXPECT_GT(fading, 0);
     for (uint32_t i = 0; i < kInstances; ++i) {
         const ReferencePose pose = wanted[i].pose();
         EXPECT_LE(matrix_error(*crowd.read_model_matrices({i}), pose.model_from_joint, character.size), 1e-4)

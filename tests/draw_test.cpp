@@ -307,7 +307,7 @@ TEST(Draw, AFailedUploadIsNotBlamedOnTheNextTexture) {
 TEST(Draw, TexturesOfACrowdHaveALimit) {
     std::vector<std::byte> encoded = png_bytes({1, 1, {255, 255, 255, 255}});
     // 8192, in the header
-    for (const size_t side : {16, 20}) encoded[side + 2] = std::byte{0x20}, encoded[side + 3] = std::byte{0};
+    for (const size_t side : {16u, 20u}) encoded[side + 2] = std::byte{0x20}, encoded[side + 3] = std::byte{0};
     Asset asset = square();
     asset.images.assign(4, {.name = "vast", .encoded = encoded});
     AssetMaterial& material = asset.materials[0];

@@ -60,7 +60,8 @@ void expect_alike(UpdatePath path) {
     constexpr uint32_t kUpdates = 50;
     const LivelyCrowd lively(24, 20, 20);
     Crowd native = lively.create_on(native_device(), path), other = lively.create_on(test_device(), path);
-    uint64_t event_count = 0, fading = 0;
+    uint64_t event_count = 0;
+    std::ptrdiff_t fading = 0;
     double worst = 0, furthest = 0;
     for (uint32_t update = 0; update < kUpdates; ++update) {
         SCOPED_TRACE("update " + std::to_string(update));
@@ -89,7 +90,7 @@ void expect_alike(UpdatePath path) {
     }
     EXPECT_LE(worst, kPoseBound);
     EXPECT_GT(event_count, 20u);
-    EXPECT_GT(fading, 100u);
+    EXPECT_GT(fading, 100);
     EXPECT_GT(furthest, 1.0) << "nobody walks";
     std::printf("  %s: largest difference %.1e of the size; %zu events\n",
                 path == UpdatePath::kFused ? "fused" : "staged", worst, static_cast<size_t>(event_count));

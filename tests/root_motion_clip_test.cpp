@@ -396,8 +396,7 @@ TEST(RootMotionOfClips, AFileKeepsIt) {
 class Walking {
 public:
     Walking(const Character& character, uint32_t count, bool moves_placements, UpdatePath path = UpdatePath::kAuto)
-        : character_(character),
-          controller_(direct_layers(1)),
+        : controller_(direct_layers(1)),
           crowd_(create({.groups = {{.character = &character,
                                      .instance_count = count,
                                      .controller = &controller_,
@@ -477,7 +476,6 @@ private:
         return out;
     }
 
-    const Character& character_;
     Controller controller_;
     Crowd crowd_;
     std::vector<ControllerReference> references_;

@@ -146,7 +146,7 @@ TEST_P(SavedStateOnPath, GoesOnBitForBit) {
     EXPECT_TRUE(player.go_on(crowd, kSaved, kEnd) == wanted) << "the crowd itself";
 
     Crowd other = player.make();
-    for (int updates = 0; updates < 3; ++updates) {
+    for (uint32_t updates = 0; updates < 3; ++updates) {
         EXPECT_TRUE(other.restore_state(*saved));
         EXPECT_TRUE(*other.save_state() == *saved);
         EXPECT_TRUE(player.go_on(other, kSaved, kEnd) == wanted) << "another crowd";

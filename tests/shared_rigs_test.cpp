@@ -80,7 +80,7 @@ TEST_F(SharedRigs, AreThereBeforeTheFirstUpdateOfWhoMadeThem) {
         ASSERT_TRUE(crowd->set_playback(InstanceHandle{1}, {.first = {.clip = 0, .time_s = 0.3}}));
         ASSERT_TRUE(crowd->update(0.1f));
     }
-    for (const uint32_t instance : {0, 1})
+    for (const uint32_t instance : {0u, 1u})
         EXPECT_EQ(second.read_skin_matrices({instance}).value(), alone.read_skin_matrices({instance}).value());
 }
 

@@ -145,9 +145,12 @@ CrowdState::Remade CrowdState::remake(std::span<const StageState> before, std::s
         return number;
     };
     for (const auto& stage : made.stages) {
+        const Stage& wanted = *stage;
         const auto of_stage = [&](std::span<const StageState> states) {
-            return std::ranges::find_if(
-                states, [&](const StageState& state) { return typeid(*state.stage) == typeid(*stage); });
+            return std::ranges::find_if(states, [&](const StageState& state) {
+                const Stage& one = *state.stage;
+                return typeid(one) == typeid(wanted);
+            });
         };
         const auto read_group = [&](const std::vector<std::byte>& bytes, uint32_t group, bool renumbers) {
             StateArchive archive{std::span<const std::byte>(bytes)};

@@ -45,7 +45,8 @@ std::vector<VkQueueFamilyProperties> queue_families(VkPhysicalDevice physical) {
 
 std::optional<uint32_t> find_family(VkPhysicalDevice physical) {
     const std::vector<VkQueueFamilyProperties> families = queue_families(physical);
-    for (const VkQueueFlags wanted : {VK_QUEUE_COMPUTE_BIT | VK_QUEUE_GRAPHICS_BIT, VK_QUEUE_COMPUTE_BIT + 0})
+    for (const VkQueueFlags wanted :
+         {VkQueueFlags{VK_QUEUE_COMPUTE_BIT | VK_QUEUE_GRAPHICS_BIT}, VkQueueFlags{VK_QUEUE_COMPUTE_BIT}})
         for (uint32_t index = 0; index < families.size(); ++index)
             if ((families[index].queueFlags & wanted) == wanted) return index;
     return std::nullopt;

@@ -405,7 +405,7 @@ TEST(CharacterFile, EveryTruncationAndEveryTrailingByteIsRefused) {
             ASSERT_TRUE(!in_table || result.error().text().find("section table") != std::string::npos)
                 << result.error().text();
         }
-        for (const size_t more : {1, 15, 16, 17, 4096}) {
+        for (const size_t more : {1u, 15u, 16u, 17u, 4096u}) {
             Forged forged(bytes);
             forged.bytes().resize(bytes.size() + more);
             ASSERT_FALSE(load(forged.bytes())) << more << " more bytes";
@@ -860,7 +860,7 @@ TEST(CharacterFile, CraftedFullRotationsAreRefused) {
     std::memcpy(&layout, &good.keys[position][3], 4);
     ASSERT_TRUE(layout & kPackedFull);
     expect_round_trip(good);
-    for (const size_t c : {0, 1, 2})
+    for (const size_t c : {0u, 1u, 2u})
         for (const uint32_t half : {0u, 1u}) {
             Character bad = good;
             bad.keys[position + half][c] = std::nextafter(bad.keys[position + half][c], 1.0f);

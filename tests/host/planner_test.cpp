@@ -122,7 +122,7 @@ TEST(Planner, SaysWhyInOneLine) {
 TEST(Planner, AGpuStreamsManyAndSharesFew) {
     for (const uint32_t vendor : {0x10DEu, 0x1002u, 0x8086u, 0u}) {
         const ScanCosts costs = built_in_hardware_costs(vendor);
-        for (const uint32_t levels : {15, 30, 60, 120}) {
+        for (const uint32_t levels : {15u, 30u, 60u, 120u}) {
             const ScanRig rig(bench::make_skeleton(bench::SkeletonShape::kRandom, 300, levels, 1), true);
             const ExplainedChoice many = choose_scan("auto", rig, 10'000, kHardware, costs),
                                   few = choose_scan("auto", rig, 1, kHardware, costs);

@@ -66,7 +66,7 @@ public:
         }
     }
     std::vector<Affine> skin_matrices(uint32_t instance) {
-        return crowd_ ? unwrap(crowd_->read_skin_matrices({instance})) : baseline_->read_skin_matrices({instance});
+        return crowd_ ? unwrap(crowd_->read_skin_matrices({instance})) : baseline_->read_skin_matrices(instance);
     }
     bool has_stages() const { return crowd_.has_value(); }
 
