@@ -7,6 +7,8 @@
 #include <cmath>
 #include <cstdlib>
 #include <limits>
+#include <map>
+#include <tuple>
 
 namespace throng::test {
 
@@ -43,10 +45,12 @@ std::vector<DrawnInstance> drawn_of(Crowd& crowd) {
 }
 
 Character creature(uint32_t joints, uint32_t levels, double error) {
-    Result<Character> character = compile_character(*make_creature({.joint_count = joints, .level_count = levels}),
-                                                    {.error = error});
-    EXPECT_TRUE(character);
-    return std::move(*character);
+    static std::map<std::tuple<uint32_t, uint32_t, double>, Character> compiled;  // several hundred tests have one
+    const auto [at, is_new] = compiled.try_emplace({joints, levels, error});
+    if (is_new)
+        at->second =
+            compile_character(*make_creature({.joint_count = joints, .level_count = levels}), {.error = error}).value();
+    return at->second;
 }
 
 Controller example(const char* name) {
