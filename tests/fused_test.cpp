@@ -15,14 +15,16 @@
 namespace throng {
 namespace {
 
-const test::InSubset kInSubsets({test::Subset::kGpuAssisted, test::Subset::kSubgroups}, {"Fused.*"});
+const test::InSubset kInSubsets({test::Subset::kGpuAssisted, test::Subset::kSubgroups},
+                                {"Fused.*", "Fused/FusedMethod.*"});
 const test::InSubset kWithAMethodGiven({test::Subset::kSubgroups}, {"-Fused.WhatDoesNotFitIsStagedUnlessAskedFor"});
-const test::InSubset kNatively({test::Subset::kNative}, {"Fused.*", "-Fused.AGpuTakesTheFirstMethodThatFits",
-                                                         "-Fused.SharedMemoryIsTheTileAndTheMethodsOwn",
-                                                         "-Fused.TooFewStorageBuffersAreAnObstacle",
-                                                         "-Fused.TablesAreNamedWhereTheDeviceCannotReadThem",
-                                                         "-Fused.WhatDoesNotFitIsStagedUnlessAskedFor", "-Fused.Rows*",
-                                                         "-Fused.KeysAreReadWhereThereAreNoRows"});
+const test::InSubset kNatively({test::Subset::kNative},
+                               {"Fused.*", "Fused/FusedMethod.*", "-Fused.AGpuTakesTheFirstMethodThatFits",
+                                "-Fused.SharedMemoryIsTheTileAndTheMethodsOwn",
+                                "-Fused.TooFewStorageBuffersAreAnObstacle",
+                                "-Fused.TablesAreNamedWhereTheDeviceCannotReadThem",
+                                "-Fused.WhatDoesNotFitIsStagedUnlessAskedFor", "-Fused.Rows*",
+                                "-Fused.KeysAreReadWhereThereAreNoRows"});
 
 using namespace test;
 
@@ -42,52 +44,64 @@ std::string obstacle(const ScanChoice& choice, const Character& character) {
     return plan_fused(choice, FusedRig(character), scan_limits(*test_gpu())).unsupported_reason;
 }
 
-TEST(Fused, EveryMethodFollowsTheReference) {
+class FusedMethod : public testing::TestWithParam<const ScanMethod*> {};
+
+TEST_P(FusedMethod, FollowsTheReference) {
+    const ScanMethod& method = *GetParam();
+    if (!has_scan(method.name)) GTEST_SKIP() << "this device has no scan by " << method.name;
     const ScanLimits limits = scan_limits(*test_gpu());
-    for (const ScanMethod& method : scan_table()) {
-        if (scan_shaders(method.name).fused.empty() || !has_scan(method.name)) continue;
-        size_t cases = 0, refused = 0;
-        double worst = 0;
-        for (const uint32_t joint_count : {1u, 70u, 300u}) {
-            const AssetSettings asset{.joint_count = joint_count,
-                                      .seed = joint_count,
-                                      .scale_spread = method.format == ScanFormat::kSimilarity ? 0 : 0.1};
-            for (const Character& character : {make_character(asset), packed_character(asset)}) {
-                Random random(joint_count);
-                const std::vector<Playback> playbacks = random_playbacks(random, character, 19);
-                std::vector<uint32_t> thread_choices = method.thread_choices(limits);
-                if (character.packed) thread_choices.resize(1);  // which keys are read does not depend on the lanes
-                for (const uint32_t threads : thread_choices) {
-                    const ScanChoice choice{&method, threads};
-                    const CrowdSettings settings{.groups = {{&character, 19}},
-                                                 .path = UpdatePath::kFused,
-                                                 .scan = name_of(choice),
-                                                 .keep_model_matrices = true};
-                    if (const std::string reason = obstacle(choice, character); !reason.empty()) {
-                        const Result<Crowd> crowd = Crowd::create(test_device(), settings);
-                        ASSERT_FALSE(crowd);
-                        EXPECT_EQ(crowd.error().code, ErrorCode::kUnsupported);
-                        EXPECT_NE(crowd.error().text().find(reason), std::string::npos) << crowd.error().text();
-                        ++refused;
-                        continue;
-                    }
-                    Crowd crowd = create(settings);
-                    ASSERT_TRUE(crowd.path(0)->is_fused);
-                    ASSERT_TRUE(crowd.set_playback(crowd.instances(), playbacks));
-                    ASSERT_TRUE(crowd.update(0));
-                    const double error = crowd_error(crowd, character, playbacks);
-                    EXPECT_LE(error, 2 * kPoseBound) << settings.scan << ", " << joint_count << " joints, "
-                                                     << (character.packed ? "packed" : "exact");
-                    worst = std::max(worst, error);
-                    ++cases;
+    size_t cases = 0, refused = 0;
+    double worst = 0;
+    for (const uint32_t joint_count : {1u, 70u, 300u}) {
+        const AssetSettings asset{.joint_count = joint_count,
+                                  .seed = joint_count,
+                                  .scale_spread = method.format == ScanFormat::kSimilarity ? 0 : 0.1};
+        for (const Character& character : {make_character(asset), packed_character(asset)}) {
+            Random random(joint_count);
+            const std::vector<Playback> playbacks = random_playbacks(random, character, 19);
+            std::vector<uint32_t> thread_choices = method.thread_choices(limits);
+            if (character.packed) thread_choices.resize(1);  // which keys are read does not depend on the lanes
+            for (const uint32_t threads : thread_choices) {
+                const ScanChoice choice{&method, threads};
+                const CrowdSettings settings{.groups = {{&character, 19}},
+                                             .path = UpdatePath::kFused,
+                                             .scan = name_of(choice),
+                                             .keep_model_matrices = true};
+                if (const std::string reason = obstacle(choice, character); !reason.empty()) {
+                    const Result<Crowd> crowd = Crowd::create(test_device(), settings);
+                    ASSERT_FALSE(crowd);
+                    EXPECT_EQ(crowd.error().code, ErrorCode::kUnsupported);
+                    EXPECT_NE(crowd.error().text().find(reason), std::string::npos) << crowd.error().text();
+                    ++refused;
+                    continue;
                 }
+                Crowd crowd = create(settings);
+                ASSERT_TRUE(crowd.path(0)->is_fused);
+                ASSERT_TRUE(crowd.set_playback(crowd.instances(), playbacks));
+                ASSERT_TRUE(crowd.update(0));
+                const double error = crowd_error(crowd, character, playbacks);
+                EXPECT_LE(error, 2 * kPoseBound)
+                    << settings.scan << ", " << joint_count << " joints, " << (character.packed ? "packed" : "exact");
+                worst = std::max(worst, error);
+                ++cases;
             }
         }
-        EXPECT_GT(cases, 0u) << method.name;
-        std::printf("  %-22s %3zu cases, %zu refused: largest error %.1e of the size\n",
-                    std::string(method.name).c_str(), cases, refused, worst);
     }
+    EXPECT_GT(cases, 0u);
+    std::printf("  %zu cases, %zu refused: largest error %.1e of the size\n", cases, refused, worst);
 }
+
+std::vector<const ScanMethod*> fused_methods() {
+    std::vector<const ScanMethod*> methods;
+    for (const ScanMethod& method : scan_table())
+        if (!scan_shaders(method.name).fused.empty()) methods.push_back(&method);
+    return methods;
+}
+
+INSTANTIATE_TEST_SUITE_P(Fused, FusedMethod, testing::ValuesIn(fused_methods()),
+                         [](const testing::TestParamInfo<const ScanMethod*>& of) {
+                             return std::string(of.param->name);
+                         });
 
 // Where scales are uniform, `stream` reads rows in place of keys: of clips that step, of joints that move and of those
 // that only turn, of ranges that need more than 16 bits and of small ones.
