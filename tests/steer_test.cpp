@@ -84,8 +84,6 @@ public:
         states_.assign(places.size(), {.speed = 0, .patience = 1, .stands = 0});
     }
 
-    Crowd& crowd() { return crowd_; }
-
     void step(float time_step_s) {
         ASSERT_TRUE(crowd_.update(time_step_s));
         const std::vector<Affine> after = placements_of(crowd_);

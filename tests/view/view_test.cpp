@@ -81,8 +81,6 @@ protected:
 
     static Png seen(const std::string& name) { return read_png(file(name)); }
 
-    static std::vector<float> eye() { return state_["eye"].get<std::vector<float>>(); }
-
     static inline std::unique_ptr<Display> display_;
     static inline Json state_;
 };
