@@ -45,7 +45,7 @@ std::vector<DrawnInstance> drawn_of(Crowd& crowd) {
 }
 
 Character creature(uint32_t joints, uint32_t levels, double error) {
-    static std::map<std::tuple<uint32_t, uint32_t, double>, Character> compiled;  // several hundred tests have one
+    static std::map<std::tuple<uint32_t, uint32_t, double>, Character> compiled;  // tests share few shapes
     const auto [at, is_new] = compiled.try_emplace({joints, levels, error});
     if (is_new)
         at->second =
