@@ -1,6 +1,6 @@
 // Fewer triangles for a mesh that moves: what must stay, and what may go.
 #include "compile/mesh/decimate.h"
-#include "compile/mesh/pose_lanes.h"
+#include "compile/mesh/four_triangles.h"
 #include "compile/mesh/triangle_index.h"
 #include "compile/mesh/welded_mesh.h"
 #include "tests/test_rig.h"
@@ -74,7 +74,7 @@ std::map<std::pair<uint32_t, uint32_t>, int> edges_of(const Indices& indices) {
     return edges;
 }
 
-TEST(PoseLanes, HaveTheDistancesOfEachPose) {
+TEST(FourTriangles, HaveTheDistancesOfEach) {
     Random random(1);
     const auto place = [&] { return Vec3<double>{random.unit(), random.unit(), random.unit()}.as<float>(); };
     for (int i = 0; i < 2000; ++i) {
@@ -89,10 +89,9 @@ TEST(PoseLanes, HaveTheDistancesOfEachPose) {
             if (i % 4 == 3) points[lane] = triangles[lane][0] * 0.25f + triangles[lane][1] * 0.75f;
             const std::array<Vec3<float>, 4> of_lane{triangles[lane][0], triangles[lane][1], triangles[lane][2],
                                                      points[lane]};
-            for (size_t k = 0; k < 4; ++k)
-                all[k].x[lane] = of_lane[k].x, all[k].y[lane] = of_lane[k].y, all[k].z[lane] = of_lane[k].z;
+            for (size_t k = 0; k < 4; ++k) all[k].set(lane, of_lane[k]);
         }
-        const Four squared = TriangleInPoses(all[0], all[1], all[2]).squared_distance(all[3]);
+        const Four squared = FourTriangles(all[0], all[1], all[2]).squared_distance(all[3]);
         for (size_t lane = 0; lane < kLanes; ++lane)
             EXPECT_NEAR(std::sqrt(squared[lane]), std::sqrt(squared_distance(points[lane], triangles[lane])), 1e-3);
     }
@@ -114,8 +113,8 @@ TEST(WeldedMesh, HasOnePointForVerticesThatStayTogether) {
     EXPECT_NE(welded.point_of(0), welded.point_of(6));
     EXPECT_EQ(welded.point_of(1), welded.point_of(7));
     EXPECT_EQ(welded.groups(), 1u);
-    EXPECT_EQ(welded.places(welded.point_of(6))->in_pose(1), (Vec3<float>{0, 0, 1}));
-    EXPECT_EQ(welded.places(welded.point_of(6))->in_pose(3), (Vec3<float>{0, 0, 1})) << "the last pose again";
+    EXPECT_EQ(welded.places(welded.point_of(6))->at(1), (Vec3<float>{0, 0, 1}));
+    EXPECT_EQ(welded.places(welded.point_of(6))->at(3), (Vec3<float>{0, 0, 1})) << "the last pose again";
     EXPECT_EQ(welded.most_like(0, welded.point_of(3)).vertex, 0u);
     EXPECT_EQ(welded.most_like(3, welded.point_of(0)).vertex, 3u);
 }

@@ -1,6 +1,7 @@
 #include "compile/mesh/lod.h"
 
 #include "base/count.h"
+#include "base/thread_pool.h"
 #include "bind/bind_reference.h"
 #include "reference/sampled_poses.h"
 #include "compile/mesh/decimate.h"
@@ -13,6 +14,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <thread>
 #include <utility>
 
 namespace throng {
@@ -53,8 +55,8 @@ std::vector<uint32_t> lost_vertices(const TriangleIndex& fine, std::span<const u
 
 // Where a triangle may span what is none of the mesh that it stands for: its middle, and those of its edges.
 constexpr size_t kMiddles = 4;
-Vec3<float> middle_of(const Triangle& triangle, size_t which) {
-    const auto& [a, b, c] = triangle;
+Vec3<float> middle_of(const std::array<uint32_t, 3>& corners, size_t which, std::span<const Vec3<float>> positions) {
+    const Vec3<float> a = positions[corners[0]], b = positions[corners[1]], c = positions[corners[2]];
     if (which == 0) return (a + b + c) * (1 / 3.0f);
     return (which == 1 ? a + b : which == 2 ? b + c : c + a) * 0.5f;
 }
@@ -98,17 +100,17 @@ struct Coarse {
 
     // Raises the error to what it is in a pose: either way, since clusters may join what lies side by side, as legs,
     // and moves apart.
-    void measure(const TriangleIndex& fine, std::span<const Vec3<float>> positions, const Progress& progress,
-                 uint64_t& steps) {
+    void measure(const TriangleIndex& fine, std::span<const Vec3<float>> positions, const Progress& progress) {
         index.move(positions);
         const auto lost_place = [&](size_t i) { return positions[lost[i]]; };
-        const auto middle = [&](size_t i) { return middle_of(index.triangles()[i / kMiddles], i % kMiddles); };
+        const auto middle = [&](size_t i) { return middle_of(index.corners()[i / kMiddles], i % kMiddles, positions); };
         error = furthest_from(index, near_lost, lost_place, error, progress, steps);
         error = furthest_from(fine, near_middles, middle, error, progress, steps);
     }
 
     std::vector<uint32_t> indices;  // of the character's vertices
     float error = 0;
+    uint64_t steps = 0;  // of the searches
     TriangleIndex index;
     std::vector<uint32_t> lost;  // vertices
     NearTriangles near_lost;     // of these, among its own
@@ -197,11 +199,13 @@ uint64_t make_lods(Character& character, const Progress& progress) {
     if (character.indices.size() <= kFewest) return 0;
     constexpr double kSimplified = 0.85;  // part of the work; the rest is measuring
     const Progress simplifying = progress.between(0, kSimplified), measuring = progress.between(kSimplified, 1);
-    std::vector<std::vector<Vec3<float>>> positions;  // [poses]
-    for (const SampledPose& pose : sampled_poses(character, kPoses)) {
+    ThreadPool threads(std::min(kLodLimit, std::max(1u, std::thread::hardware_concurrency())));
+    const std::vector<SampledPose> poses = sampled_poses(character, kPoses);
+    std::vector<std::vector<Vec3<float>>> positions(poses.size());  // [poses][vertices]
+    for_each_job(threads, count_of(poses), [&](uint32_t pose) {
         simplifying.poll();
-        positions.push_back(positions_in(character, pose));
-    }
+        positions[pose] = positions_in(character, poses[pose]);
+    });
     const std::vector<uint32_t> indices = joined_indices(character);
     std::vector<size_t> wanted;  // [levels], indices
     double share = 1;
@@ -217,13 +221,15 @@ uint64_t make_lods(Character& character, const Progress& progress) {
         levels.emplace_back(coarser(std::move(decimated), before, character, positions[0], wanted[levels.size()]), fine,
                             positions[0]);
     }
-    uint64_t steps = 0;
     for (size_t pose = 0; pose < positions.size(); ++pose) {
         measuring.report(pose, positions.size());
         fine.move(positions[pose]);
-        for (Coarse& level : levels) level.measure(fine, positions[pose], measuring, steps);
+        for_each_job(threads, count_of(levels),
+                     [&](uint32_t level) { levels[level].measure(fine, positions[pose], measuring); });
     }
     keep_levels(levels, character);
+    uint64_t steps = 0;
+    for (const Coarse& level : levels) steps += level.steps;
     return steps;
 }
 

@@ -1,6 +1,8 @@
 // Which triangle of a mesh is nearest to a point.
 #pragma once
 
+#include "compile/mesh/four_triangles.h"
+
 #include <throng/transform.h>
 
 #include <array>
@@ -17,13 +19,14 @@ using Triangle = std::array<Vec3<float>, 3>;
 // the triangle's box, whatever rounding does, so that no search by boxes misses the triangle of the smallest.
 float squared_distance(const Vec3<float>& p, const Triangle& triangle);
 
-// A balanced tree of boxes over a mesh. The mesh may move: the tree keeps its shape, and its boxes follow.
+// A balanced tree of boxes over a mesh, four below each. The mesh may move: the tree keeps its shape, and its boxes
+// follow.
 class TriangleIndex {
 public:
     struct Nearest {
         float squared_distance = std::numeric_limits<float>::infinity();  // of the index without triangles
-        uint32_t triangle = 0;                                            // of triangles()
-        uint32_t steps = 0;                                               // boxes and triangles looked at
+        uint32_t triangle = 0;                                            // of corners()
+        uint32_t steps = 0;                                               // four boxes or triangles looked at
     };
 
     TriangleIndex() = default;
@@ -33,19 +36,30 @@ public:
     // The same triangles, their vertices elsewhere.
     void move(std::span<const Vec3<float>> positions);
 
-    // Those that share a box side by side.
-    std::span<const Triangle> triangles() const { return triangles_; }
-    std::span<const std::array<uint32_t, 3>> corners() const { return corners_; }  // [triangle], vertices
+    // [triangle], vertices. Triangles that share a box are side by side.
+    std::span<const std::array<uint32_t, 3>> corners() const { return corners_; }
 
     // The smallest squared distance of all triangles; or, where one is no farther than `enough`, that of any such.
     // The search begins around `guess`: a triangle that was near to this point before, or to one beside it, or any.
     Nearest nearest(const Vec3<float>& p, float enough, uint32_t guess) const;
 
 private:
-    struct Node {
+    // Of the tree: its number in nodes_, or in leaves_ with kLeaf.
+    using Part = uint32_t;
+    static constexpr Part kLeaf = uint32_t{1} << 31;
+
+    struct Box {
         Vec3<float> low, high;
-        uint32_t first = 0;  // of a leaf's triangles; else the second child: the first comes right behind its parent
-        uint32_t count = 0;  // of a leaf's triangles; else 0
+    };
+    struct Node {
+        Four3 low{}, high{};  // the boxes of four parts, of which the first are there
+        std::array<Part, kLanes> parts{};
+        uint32_t part_count = 0;
+        uint32_t parent = 0, lane = 0;  // where its own box is
+    };
+    struct Leaf {
+        Four3 a{}, b{}, c{};  // the corners of four triangles, the last one again where there are fewer
+        uint32_t first_triangle = 0, triangle_count = 0;
         uint32_t parent = 0;
     };
     struct Centroid {
@@ -53,14 +67,16 @@ private:
         uint32_t triangle = 0;
     };
 
-    void split(std::span<Centroid> centroids, uint32_t first, uint32_t parent);
-    void look_at(const Vec3<float>& p, uint32_t triangle, Nearest& best) const;
-    void search_below(uint32_t node, const Vec3<float>& p, float enough, Nearest& best) const;
+    static void halve(std::span<Centroid> centroids);
+    Part add_part(std::span<Centroid> centroids, uint32_t first, uint32_t parent, uint32_t lane);
+    Box box_of(Part part) const;
+    void look_at(const Leaf& leaf, const Four3& p, Nearest& best) const;
+    void search_below(uint32_t node, Part except, const Four3& p, float enough, Nearest& best) const;
 
     std::vector<Node> nodes_;  // each before those below it
-    std::vector<Triangle> triangles_;
+    std::vector<Leaf> leaves_;
     std::vector<std::array<uint32_t, 3>> corners_;
-    std::vector<uint32_t> leaves_;  // [triangle], nodes
+    std::vector<uint32_t> leaf_of_;  // [triangle]
 };
 
 }  // namespace throng

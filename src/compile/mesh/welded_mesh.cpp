@@ -53,8 +53,7 @@ WeldedMesh::WeldedMesh(const Character& character, std::span<const uint32_t> ind
             Four3 places{};
             for (size_t lane = 0; lane < kLanes; ++lane) {
                 const size_t pose = std::min(group * kLanes + lane, positions.size() - 1);
-                const Vec3<float>& place = positions[pose][vertices[0]];
-                places.x[lane] = place.x, places.y[lane] = place.y, places.z[lane] = place.z;
+                places.set(lane, positions[pose][vertices[0]]);
             }
             places_.push_back(places);
         }
@@ -125,9 +124,10 @@ WeldedMesh::Corner WeldedMesh::most_like(uint32_t vertex, uint32_t point) const 
     float least = std::numeric_limits<float>::infinity();
     for (const uint32_t candidate : vertices_of_[point]) {
         if (section_of_[candidate] != section_of_[vertex]) continue;
+        const bool is_of_same_chart = chart_of_[candidate] == chart_of_[vertex];
+        if (vertices_of_[point].size() == 1) return {candidate, is_of_same_chart};
         const Vertex& other = character_.vertices[candidate];
         const float u = other.texcoord[0] - wanted.texcoord[0], v = other.texcoord[1] - wanted.texcoord[1];
-        const bool is_of_same_chart = chart_of_[candidate] == chart_of_[vertex];
         const float difference = u * u + v * v +
                                  kOfNormals * squared_difference(other.normal_octahedral, wanted.normal_octahedral) +
                                  (is_of_same_chart ? 0 : kOfCharts);

@@ -2,7 +2,7 @@
 // one. So a mesh holds together where its vertices are double for the sake of normals and texture coordinates.
 #pragma once
 
-#include "compile/mesh/pose_lanes.h"
+#include "compile/mesh/four_triangles.h"
 
 #include <throng/character.h>
 
@@ -30,7 +30,7 @@ public:
     // [groups()]: in the first four poses, of which the first is the rest pose, in the next four, and so on.
     const Four3* places(uint32_t point) const { return &places_[point * groups_]; }
     size_t groups() const { return groups_; }
-    Vec3<float> rest_place(uint32_t point) const { return places(point)->in_pose(0); }
+    Vec3<float> rest_place(uint32_t point) const { return places(point)->at(0); }
 
     struct Corner {
         uint32_t vertex = 0;           // kNone: the point has none of this section

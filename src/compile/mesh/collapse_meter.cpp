@@ -1,0 +1,174 @@
+#include "compile/mesh/collapse_meter.h"
+
+#include <algorithm>
+
+namespace throng {
+namespace {
+
+// A collapse costs this part of its edge's length in addition, so that on a flat surface the shortest edge goes first.
+constexpr float kLengthWeight = 1e-2f;
+// A fine triangle within this part of the cost known so far is taken for the nearest one: the search ends there.
+constexpr float kNearEnough = 0.5f;
+// A point with more triangles around it is not collapsed, nor is another one into it: the work for that grows with the
+// square of their number.
+constexpr size_t kMostFaces = 48;
+constexpr float kTurned = 0.3f;  // the cosine of the angle by which a triangle may turn in the rest pose
+
+}  // namespace
+
+CollapseMeter::CollapseMeter(const WeldedMesh& fine, const SimplifiedMesh& mesh, std::span<const uint32_t> indices,
+                             std::span<const Vec3<float>> rest_places)
+    : fine_(fine), mesh_(mesh), index_(indices, rest_places), near_triangle_(fine.point_count()) {
+    for (uint32_t triangle = 0; triangle < index_.corners().size(); ++triangle)
+        for (const uint32_t vertex : index_.corners()[triangle]) near_triangle_[fine_.point_of(vertex)] = triangle;
+}
+
+std::vector<Collapse> CollapseMeter::possible_collapses(uint32_t from) {
+    std::vector<Collapse> all;
+    if (mesh_.faces_of(from).size() > kMostFaces) return all;
+    look_around(from);
+    float least = kNever, second = kNever;
+    for (const uint32_t to : mesh_.neighbours_of(from)) {
+        Collapse one{.to = to, .extra = kLengthWeight * length(fine_.rest_place(from) - fine_.rest_place(to))};
+        if (mesh_.faces_of(to).size() > kMostFaces || !try_moving(one)) continue;
+        one.squared_distance = distance_of_lost(0, 0, one.squared_distance_at(second));
+        const float cost = one.cost();
+        if (cost >= kNever) continue;
+        all.push_back(one);
+        second = std::min(second, std::max(least, cost));
+        least = std::min(least, cost);
+    }
+    std::ranges::sort(all, {}, &Collapse::cost);
+    return all;
+}
+
+Collapse CollapseMeter::cheapest(uint32_t from, std::span<const Collapse> possible) {
+    look_around(from);
+    Collapse best{.squared_distance = kNever};
+    for (Collapse one : possible) {
+        if (one.cost() >= best.cost()) break;
+        measure(one, best.cost());
+        if (one.cost() < best.cost()) best = one;
+    }
+    return best;
+}
+
+void CollapseMeter::look_around(uint32_t from) {
+    around_.clear();
+    lost_.assign(1, from);
+    for (const uint32_t number : mesh_.faces_of(from)) {
+        const SimplifiedMesh::Face& face = mesh_.face(number);
+        const size_t corner = face.points[0] == from ? 0 : face.points[1] == from ? 1 : 2;
+        const Vec3<float> normal = rest_normal(face.points);
+        around_.push_back({number, corner, normal, length(normal)});
+        lost_.insert(lost_.end(), face.lost.begin(), face.lost.end());
+    }
+}
+
+// Fills moved_ with the triangles that move. False where one would turn over, leave its section, or be there twice, or
+// where another point would lose its last one.
+bool CollapseMeter::try_moving(Collapse& collapse) {
+    moved_.clear();
+    const uint32_t to = collapse.to;
+    for (const Around& one : around_) {
+        const SimplifiedMesh::Face& face = mesh_.face(one.face);
+        const uint32_t left = face.points[(one.corner + 1) % 3], right = face.points[(one.corner + 2) % 3];
+        if (left == to || right == to) {
+            if (mesh_.faces_of(left == to ? right : left).size() == 1) return false;
+            continue;
+        }
+        const WeldedMesh::Corner vertex = fine_.most_like(face.vertices[one.corner], to);
+        if (vertex.vertex == kNone) return false;
+        Corners moved = face.points;
+        moved[one.corner] = to;
+        for (const uint32_t other : mesh_.faces_of(to))
+            if (mesh_.face(other).has(left) && mesh_.face(other).has(right)) return false;
+        const Vec3<float> normal = rest_normal(moved);
+        if (dot(one.rest_normal, normal) <= kTurned * one.length * length(normal)) return false;
+        if (!vertex.is_of_same_chart) collapse.extra = std::max(collapse.extra, height_of(moved));
+        moved_.push_back(moved);
+    }
+    return !moved_.empty();
+}
+
+Vec3<float> CollapseMeter::rest_normal(const Corners& corners) const {
+    const Vec3<float> a = fine_.rest_place(corners[0]);
+    return cross(fine_.rest_place(corners[1]) - a, fine_.rest_place(corners[2]) - a);
+}
+
+// Of a triangle, the least of three: what is painted wrong where it is.
+float CollapseMeter::height_of(const Corners& corners) const {
+    float longest = 0;
+    for (size_t k = 0; k < 3; ++k)
+        longest = std::max(longest, length(fine_.rest_place(corners[(k + 1) % 3]) - fine_.rest_place(corners[k])));
+    return longest > 0 ? length(rest_normal(corners)) / longest : 0;
+}
+
+// As long as it may cost less than `least`.
+void CollapseMeter::measure(Collapse& collapse, float least) {
+    try_moving(collapse);
+    const float useful = collapse.squared_distance_at(least);
+    for (size_t group = 0; group < fine_.groups() && collapse.squared_distance < useful; ++group)
+        collapse.squared_distance = distance_of_lost(group, collapse.squared_distance, useful);
+    if (collapse.squared_distance < useful) measure_middles(collapse);
+}
+
+// Squared: how far lost_ lie from moved_ at most in a group of poses, if that is between `known` and `useful`.
+float CollapseMeter::distance_of_lost(size_t group, float known, float useful) {
+    triangles_.clear();
+    for (const auto& [a, b, c] : moved_)
+        triangles_.emplace_back(fine_.places(a)[group], fine_.places(b)[group], fine_.places(c)[group]);
+    Four furthest = four(known);
+    size_t likely = 0;  // the triangle that the last point was near enough to
+    for (const uint32_t point : lost_) {
+        const Four3 place = fine_.places(point)[group];
+        Four nearest = triangles_[likely].squared_distance(place);
+        for (size_t i = 0; i < triangles_.size() && is_any(nearest > furthest); ++i) {
+            nearest = lower(nearest, triangles_[i].squared_distance(place));
+            likely = i;
+        }
+        furthest = higher(furthest, nearest);
+        if (largest(furthest) > useful) break;
+    }
+    return largest(furthest);
+}
+
+// Of triangles that have moved, and of their edges that have, from the fine mesh.
+void CollapseMeter::measure_middles(Collapse& collapse) {
+    uint32_t guess = near_triangle_[collapse.to];
+    ends_.clear();
+    for (const Corners& corners : moved_) {
+        measure_middle(corners, 1 / 3.0f, guess, collapse);
+        for (const uint32_t end : corners) {
+            if (end == collapse.to || std::ranges::find(ends_, end) != ends_.end()) continue;
+            ends_.push_back(end);
+            measure_middle({collapse.to, end, kNone}, 1 / 2.0f, guess, collapse);
+        }
+    }
+}
+
+// In all poses from one triangle: that which the middle before was near to, if this changes nothing; else the nearest
+// at rest.
+void CollapseMeter::measure_middle(const Corners& ends, float part, uint32_t& guess, Collapse& collapse) {
+    const auto middle_in = [&](size_t group) {
+        Four3 sum = fine_.places(ends[0])[group] + fine_.places(ends[1])[group];
+        if (ends[2] != kNone) sum = sum + fine_.places(ends[2])[group];
+        return sum * four(part);
+    };
+    const auto furthest_from = [&](uint32_t triangle) {
+        std::array<const Four3*, 3> corners;
+        for (size_t k = 0; k < 3; ++k) corners[k] = fine_.places(fine_.point_of(index_.corners()[triangle][k]));
+        float furthest = 0;
+        for (size_t group = 0; group < fine_.groups(); ++group) {
+            const FourTriangles in_poses(corners[0][group], corners[1][group], corners[2][group]);
+            furthest = std::max(furthest, largest(in_poses.squared_distance(middle_in(group))));
+        }
+        return furthest;
+    };
+    if (furthest_from(guess) <= collapse.squared_distance) return;
+    const float near_enough = kNearEnough * collapse.cost();
+    guess = index_.nearest(middle_in(0).at(0), near_enough * near_enough, guess).triangle;
+    collapse.squared_distance = std::max(collapse.squared_distance, furthest_from(guess));
+}
+
+}  // namespace throng

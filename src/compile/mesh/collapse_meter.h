@@ -1,0 +1,82 @@
+// What it costs to collapse a point of a mesh into one of its neighbours.
+#pragma once
+
+#include "compile/mesh/four_triangles.h"
+#include "compile/mesh/simplified_mesh.h"
+#include "compile/mesh/triangle_index.h"
+#include "compile/mesh/welded_mesh.h"
+
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <span>
+#include <vector>
+
+namespace throng {
+
+constexpr float kNever = std::numeric_limits<float>::infinity();  // the cost of what is not to happen
+
+// Of one point into another. Costs are distances in model space.
+struct Collapse {
+    uint32_t to = 0;
+    float extra = 0;             // for the edge's length, and for what gets a wrong texture
+    float squared_distance = 0;  // between the surfaces, as far as they have been compared
+
+    // The squared distance at which this collapse costs as much as that.
+    float squared_distance_at(float cost) const { return cost > extra ? (cost - extra) * (cost - extra) : 0; }
+    // Infinite also where the sum is not a number, in meshes whose squares floats cannot hold.
+    float cost() const {
+        const float all = std::sqrt(squared_distance) + extra;
+        return all < kNever ? all : kNever;
+    }
+};
+
+class CollapseMeter {
+public:
+    // `indices` are those of the fine mesh, `rest_places` [vertices]. Keeps the references.
+    CollapseMeter(const WeldedMesh& fine, const SimplifiedMesh& mesh, std::span<const uint32_t> indices,
+                  std::span<const Vec3<float>> rest_places);
+
+    // By how far lost points lie from what is left in the first poses, the least first. Of all but the first two it is
+    // only known that they cost no less than these.
+    std::vector<Collapse> possible_collapses(uint32_t from);
+
+    // By all poses, and both ways. The point's possible collapses must be those of the mesh as it is. The cost of what
+    // comes back is kNever where none can be.
+    Collapse cheapest(uint32_t from, std::span<const Collapse> possible);
+
+private:
+    using Corners = std::array<uint32_t, 3>;  // points
+
+    void look_around(uint32_t from);
+    bool try_moving(Collapse& collapse);
+    void measure(Collapse& collapse, float least);
+    float distance_of_lost(size_t group, float known, float useful);
+    void measure_middles(Collapse& collapse);
+    void measure_middle(const Corners& ends, float part, uint32_t& guess, Collapse& collapse);
+    Vec3<float> rest_normal(const Corners& corners) const;
+    float height_of(const Corners& corners) const;
+
+    // A triangle of the point that is looked at.
+    struct Around {
+        uint32_t face = 0;
+        size_t corner = 0;  // which is the point
+        Vec3<float> rest_normal;
+        float length = 0;  // of that
+    };
+
+    const WeldedMesh& fine_;
+    const SimplifiedMesh& mesh_;
+    TriangleIndex index_;                  // of the fine mesh at rest
+    std::vector<uint32_t> near_triangle_;  // [points], of the index
+    // Of the point that is looked at
+    std::vector<Around> around_;
+    std::vector<uint32_t> lost_;  // points that its triangles stand for, and itself
+    // Of the collapse that is looked at
+    std::vector<Corners> moved_;            // triangles
+    std::vector<FourTriangles> triangles_;  // moved_, in a group of poses
+    std::vector<uint32_t> ends_;            // of edges that have been measured
+};
+
+}  // namespace throng
