@@ -60,5 +60,12 @@ THRONG_IO_CONSTANT kMayBeInertial = 4;  // has inertial transitions or plays
 THRONG_IO_CONSTANT kHasRoots = 8;
 THRONG_IO_CONSTANT kHasDestinations = 16;
 
+// Of `changes`, some that belong to one buffer: each the number of an item there and behind it the item's words.
+struct ScatterPush {
+    uint first_word;
+    uint count;
+    uint item_words;
+};
+
 THRONG_IO_END
 #endif

@@ -2,6 +2,7 @@
 
 #include "attach/attach.kernel.h"
 #include "base/failure.h"
+#include "crowd/change_stage.h"
 #include "crowd/placement_stage.h"
 #include "crowd/state_archive.h"
 
@@ -164,10 +165,11 @@ std::string AttachStage::set_levels() {
 }
 
 void AttachStage::begin(const Update& update) {
-    for_each_part(batches_, dirty_.take(), [&](const Batch& batch, uint32_t first, uint32_t count) {
+    const std::vector<DirtyRanges::Range> ranges = dirty_.take();
+    for_each_part(batches_, ranges, [&](const Batch& batch, uint32_t first, uint32_t count) {
         if (batch[io::kAttachmentsBuffer])
-            record_update(*gpu_, update.commands, batch[io::kAttachmentsBuffer], first - batch.first_instance,
-                          std::span<const io::InstanceAttachment>(attachments_).subspan(first, count));
+            update.changes->write(update, ranges.size(), batch, io::kAttachmentsBuffer, first - batch.first_instance,
+                                  std::span<const io::InstanceAttachment>(attachments_).subspan(first, count));
     });
 }
 

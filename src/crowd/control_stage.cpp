@@ -4,6 +4,7 @@
 #include "control/control.h"
 #include "control/control_reference.h"
 #include "control/playback.h"
+#include "crowd/change_stage.h"
 #include "crowd/state_archive.h"
 #include "crowd/state_checks.h"
 
@@ -84,10 +85,11 @@ void ControlStage::begin(const Update& update) {
         Batch& batch = batches_[member.batch];
         batch.blends = member.blending_count > 0 || group_of(batch).command_capacity > 0;  // shaders may blend as well
     }
-    for_each_part(batches_, dirty_.take(), [&](const Batch& batch, uint32_t first, uint32_t count) {
+    const std::vector<DirtyRanges::Range> ranges = dirty_.take();
+    for_each_part(batches_, ranges, [&](const Batch& batch, uint32_t first, uint32_t count) {
         if (batch[io::kPlaybacksBuffer])
-            record_update(*gpu_, update.commands, batch[io::kPlaybacksBuffer], first - batch.first_instance,
-                          std::span<const io::InstancePlayback>(playbacks_).subspan(first, count));
+            update.changes->write(update, ranges.size(), batch, io::kPlaybacksBuffer, first - batch.first_instance,
+                                  std::span<const io::InstancePlayback>(playbacks_).subspan(first, count));
     });
 }
 

@@ -1,6 +1,7 @@
 #include "crowd/crowd_state.h"
 
 #include "base/failure.h"
+#include "crowd/change_stage.h"
 #include "crowd/terrain_stage.h"
 #include "gpu/barrier.h"
 
@@ -25,11 +26,11 @@ constexpr StageKind kind_of() {
 
 // An update, in its order.
 constexpr std::array kStages{
-    kind_of<PopulationStage>(), kind_of<PlacementStage>(),  kind_of<LookStage>(),    kind_of<InstanceCommandStage>(),
-    kind_of<ControlStage>(),    kind_of<ControllerStage>(), kind_of<SteerStage>(),   kind_of<TerrainStage>(),
-    kind_of<CullStage>(),       kind_of<PoseStage>(),       kind_of<MorphStage>(),   kind_of<ProceduralStage>(),
-    kind_of<FusedUpdate>(),     kind_of<UpdateRateStage>(), kind_of<StagedUpdate>(), kind_of<AttachStage>(),
-    kind_of<SkinStage>()};
+    kind_of<ChangeStage>(),          kind_of<PopulationStage>(), kind_of<PlacementStage>(),  kind_of<LookStage>(),
+    kind_of<InstanceCommandStage>(), kind_of<ControlStage>(),    kind_of<ControllerStage>(), kind_of<SteerStage>(),
+    kind_of<TerrainStage>(),         kind_of<CullStage>(),       kind_of<PoseStage>(),       kind_of<MorphStage>(),
+    kind_of<ProceduralStage>(),      kind_of<FusedUpdate>(),     kind_of<UpdateRateStage>(), kind_of<StagedUpdate>(),
+    kind_of<AttachStage>(),          kind_of<SkinStage>()};
 
 }  // namespace
 
@@ -102,6 +103,7 @@ CrowdState::Stages CrowdState::make_stages(Uploads& uploads) {
 
 void CrowdState::use_stages(Stages made) {
     stages = std::move(made);
+    changes = find_stage<ChangeStage>(stages);
     population = find_stage<PopulationStage>(stages);
     placements = find_stage<PlacementStage>(stages);
     looks = find_stage<LookStage>(stages);
@@ -153,7 +155,7 @@ void CrowdState::follow_placements() {
 }
 
 Update CrowdState::update_of(VkCommandBuffer commands, float time_step_s, const io::CullView& view) const {
-    return {.commands = commands, .time_step_s = time_step_s, .view = view, .timer = timer.get()};
+    return {.commands = commands, .changes = changes, .time_step_s = time_step_s, .view = view, .timer = timer.get()};
 }
 
 bool CrowdState::is_native(bool occlusion) const { return gpu->is_native() || (natively_ && !occlusion); }

@@ -95,7 +95,8 @@ struct CrowdState {
 
     // In the order of an update; those below are among them, null where the crowd does not need them.
     std::vector<std::unique_ptr<Stage>> stages;
-    PopulationStage* population = nullptr;  // this and the next are always there
+    ChangeStage* changes = nullptr;  // this and the next two are always there
+    PopulationStage* population = nullptr;
     PlacementStage* placements = nullptr;
     LookStage* looks = nullptr;
     ControlStage* control = nullptr;

@@ -1,6 +1,7 @@
 #include "crowd/look_stage.h"
 
 #include "base/failure.h"
+#include "crowd/change_stage.h"
 #include "crowd/state_archive.h"
 #include "crowd/state_checks.h"
 
@@ -72,10 +73,11 @@ void LookStage::set(const Instances& instances, const Each<InstanceLook>& look) 
 }
 
 void LookStage::begin(const Update& update) {
-    for_each_part(batches_, dirty_.take(), [&](const Batch& batch, uint32_t first, uint32_t count) {
+    const std::vector<DirtyRanges::Range> ranges = dirty_.take();
+    for_each_part(batches_, ranges, [&](const Batch& batch, uint32_t first, uint32_t count) {
         if (batch[io::kInstanceLooksBuffer])
-            record_update(*gpu_, update.commands, batch[io::kInstanceLooksBuffer], first - batch.first_instance,
-                          std::span<const InstanceLook>(looks_).subspan(first, count));
+            update.changes->write(update, ranges.size(), batch, io::kInstanceLooksBuffer, first - batch.first_instance,
+                                  std::span<const InstanceLook>(looks_).subspan(first, count));
     });
 }
 

@@ -1,5 +1,6 @@
 #include "crowd/placement_stage.h"
 
+#include "crowd/change_stage.h"
 #include "crowd/state_archive.h"
 
 #include <algorithm>
@@ -75,16 +76,17 @@ void PlacementStage::take_over(const Batch& batch, std::span<const Affine> moved
 
 void PlacementStage::begin(const Update& update) {
     std::vector<bool> moved(batches_.size());
-    for_each_part(batches_, dirty_.take(), [&](const Batch& batch, uint32_t first, uint32_t count) {
+    const std::vector<DirtyRanges::Range> ranges = dirty_.take();
+    for_each_part(batches_, ranges, [&](const Batch& batch, uint32_t first, uint32_t count) {
         moved[batch_index_of(batches_, first)] = true;
         const uint32_t first_of_batch = first - batch.first_instance;
-        record_update(*gpu_, update.commands, batch[io::kPlacementsBuffer], first_of_batch,
-                      std::span<const Affine>(placements_).subspan(first, count));
+        update.changes->write(update, ranges.size(), batch, io::kPlacementsBuffer, first_of_batch,
+                              std::span<const Affine>(placements_).subspan(first, count));
         if (!batch[io::kRootsBuffer]) return;
         std::vector<io::RootState> roots;
         for (uint32_t i = first; i < first + count; ++i) roots.push_back(standing_at(placements_[i]));
-        record_update(*gpu_, update.commands, batch[io::kRootsBuffer], first_of_batch,
-                      std::span<const io::RootState>(roots));
+        update.changes->write(update, ranges.size(), batch, io::kRootsBuffer, first_of_batch,
+                              std::span<const io::RootState>(roots));
     });
     for (size_t i = 0; i < batches_.size(); ++i) {
         batches_[i].is_moved = moved[i];

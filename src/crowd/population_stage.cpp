@@ -1,6 +1,7 @@
 #include "crowd/population_stage.h"
 
 #include "base/failure.h"
+#include "crowd/change_stage.h"
 #include "crowd/state_archive.h"
 
 #include <algorithm>
@@ -179,10 +180,12 @@ void PopulationStage::begin(const Update& update) {
     ++update_number_;
     while (!deaths_.empty() && deaths_.front().update + kUpdatesRemembered < update_number_) deaths_.pop_front();
     tell_batches();
-    for_each_part(batches_, dirty_.take(), [&](const Batch& batch, uint32_t first, uint32_t count) {
+    const std::vector<DirtyRanges::Range> ranges = dirty_.take();
+    for_each_part(batches_, ranges, [&](const Batch& batch, uint32_t first, uint32_t count) {
         const Population& population = populations_[batch.group];
-        record_update(*gpu_, update.commands, batch[io::kBirthsBuffer], first - batch.first_instance,
-                      std::span(population.births).subspan(first - population.first_instance, count));
+        update.changes->write(
+            update, ranges.size(), batch, io::kBirthsBuffer, first - batch.first_instance,
+            std::span<const uint32_t>(population.births).subspan(first - population.first_instance, count));
     });
 }
 

@@ -1,5 +1,6 @@
 #include "crowd/procedural_stage.h"
 
+#include "crowd/change_stage.h"
 #include "crowd/state_archive.h"
 
 #include <algorithm>
@@ -32,10 +33,12 @@ void ProceduralStage::set_target(uint32_t batch, uint32_t index, const io::vec4&
 }
 
 void ProceduralStage::begin(const Update& update) {
-    for (size_t i = 0; i < batches_.size(); ++i)
-        for (const auto& [first, count] : targets_[i].dirty.take())
-            record_update(*gpu_, update.commands, batches_[i][io::kTargetsBuffer], first,
-                          std::span<const io::vec4>(targets_[i].last).subspan(first, count));
+    for (size_t i = 0; i < batches_.size(); ++i) {
+        const std::vector<DirtyRanges::Range> ranges = targets_[i].dirty.take();
+        for (const auto& [first, count] : ranges)
+            update.changes->write(update, ranges.size(), batches_[i], io::kTargetsBuffer, first,
+                                  std::span<const io::vec4>(targets_[i].last).subspan(first, count));
+    }
     time_step_s_ = update.time_step_s;
     wind_.advance(update.time_step_s);
 }

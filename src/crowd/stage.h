@@ -13,9 +13,12 @@
 
 namespace throng {
 
+class ChangeStage;
+
 // An update that is being recorded.
 struct Update {
     VkCommandBuffer commands = VK_NULL_HANDLE;
+    ChangeStage* changes = nullptr;  // by which begin() hands them over
     float time_step_s = 0;
     io::CullView view = {};       // of cull_view_of()
     StageTimer* timer = nullptr;  // null without CrowdSettings::timestamps

@@ -1,6 +1,7 @@
 #include "crowd/steer_stage.h"
 
 #include "base/failure.h"
+#include "crowd/change_stage.h"
 #include "crowd/state_archive.h"
 
 #include <algorithm>
@@ -77,10 +78,12 @@ void SteerStage::set_destination(const InBatch& at, const io::vec4& place_and_wh
 
 void SteerStage::begin(const Update& update) {
     if (members_.empty()) return;
-    for (Member& member : members_)
-        for (const auto& [first, count] : member.dirty.take())
-            record_update(*gpu_, update.commands, batches_[member.batch][io::kDestinationsBuffer], first,
-                          std::span<const io::vec4>(member.destinations).subspan(first, count));
+    for (Member& member : members_) {
+        const std::vector<DirtyRanges::Range> ranges = member.dirty.take();
+        for (const auto& [first, count] : ranges)
+            update.changes->write(update, ranges.size(), batches_[member.batch], io::kDestinationsBuffer, first,
+                                  std::span<const io::vec4>(member.destinations).subspan(first, count));
+    }
     record_fill(*gpu_, update.commands, heads_, kNone);
 }
 

@@ -1,0 +1,16 @@
+// scatter: what the CPU has changed of instances here and there goes to its places. One invocation per word. Cost: the
+//   word and its item's number read, the word written.
+#include "command/command_io.h"
+#include "gpu/buffers_io.h"
+
+WORKGROUP(kCommandWorkgroupSize);
+READONLY_BUFFER(kChangesBuffer, uint, changes);
+BUFFER(kChangedBuffer, uint, changed);
+PUSH(ScatterPush);
+
+void main() {
+    const uint item = gl_GlobalInvocationID.x / push.item_words, word = gl_GlobalInvocationID.x % push.item_words;
+    if (item >= push.count) return;
+    const uint at = push.first_word + item * (1 + push.item_words);
+    changed[changes[at] * push.item_words + word] = changes[at + 1 + word];
+}

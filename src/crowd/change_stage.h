@@ -1,0 +1,52 @@
+// What the application has changed, on its way to the GPU.
+#pragma once
+
+#include "crowd/stage.h"
+
+#include <cstddef>
+#include <map>
+#include <span>
+#include <vector>
+
+namespace throng {
+
+// A few changes are commands of their own. Many at once, here and there, go up in one piece, and a kernel puts each of
+// them in its place: a GPU takes about as long for each transfer command as for all of that.
+class ChangeStage : public Stage {
+public:
+    explicit ChangeStage(const StageContext& context);
+
+    // For the begin() of other stages: writes items into a buffer of a batch, from the `first` on. It is one of
+    // `change_count` such calls in this update. Without a command buffer it writes them now.
+    template <class T>
+    void write(const Update& update, size_t change_count, const Batch& batch, uint32_t buffer, uint32_t first,
+               std::span<const T> items) {
+        static_assert(sizeof(T) % sizeof(uint32_t) == 0);
+        write(update, change_count, batch, buffer, sizeof(T) / sizeof(uint32_t), first, std::as_bytes(items));
+    }
+
+    void begin(const Update& update) override;
+    void record(const Update& update) override;
+    uint32_t end_count() const override { return 0; }
+    uint64_t size_bytes() const override { return uploaded_ ? uploaded_.size_bytes() : 0; }
+
+private:
+    // Items of one buffer, in a round of what uploaded_ has room for.
+    struct Some {
+        const Bindings* bindings = nullptr;
+        size_t round = 0;
+        uint32_t first_word = 0, count = 0, item_words = 0;
+    };
+
+    void write(const Update& update, size_t change_count, const Batch& batch, uint32_t buffer, uint32_t item_words,
+               uint32_t first, std::span<const std::byte> items);
+    void add(const Bindings& bindings, uint32_t item_words, uint32_t number, const std::byte* item);
+
+    Kernel scatter_;
+    Buffer uploaded_;                                             // a round
+    std::map<std::pair<uint32_t, uint32_t>, Bindings> bindings_;  // of a batch and one of its buffers
+    std::vector<std::vector<uint32_t>> rounds_;                   // words
+    std::vector<Some> pending_;
+};
+
+}  // namespace throng
