@@ -33,10 +33,7 @@ ChangeStage::ChangeStage(const StageContext& context) : Stage(context) {
                     BufferTable{{io::kChangesBuffer, uploaded_}, {io::kChangedBuffer, changed}});
 }
 
-void ChangeStage::begin(const Update&) {
-    rounds_.clear();
-    pending_.clear();
-}
+void ChangeStage::begin(const Update&) { pending_.clear(); }
 
 void ChangeStage::write(const Update& update, size_t change_count, const Batch& batch, uint32_t buffer,
                         uint32_t item_words, uint32_t first, std::span<const std::byte> items) {
@@ -44,34 +41,53 @@ void ChangeStage::write(const Update& update, size_t change_count, const Batch& 
     if (!update.commands || change_count <= kFew || !uploaded_)
         return record_update(*gpu_, update.commands, batch[buffer], first * item_bytes, items);
     const Bindings& bindings = bindings_.at({static_cast<uint32_t>(&batch - batches_.data()), buffer});
-    for (size_t at = 0; at < items.size(); at += item_bytes) add(bindings, item_words, first++, &items[at]);
-}
-
-void ChangeStage::add(const Bindings& bindings, uint32_t item_words, uint32_t number, const std::byte* item) {
-    const size_t room = uploaded_.size_bytes() / sizeof(uint32_t);
-    if (rounds_.empty() || rounds_.back().size() + 1 + item_words > room) rounds_.emplace_back();
-    std::vector<uint32_t>& words = rounds_.back();
-    const size_t round = rounds_.size() - 1;
-    if (pending_.empty() || pending_.back().bindings != &bindings || pending_.back().round != round)
-        pending_.push_back({&bindings, round, static_cast<uint32_t>(words.size()), 0, item_words});
-    ++pending_.back().count;
-    words.push_back(number);
-    words.resize(words.size() + item_words);
-    std::memcpy(&words[words.size() - item_words], item, item_words * sizeof(uint32_t));
+    auto known = std::find_if(pending_.rbegin(), pending_.rend(),
+                              [&](const Pending& one) { return one.bindings == &bindings; });
+    std::vector<uint32_t>& words = known != pending_.rend()
+                                       ? known->words
+                                       : pending_.emplace_back(Pending{&bindings, item_words, {}}).words;
+    for (size_t at = 0; at < items.size(); at += item_bytes) {
+        words.push_back(first++);
+        words.resize(words.size() + item_words);
+        std::memcpy(&words[words.size() - item_words], &items[at], item_bytes);
+    }
 }
 
 void ChangeStage::record(const Update& update) {
-    auto some = pending_.begin();
-    for (size_t round = 0; round < rounds_.size(); ++round) {
-        memory_barrier(*gpu_, update.commands, kShaderRead | kShaderWrite, kTransferWrite);
-        record_update(*gpu_, update.commands, uploaded_, 0, std::span<const uint32_t>(rounds_[round]));
+    struct Part {
+        const Pending& of;
+        size_t first_word, count;
+    };
+    std::vector<Part> round;
+    size_t used_words = 0;
+    const auto scatter_round = [&] {
         memory_barrier(*gpu_, update.commands, kTransferWrite, kShaderRead | kShaderWrite);
-        for (; some != pending_.end() && some->round == round; ++some)
-            scatter_.dispatch_invocations(update.commands, *some->bindings,
-                                          io::ScatterPush{some->first_word, some->count, some->item_words},
-                                          some->count * some->item_words);
+        for (const auto& [of, first_word, count] : round)
+            scatter_.dispatch_invocations(
+                update.commands, *of.bindings,
+                io::ScatterPush{static_cast<uint32_t>(first_word), static_cast<uint32_t>(count), of.item_words},
+                static_cast<uint32_t>(count * of.item_words));
+        memory_barrier(*gpu_, update.commands, kShaderRead | kShaderWrite, kShaderRead | kShaderWrite | kTransferWrite);
+        round.clear();
+        used_words = 0;
+    };
+    const size_t room = uploaded_.size_bytes() / sizeof(uint32_t);
+    for (const Pending& of : pending_) {
+        const size_t stride = 1 + of.item_words;
+        for (size_t at = 0; at < of.words.size();) {
+            const size_t count = std::min(room - used_words, of.words.size() - at) / stride;
+            if (count == 0) {
+                scatter_round();
+                continue;
+            }
+            record_update(*gpu_, update.commands, uploaded_, used_words,
+                          std::span<const uint32_t>(of.words).subspan(at, count * stride));
+            round.push_back({of, used_words, count});
+            used_words += count * stride;
+            at += count * stride;
+        }
     }
-    if (!rounds_.empty()) separate_kernels(update.commands);
+    if (!round.empty()) scatter_round();
 }
 
 }  // namespace throng

@@ -31,22 +31,20 @@ public:
     uint64_t size_bytes() const override { return uploaded_ ? uploaded_.size_bytes() : 0; }
 
 private:
-    // Items of one buffer, in a round of what uploaded_ has room for.
-    struct Some {
+    // What scatter is to put into a buffer: an item's number, and its words, for each.
+    struct Pending {
         const Bindings* bindings = nullptr;
-        size_t round = 0;
-        uint32_t first_word = 0, count = 0, item_words = 0;
+        uint32_t item_words = 0;
+        std::vector<uint32_t> words;
     };
 
     void write(const Update& update, size_t change_count, const Batch& batch, uint32_t buffer, uint32_t item_words,
                uint32_t first, std::span<const std::byte> items);
-    void add(const Bindings& bindings, uint32_t item_words, uint32_t number, const std::byte* item);
 
     Kernel scatter_;
-    Buffer uploaded_;                                             // a round
+    Buffer uploaded_;                                             // a round of what is pending
     std::map<std::pair<uint32_t, uint32_t>, Bindings> bindings_;  // of a batch and one of its buffers
-    std::vector<std::vector<uint32_t>> rounds_;                   // words
-    std::vector<Some> pending_;
+    std::vector<Pending> pending_;
 };
 
 }  // namespace throng
