@@ -10,9 +10,10 @@
 namespace throng {
 namespace {
 
-constexpr size_t kFew = 16;                  // changes, which are commands of their own
+constexpr size_t kFew = 16;                  // ranges, which are commands of their own
+constexpr size_t kLong_bytes = 4096;         // of a range, which is one too, however many there are
 constexpr size_t kRoundWords = 1 << 16;      // 256 KiB
-constexpr size_t kMostWordsAnInstance = 80;  // of what there is to change, with the numbers
+constexpr size_t kMostWordsAnInstance = 80;  // of what may change, about; more is a further round
 
 constexpr std::array kChangedBuffers{io::kBirthsBuffer,        io::kPlacementsBuffer, io::kRootsBuffer,
                                      io::kInstanceLooksBuffer, io::kPlaybacksBuffer,  io::kDestinationsBuffer,
@@ -35,10 +36,10 @@ ChangeStage::ChangeStage(const StageContext& context) : Stage(context) {
 
 void ChangeStage::begin(const Update&) { pending_.clear(); }
 
-void ChangeStage::write(const Update& update, size_t change_count, const Batch& batch, uint32_t buffer,
+void ChangeStage::write(const Update& update, size_t range_count, const Batch& batch, uint32_t buffer,
                         uint32_t item_words, uint32_t first, std::span<const std::byte> items) {
     const size_t item_bytes = item_words * sizeof(uint32_t);
-    if (!update.commands || change_count <= kFew || !uploaded_)
+    if (!update.commands || !uploaded_ || range_count <= kFew || items.size() >= kLong_bytes)
         return record_update(*gpu_, update.commands, batch[buffer], first * item_bytes, items);
     const Bindings& bindings = bindings_.at({static_cast<uint32_t>(&batch - batches_.data()), buffer});
     auto known = std::find_if(pending_.rbegin(), pending_.rend(),
@@ -72,6 +73,7 @@ void ChangeStage::record(const Update& update) {
         used_words = 0;
     };
     const size_t room = uploaded_.size_bytes() / sizeof(uint32_t);
+    // The first round may be written: the barrier that the update begins with is behind what the last update read.
     for (const Pending& of : pending_) {
         const size_t stride = 1 + of.item_words;
         for (size_t at = 0; at < of.words.size();) {

@@ -119,7 +119,7 @@ float CollapseMeter::distance_of_lost(size_t group, float known, float useful) {
     for (const auto& [a, b, c] : moved_)
         triangles_.emplace_back(fine_.places(a)[group], fine_.places(b)[group], fine_.places(c)[group]);
     Four furthest = four(known);
-    size_t likely = 0;  // the triangle that the last point was near enough to
+    size_t likely = 0;  // the last triangle that was looked at: most often the last point was near enough to it
     for (const uint32_t point : lost_) {
         const Four3 place = fine_.places(point)[group];
         Four nearest = triangles_[likely].squared_distance(place);

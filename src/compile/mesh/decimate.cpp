@@ -5,6 +5,7 @@
 #include "compile/mesh/welded_mesh.h"
 
 #include <queue>
+#include <utility>
 
 namespace throng {
 namespace {
@@ -75,7 +76,7 @@ private:
 
     void confirm(uint32_t point) {
         plans_[point].is_measured = true;
-        queue(point, meter_.cheapest(point, plans_[point].possible));
+        queue(point, meter_.cheapest(point, std::exchange(plans_[point].possible, {})));
     }
 
     void queue(uint32_t point, const Collapse& collapse) {

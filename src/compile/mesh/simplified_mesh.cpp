@@ -1,7 +1,5 @@
 #include "compile/mesh/simplified_mesh.h"
 
-#include "base/count.h"
-
 #include <algorithm>
 #include <limits>
 
