@@ -129,7 +129,7 @@ TEST(Changes, OfWhoIsThereToo) {
     expect_same_outputs(apart, together, "there");
 }
 
-// More than go up at a time.
+// More than go up at a time, and among them ranges of one instance and a long one.
 TEST(Changes, AreAsManyAsThereAre) {
     const Character character = creature(2, 2);
     constexpr uint32_t kInstances = 12'000;
@@ -137,8 +137,12 @@ TEST(Changes, AreAsManyAsThereAre) {
                                                 .path = UpdatePath::kDevice})
                       .expect();
     EXPECT_TRUE(crowd.update(0));
-    const auto place_of = [](uint32_t instance) { return plot(instance % 2 == 0 ? instance : 0); };
-    for (uint32_t i = 0; i < kInstances; i += 2) EXPECT_TRUE(crowd.set_placement(*crowd.handle(i), place_of(i)));
+    const auto changes = [](uint32_t instance) { return instance % 2 == 0 || instance < 200; };
+    const auto place_of = [&](uint32_t instance) { return plot(changes(instance) ? instance : 0); };
+    for (uint32_t i = 0; i < kInstances; ++i) {
+        if (!changes(i)) continue;
+        EXPECT_TRUE(crowd.set_placement(*crowd.handle(i), place_of(i)));
+    }
     EXPECT_TRUE(crowd.update(0));
     for (const OutputBlock& block : crowd.outputs()) {
         const auto placements = output<Affine>(block, &OutputBlock::placement, block.instance_count);

@@ -60,7 +60,8 @@ THRONG_IO_CONSTANT kMayBeInertial = 4;  // has inertial transitions or plays
 THRONG_IO_CONSTANT kHasRoots = 8;
 THRONG_IO_CONSTANT kHasDestinations = 16;
 
-// Of `changes`, some that belong to one buffer: each the number of an item there and behind it the item's words.
+// Which part of `changes` belongs to the buffer `changed`. For each item it holds the item's number in that buffer,
+// then its words.
 struct ScatterPush {
     uint first_word;
     uint count;

@@ -18,7 +18,7 @@ class ChangeStage;
 // An update that is being recorded.
 struct Update {
     VkCommandBuffer commands = VK_NULL_HANDLE;
-    ChangeStage* changes = nullptr;  // by which begin() hands them over
+    ChangeStage* changes = nullptr;  // takes what the begin() of stages has to upload
     float time_step_s = 0;
     io::CullView view = {};       // of cull_view_of()
     StageTimer* timer = nullptr;  // null without CrowdSettings::timestamps

@@ -96,7 +96,8 @@ Vec3<float> CollapseMeter::rest_normal(const Corners& corners) const {
     return cross(fine_.rest_place(corners[1]) - a, fine_.rest_place(corners[2]) - a);
 }
 
-// Of a triangle, the least of three: what is painted wrong where it is.
+// The least of a triangle's three heights. If a corner takes its texture from elsewhere, all of the triangle is painted
+// wrong, which looks as if it were off by about so much.
 float CollapseMeter::height_of(const Corners& corners) const {
     float longest = 0;
     for (size_t k = 0; k < 3; ++k)
@@ -133,7 +134,8 @@ float CollapseMeter::distance_of_lost(size_t group, float known, float useful) {
     return largest(furthest);
 }
 
-// Of triangles that have moved, and of their edges that have, from the fine mesh.
+// The way back: lost points may all lie near to a surface that spans a gap of the fine mesh, as between two fingers. So
+// the middles of the triangles that move, and of their edges, are compared with the fine mesh too.
 void CollapseMeter::measure_middles(Collapse& collapse) {
     uint32_t guess = near_triangle_[collapse.to];
     ends_.clear();

@@ -17,7 +17,7 @@ namespace throng {
 
 constexpr float kNever = std::numeric_limits<float>::infinity();  // the cost of what is not to happen
 
-// Of one point into another. Costs are distances in model space.
+// A point that moves into one of its neighbours, and what that costs: distances in model space.
 struct Collapse {
     uint32_t to = 0;
     float extra = 0;             // for the edge's length, and for what gets a wrong texture
@@ -58,7 +58,7 @@ private:
     Vec3<float> rest_normal(const Corners& corners) const;
     float height_of(const Corners& corners) const;
 
-    // A triangle of the point that is looked at.
+    // A triangle around the point that look_around() was called for.
     struct Around {
         uint32_t face = 0;
         size_t corner = 0;  // which is the point
@@ -70,10 +70,10 @@ private:
     const SimplifiedMesh& mesh_;
     TriangleIndex index_;                  // of the fine mesh at rest
     std::vector<uint32_t> near_triangle_;  // [points], of the index
-    // Of the point that is looked at
+    // Filled by look_around(), for a point
     std::vector<Around> around_;
     std::vector<uint32_t> lost_;  // points that its triangles stand for, and itself
-    // Of the collapse that is looked at
+    // Filled while one of its collapses is measured
     std::vector<Corners> moved_;            // triangles
     std::vector<FourTriangles> triangles_;  // moved_, in a group of poses
     std::vector<uint32_t> ends_;            // of edges that have been measured

@@ -78,7 +78,7 @@ public:
         return is_above ? height * height * inverse_normal_ : nearest;
     }
 
-    // Of the angle at a: of a thin triangle next to nothing.
+    // Squared, of the angle at the first corner: near 0 where a triangle is thin.
     Four squared_sine() const { return squared_sine_; }
 
 private:
