@@ -5,6 +5,8 @@
 
 #include <gtest/gtest.h>
 
+#include <set>
+
 namespace throng::test {
 namespace {
 
@@ -51,8 +53,16 @@ public:
     // With `all` all go and come, else every other one; but for those with springs, which swing on where they stay.
     void replace(Crowd& crowd, bool all) const {
         constexpr std::array kReplaced{0u, 1u, 2u, 4u};
-        for (const uint32_t group : kReplaced) EXPECT_TRUE(crowd.despawn(of_group(crowd, group, all ? 1 : 2)));
+        std::set<uint32_t> gone;
+        for (const uint32_t group : kReplaced) {
+            const std::vector<InstanceHandle> some = of_group(crowd, group, all ? 1 : 2);
+            EXPECT_TRUE(crowd.despawn(some));
+            for (const InstanceHandle& one : some) gone.insert(one.instance);
+        }
         EXPECT_TRUE(crowd.update(0));
+        const std::vector<DrawnInstance> drawn = crowd.read_drawn().value();
+        EXPECT_EQ(drawn.size(), crowd.instance_count() - gone.size());
+        for (const DrawnInstance& one : drawn) EXPECT_FALSE(gone.contains(one.instance)) << one.instance;
         for (const uint32_t group : kReplaced) {
             std::vector<Affine> places(all ? kEach : kEach / 2);
             for (uint32_t i = 0; i < places.size(); ++i) places[i] = place_of(all && i % 2 == 1 ? 0 : 1);
