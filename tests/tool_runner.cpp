@@ -12,6 +12,7 @@
 #include <stdexcept>
 #include <sys/resource.h>
 #include <sys/wait.h>
+#include <thread>
 #include <unistd.h>
 
 namespace throng::test {
@@ -25,11 +26,12 @@ constexpr bool kAddressSanitizer = __has_feature(address_sanitizer);
 constexpr bool kAddressSanitizer = false;
 #endif
 
+// Without moving the offset, at which a process that still runs writes on.
 std::string contents(std::FILE* file) {
     std::string text;
-    std::rewind(file);
-    for (int c = std::fgetc(file); c != EOF; c = std::fgetc(file)) text += static_cast<char>(c);
-    std::fclose(file);
+    char buffer[4096];
+    for (ssize_t count; (count = pread(fileno(file), buffer, sizeof(buffer), static_cast<off_t>(text.size()))) > 0;)
+        text.append(buffer, static_cast<size_t>(count));
     return text;
 }
 
@@ -77,13 +79,18 @@ Outcome run_tool(const Words& arguments, const RunSettings& settings) {
         _exit(127);
     }
     int status = 0;
-    waitpid(child, &status, 0);
+    while (waitpid(child, &status, settings.watch ? WNOHANG : 0) == 0) {
+        settings.watch(child, contents(err));
+        std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    }
     Outcome run;
     run.time_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     if (WIFEXITED(status)) run.exit_code = WEXITSTATUS(status);
     if (WIFSIGNALED(status)) run.signal = WTERMSIG(status);
     run.out = contents(out);
     run.err = contents(err);
+    std::fclose(out);
+    std::fclose(err);
     return run;
 }
 

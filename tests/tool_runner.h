@@ -7,6 +7,7 @@
 #include <nlohmann/json_fwd.hpp>
 
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <memory>
 #include <ostream>
@@ -34,6 +35,8 @@ struct RunSettings {
     unsigned time_limit_s = 300;
     const char* program = nullptr;   // another one than the tool, of the PATH
     const char* out_path = nullptr;  // where standard output goes; it is not captured then
+    // Called every few milliseconds while it runs, with its process and what it has written on stderr.
+    std::function<void(int process, const std::string& err)> watch = nullptr;
 };
 
 struct Outcome {

@@ -251,8 +251,8 @@ void render_film(const RenderOptions& options) {
     const auto asked = static_cast<size_t>(
         std::ranges::count_if(plan.range.frames(), [&](uint32_t frame) { return plan.shard.has(frame); }));
     const FilmLock lock(plan.lock_path());
-    if (lock.has_waited() && plan.is_film && fs::exists(options.out) && !options.force)
-        return print_film(options, {}, {}, asked);  // the other one has drawn all of it
+    if (plan.is_film && fs::exists(options.out) && !options.force)
+        return print_film(options, {}, {}, asked);  // another process has drawn all of it meanwhile
     nlohmann::json settings = settings_of(options);
     plan.files.check_settings(settings);
     const std::vector<uint32_t> frames = plan.files.missing(plan.range, plan.shard, plan.size.width, plan.size.height);

@@ -14,8 +14,6 @@ public:
     FilmLock(const FilmLock&) = delete;
     FilmLock& operator=(const FilmLock&) = delete;
 
-    bool has_waited() const { return has_waited_; }
-
 private:
     bool lock();  // false: it is to be opened anew
 
