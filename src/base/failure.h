@@ -1,6 +1,7 @@
 // Inside throng a failure is thrown; at the API it becomes a Result. as_result() is the only place where the two meet.
 #pragma once
 
+#include "base/error_place.h"
 #include "base/text.h"
 
 #include <throng/result.h>
@@ -25,7 +26,7 @@ struct Failure : std::exception {
 
 // Throws that what the caller gave at `place` cannot be taken.
 template <class... Parts>
-[[noreturn]] void refuse(const std::string& place, const Parts&... message) {
+[[noreturn]] void refuse(const ErrorPlace& place, const Parts&... message) {
     throw Failure(ErrorCode::kInvalidArgument, place, message...);
 }
 

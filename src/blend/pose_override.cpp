@@ -49,12 +49,12 @@ void PoseFade::advance(float time_step_s) {
     fade_ = is_set_ ? std::min(fade_ + step, 1.0f) : std::max(fade_ - step, 0.0f);
 }
 
-void check_fade(float fade_s, const std::string& place) {
+void check_fade(float fade_s, const ErrorPlace& place) {
     if (!(fade_s >= 0 && std::isfinite(fade_s))) refuse(place, "the fade must be finite, and not negative");
 }
 
 std::vector<Trs<double>> checked_pose(std::span<const Trs<float>> parent_from_joint, uint32_t joint_count,
-                                      bool uniform_scale, const std::string& place) {
+                                      bool uniform_scale, const ErrorPlace& place) {
     if (parent_from_joint.size() != joint_count)
         refuse(place, std::to_string(parent_from_joint.size()) + " transforms for a character that has " +
                           std::to_string(joint_count) + " joints");

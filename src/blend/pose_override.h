@@ -2,11 +2,12 @@
 // Vulkan.
 #pragma once
 
+#include "base/error_place.h"
+
 #include <throng/transform.h>
 
 #include <cstdint>
 #include <span>
-#include <string>
 #include <vector>
 
 namespace throng {
@@ -41,10 +42,10 @@ private:
 };
 
 // Throw kInvalidArgument with `place`.
-void check_fade(float fade_s, const std::string& place);
+void check_fade(float fade_s, const ErrorPlace& place);
 // The pose, [joint_count], with rotations of length 1. Where the rig's scales are uniform, those of the pose must be so
 // within 1e-5, and become so.
 std::vector<Trs<double>> checked_pose(std::span<const Trs<float>> parent_from_joint, uint32_t joint_count,
-                                      bool uniform_scale, const std::string& place);
+                                      bool uniform_scale, const ErrorPlace& place);
 
 }  // namespace throng

@@ -10,14 +10,14 @@
 namespace throng {
 namespace {
 
-void check_layer(std::span<const LayerKind> kinds, uint32_t layer, const std::string& place) {
+void check_layer(std::span<const LayerKind> kinds, uint32_t layer, const ErrorPlace& place) {
     if (layer >= kinds.size())
         refuse(place, "layer " + std::to_string(layer) + " of a controller that has " + std::to_string(kinds.size()));
     if (kinds[layer].state_count > 0)
         refuse(place, "layer " + std::to_string(layer) + " has states: set the controller's parameters");
 }
 
-float rate_of(float fade_s, const std::string& place) {
+float rate_of(float fade_s, const ErrorPlace& place) {
     if (!(fade_s >= 0 && std::isfinite(fade_s))) refuse(place, "the fade must be finite, and not negative");
     return fade_s > 0 ? std::min(1 / fade_s, 1e6f) : 0;
 }
@@ -41,7 +41,7 @@ bool has_inertia(const Controller& controller) {
 }
 
 io::ControlCommand play_command(std::span<const LayerKind> kinds, std::span<const float> clip_durations_s,
-                                uint32_t layer, const LayerPlayback& playback, const std::string& place) {
+                                uint32_t layer, const LayerPlayback& playback, const ErrorPlace& place) {
     const auto clip_count = static_cast<uint32_t>(clip_durations_s.size());
     const ClipPlayback& clip = playback.clip;
     check_layer(kinds, layer, place);
@@ -62,7 +62,7 @@ io::ControlCommand play_command(std::span<const LayerKind> kinds, std::span<cons
 }
 
 io::ControlCommand layer_command(std::span<const LayerKind> kinds, uint32_t mask_count, uint32_t layer,
-                                 const LayerBlend& blend, const std::string& place) {
+                                 const LayerBlend& blend, const ErrorPlace& place) {
     check_layer(kinds, layer, place);
     if (!(blend.weight >= 0 && blend.weight <= 1)) refuse(place, "weight must lie within 0..1");
     if (blend.mask != kNone && blend.mask >= mask_count)
@@ -77,7 +77,7 @@ io::ControlCommand layer_command(std::span<const LayerKind> kinds, uint32_t mask
             .fade_rate = rate_of(blend.fade_s, place)};
 }
 
-void check_parameter(uint32_t parameter_count, uint32_t parameter, float value, const std::string& place) {
+void check_parameter(uint32_t parameter_count, uint32_t parameter, float value, const ErrorPlace& place) {
     if (parameter >= parameter_count)
         refuse(place, "parameter " + std::to_string(parameter) + " of a controller that has " +
                           std::to_string(parameter_count));

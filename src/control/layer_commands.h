@@ -2,6 +2,7 @@
 // them.
 #pragma once
 
+#include "base/error_place.h"
 #include "control/controller_io.h"
 
 #include <throng/feedback.h>
@@ -21,10 +22,10 @@ bool has_inertia(const Controller& controller);
 
 // All throw kInvalidArgument with `place`. kinds[layer_count].
 io::ControlCommand play_command(std::span<const LayerKind> kinds, std::span<const float> clip_durations_s,
-                                uint32_t layer, const LayerPlayback& playback, const std::string& place);
+                                uint32_t layer, const LayerPlayback& playback, const ErrorPlace& place);
 io::ControlCommand layer_command(std::span<const LayerKind> kinds, uint32_t mask_count, uint32_t layer,
-                                 const LayerBlend& blend, const std::string& place);
-void check_parameter(uint32_t parameter_count, uint32_t parameter, float value, const std::string& place);
+                                 const LayerBlend& blend, const ErrorPlace& place);
+void check_parameter(uint32_t parameter_count, uint32_t parameter, float value, const ErrorPlace& place);
 
 // What a layer plays, as WatchedInstance has it.
 void append_played(std::vector<PlayedMotion>& motions, const io::LayerState& layer, const LayerKind& kind,

@@ -6,7 +6,7 @@
 
 namespace throng {
 
-void check_clip(const ClipPlayback& playback, uint32_t clip_count, const std::string& place) {
+void check_clip(const ClipPlayback& playback, uint32_t clip_count, const ErrorPlace& place) {
     if (playback.clip != kNone && playback.clip >= clip_count)
         throw Failure(
             ErrorCode::kInvalidArgument, place,
@@ -15,7 +15,7 @@ void check_clip(const ClipPlayback& playback, uint32_t clip_count, const std::st
         throw Failure(ErrorCode::kInvalidArgument, place, "time and speed must be finite");
 }
 
-void check_playback(const Playback& playback, uint32_t clip_count, const std::string& place) {
+void check_playback(const Playback& playback, uint32_t clip_count, const ErrorPlace& place) {
     check_clip(playback.first, clip_count, place);
     check_clip(playback.second, clip_count, place);
     if (!(playback.weight >= 0 && playback.weight <= 1))

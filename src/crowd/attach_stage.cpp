@@ -64,7 +64,7 @@ bool AttachStage::is_possible(const io::InstanceAttachment& attachment) const {
 }
 
 io::InstanceAttachment AttachStage::to_io(uint32_t instance, const Attachment& attachment) const {
-    const std::string place = "attachment of instance " + std::to_string(instance);
+    const ErrorPlace place("attachment", instance);
     if (!group_at(instance).is_carried) refuse(place, "its group is not carried (CrowdGroup::is_carried)");
     const InBatch carrier = in_batch(batches_, attachment.carrier.instance);
     io::InstanceAttachment made{

@@ -49,7 +49,7 @@ ControlStage::ControlStage(const StageContext& context) : Stage(context), member
 }
 
 io::InstancePlayback ControlStage::checked(uint32_t instance, const Playback& playback) const {
-    const std::string place = "playback of instance " + std::to_string(instance);
+    const ErrorPlace place("playback", instance);
     const Group& group = groups_[batches_[batch_index_of(batches_, instance)].group];
     if (group.controller)
         throw Failure(ErrorCode::kInvalidArgument, place, "it has a controller: use play() or its parameters");

@@ -9,13 +9,6 @@
 #include <cmath>
 
 namespace throng {
-namespace {
-
-std::string place_of(const char* what, uint32_t instance) {
-    return std::string(what) + " of instance " + std::to_string(instance);
-}
-
-}  // namespace
 
 void CrowdState::check_range(uint32_t first_instance, uint32_t count, const char* what) const {
     if (first_instance <= instance_count && count <= instance_count - first_instance) return;
@@ -76,7 +69,7 @@ void CrowdState::set_placement(const Instances& instances, const Each<Affine>& w
     check_there(instances, "placement");
     for (uint32_t i = 0; i < instances.size(); ++i)
         if (!is_finite(world_from_model[i]))
-            refuse(place_of("placement", instances.number(i)), "a number is not finite");
+            refuse(ErrorPlace("placement", instances.number(i)), "a number is not finite");
     placements->set(instances, world_from_model);
 }
 
@@ -100,8 +93,8 @@ void CrowdState::send_each(const Instances& instances, const char* what, const M
     commands.reserve(instances.size());
     for (uint32_t i = 0; i < instances.size(); ++i) {
         const Group& group = group_of(instances.number(i));
-        if (!group.controller) refuse(place_of(what, instances.number(i)), group.name + " has no controller");
-        commands.push_back(make_command(i, group, place_of(what, instances.number(i))));
+        if (!group.controller) refuse(ErrorPlace(what, instances.number(i)), group.name + " has no controller");
+        commands.push_back(make_command(i, group, ErrorPlace(what, instances.number(i))));
     }
     for (uint32_t i = 0; i < instances.size(); ++i) send(instances.number(i), commands[i]);
 }
@@ -110,10 +103,10 @@ void CrowdState::attach(const Instances& instances, const Each<Attachment>& atta
     check_there(instances, "attachment");
     for (uint32_t i = 0; i < instances.size(); ++i)
         if (!is_alive(attachment[i].carrier))
-            refuse(place_of("attachment", instances.number(i)),
+            refuse(ErrorPlace("attachment", instances.number(i)),
                    "its carrier, " + name_of(attachment[i].carrier) + ", is not there");
     if (!attachments && instances.size() > 0)
-        refuse(place_of("attachment", instances.number(0)), "no group is carried (CrowdGroup::is_carried)");
+        refuse(ErrorPlace("attachment", instances.number(0)), "no group is carried (CrowdGroup::is_carried)");
     if (attachments) attachments->attach(instances, attachment);
 }
 
@@ -123,19 +116,19 @@ void CrowdState::detach(const Instances& instances) {
 }
 
 void CrowdState::play(const Instances& instances, uint32_t layer, const Each<LayerPlayback>& playback) {
-    send_each(instances, "play", [&](uint32_t i, const Group& group, const std::string& place) {
+    send_each(instances, "play", [&](uint32_t i, const Group& group, const ErrorPlace& place) {
         return play_command(group.controller->layer_kinds, group.clip_durations_s, layer, playback[i], place);
     });
 }
 
 void CrowdState::set_layer(const Instances& instances, uint32_t layer, const Each<LayerBlend>& blend) {
-    send_each(instances, "layer", [&](uint32_t i, const Group& group, const std::string& place) {
+    send_each(instances, "layer", [&](uint32_t i, const Group& group, const ErrorPlace& place) {
         return layer_command(group.controller->layer_kinds, group.controller->mask_count, layer, blend[i], place);
     });
 }
 
 void CrowdState::set_parameter(const Instances& instances, uint32_t parameter, const Each<float>& value) {
-    send_each(instances, "parameter", [&](uint32_t i, const Group& group, const std::string& place) {
+    send_each(instances, "parameter", [&](uint32_t i, const Group& group, const ErrorPlace& place) {
         check_parameter(group.controller->parameter_count, parameter, value[i], place);
         return io::ControlCommand{.kind = io::kCommandParameter, .target = parameter, .value = value[i]};
     });
@@ -148,7 +141,7 @@ void CrowdState::set_target(const Instances& instances, uint32_t target, const E
         return group.procedural ? group.procedural->target_count : 0;
     };
     for (uint32_t i = 0; i < instances.size(); ++i)
-        check_target(target, target_count(instances.number(i)), place[i], place_of("target", instances.number(i)));
+        check_target(target, target_count(instances.number(i)), place[i], ErrorPlace("target", instances.number(i)));
     for (uint32_t i = 0; i < instances.size(); ++i) {
         const InBatch of = at(instances.number(i));
         const auto& [x, y, z] = place[i].world_place;
@@ -161,7 +154,7 @@ void CrowdState::check_agents(const Instances& instances) const {
     check_there(instances, "destination");
     for (uint32_t i = 0; i < instances.size(); ++i)
         if (const Group& group = group_of(instances.number(i)); !group.steering)
-            refuse(place_of("destination", instances.number(i)), group.name + " has no steering");
+            refuse(ErrorPlace("destination", instances.number(i)), group.name + " has no steering");
 }
 
 void CrowdState::set_destination(const Instances& instances, const Each<Vec3<float>>& world_place) {
@@ -169,7 +162,7 @@ void CrowdState::set_destination(const Instances& instances, const Each<Vec3<flo
     for (uint32_t i = 0; i < instances.size(); ++i) {
         const auto& [x, y, z] = world_place[i];
         if (!std::isfinite(x) || !std::isfinite(y) || !std::isfinite(z))
-            refuse(place_of("destination", instances.number(i)), "a number is not finite");
+            refuse(ErrorPlace("destination", instances.number(i)), "a number is not finite");
     }
     for (uint32_t i = 0; i < instances.size(); ++i) {
         const auto& [x, y, z] = world_place[i];
@@ -197,7 +190,7 @@ void CrowdState::set_pose(const Instances& instances, std::span<const Trs<float>
         const size_t left = parent_from_joint.size() - next;
         const auto pose = parent_from_joint.subspan(next, is_last ? left : std::min<size_t>(left, group.joint_count));
         poses_of.push_back(
-            checked_pose(pose, group.joint_count, group.uniform_scale, place_of("pose", instances.number(i))));
+            checked_pose(pose, group.joint_count, group.uniform_scale, ErrorPlace("pose", instances.number(i))));
         at_each.push_back(at(instances.number(i)));
         if (!is_shared) next += pose.size();
     }

@@ -60,7 +60,7 @@ LookStage::LookStage(const StageContext& context) : Stage(context), looks_(conte
 void LookStage::set(const Instances& instances, const Each<InstanceLook>& look) {
     for (uint32_t i = 0; i < instances.size(); ++i) {
         const uint32_t outfit_count = group_at(instances.number(i)).outfit_count;
-        const std::string place = "look of instance " + std::to_string(instances.number(i));
+        const ErrorPlace place("look", instances.number(i));
         if (look[i].outfit >= outfit_count)
             throw Failure(ErrorCode::kInvalidArgument, place, "outfit ", look[i].outfit, " of a group that has ",
                           outfit_count, " (CrowdGroup::outfits)");

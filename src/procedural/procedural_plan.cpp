@@ -174,7 +174,7 @@ private:
 
 uint32_t ProceduralRules::find_target(std::string_view target_name) const { return find_name(targets, target_name); }
 
-void check_target(uint32_t target, uint32_t target_count, const TargetPlace& value, const std::string& place) {
+void check_target(uint32_t target, uint32_t target_count, const TargetPlace& value, const ErrorPlace& place) {
     const auto refuse = [&](const std::string& why) { throw Failure(ErrorCode::kInvalidArgument, place, why); };
     if (target >= target_count)
         refuse("number " + std::to_string(target) + " of rules that have " + std::to_string(target_count));

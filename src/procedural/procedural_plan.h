@@ -1,6 +1,8 @@
 // Rules as chains of joints, in ranks: chains of one rank touch nothing of each other and may be moved side by side.
 #pragma once
 
+#include "base/error_place.h"
+
 #include <throng/character.h>
 #include <throng/procedural.h>
 
@@ -31,6 +33,6 @@ struct ProceduralPlan {
 ProceduralPlan plan_procedural(const ProceduralRules& rules, const Character& character);
 
 // What Crowd::set_target() is given. Throws kInvalidArgument at `place`.
-void check_target(uint32_t target, uint32_t target_count, const TargetPlace& value, const std::string& place);
+void check_target(uint32_t target, uint32_t target_count, const TargetPlace& value, const ErrorPlace& place);
 
 }  // namespace throng
