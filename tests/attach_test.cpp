@@ -15,6 +15,7 @@ namespace {
 
 const InSubset kInSubsets({Subset::kGpuAssisted}, {"*Attach.*", "*AttachInRows.*"}),
     kNatively({Subset::kNative}, {"*Attach.*", "*AttachInRows.*"});
+const InSubset kOnAnotherDriver({Subset::kOtherDriver}, {"*Attach*.*/Staged"});
 
 constexpr uint32_t kBodies = 40, kThings = 30;
 

@@ -14,7 +14,8 @@
 namespace throng::bench {
 namespace {
 
-const test::InSubset kInSubsets({test::Subset::kGpuAssisted, test::Subset::kSubgroups}, {"Baseline.*"});
+const test::InSubset kInSubsets({test::Subset::kGpuAssisted, test::Subset::kSubgroups, test::Subset::kOtherDriver},
+                                {"Baseline.*"});
 
 using namespace test;
 

@@ -18,6 +18,7 @@ const test::InSubset kInSubsets({test::Subset::kGpuAssisted, test::Subset::kSubg
 const test::InSubset kWithAMethodGiven({test::Subset::kSubgroups}, {"-Crowd.AutoChoosesAScanAndSaysWhy"});
 const test::InSubset kNatively({test::Subset::kNative}, {"Crowd.*", "-Crowd.RecordsIntoTheCallersCommandBuffer",
                                                          "-Crowd.ManySmallCharactersAreSplitIntoBatches"});
+const test::InSubset kOnAnotherDriver({test::Subset::kOtherDriver}, {"Crowd.*", "-Crowd.TheSameInputsGiveTheSameBits"});
 
 using namespace test;
 

@@ -18,6 +18,10 @@ namespace {
 const test::InSubset kInSubsets({test::Subset::kGpuAssisted, test::Subset::kSubgroups},
                                 {"Fused.*", "Fused/FusedMethod.*"});
 const test::InSubset kWithAMethodGiven({test::Subset::kSubgroups}, {"-Fused.WhatDoesNotFitIsStagedUnlessAskedFor"});
+const test::InSubset kOnAnotherDriver({test::Subset::kOtherDriver},
+                                      {"Fused/FusedMethod.*/stream", "Fused/FusedMethod.*/subgroup",
+                                       "Fused.RowsFollowTheReference", "Fused.KeysAreReadWhereThereAreNoRows",
+                                       "Fused.SimilaritiesOfMirrorsAndHalfTurns"});
 const test::InSubset kNatively({test::Subset::kNative},
                                {"Fused.*", "Fused/FusedMethod.*", "-Fused.AGpuTakesTheFirstMethodThatFits",
                                 "-Fused.SharedMemoryIsTheTileAndTheMethodsOwn",

@@ -13,7 +13,8 @@
 namespace throng {
 namespace {
 
-const test::InSubset kInSubsets({test::Subset::kGpuAssisted, test::Subset::kSubgroups}, {"Inertia.*"});
+const test::InSubset kInSubsets({test::Subset::kGpuAssisted, test::Subset::kSubgroups, test::Subset::kOtherDriver},
+                                {"Inertia.*"});
 
 using namespace test;
 

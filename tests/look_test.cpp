@@ -13,7 +13,8 @@
 namespace throng::test {
 namespace {
 
-const InSubset kInSubsets({Subset::kGpuAssisted}, {"*Looks.*"}), kNatively({Subset::kNative}, {"*Looks.*"});
+const InSubset kInSubsets({Subset::kGpuAssisted, Subset::kOtherDriver}, {"*Looks.*"}),
+    kNatively({Subset::kNative}, {"*Looks.*"});
 
 // A creature in two sections, "creature" by name: the second has every third triangle and a material of its own.
 Asset in_two_sections() {

@@ -17,7 +17,8 @@
 namespace throng {
 namespace {
 
-const test::InSubset kInSubsets({test::Subset::kGpuAssisted}, {"Morph.AClipOfWeightsAloneIsPlayed"});
+const test::InSubset kInSubsets({test::Subset::kGpuAssisted, test::Subset::kOtherDriver},
+                                {"Morph.AClipOfWeightsAloneIsPlayed"});
 const test::InSubset kNatively({test::Subset::kNative}, {"Morph.*"});
 
 using namespace test;

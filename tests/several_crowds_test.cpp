@@ -11,6 +11,7 @@ namespace {
 
 const InSubset kInSubsets({Subset::kGpuAssisted}, {"*SeveralCrowds.*"}),
     kNatively({Subset::kNative}, {"*SeveralCrowds.*"});
+const InSubset kOnAnotherDriver({Subset::kOtherDriver}, {"*SeveralCrowds.LookAsOneCrowdOfAllGroups/ByShaders"});
 
 constexpr uint32_t kCount = 6, kWidth = 200, kHeight = 120;
 

@@ -15,7 +15,7 @@
 namespace throng::test {
 namespace {
 
-const InSubset kInSubsets({Subset::kGpuAssisted}, {"*ShaderCommands*"}),
+const InSubset kInSubsets({Subset::kGpuAssisted, Subset::kOtherDriver}, {"*ShaderCommands*"}),
     kNatively({Subset::kNative}, {"*ShaderCommands*"});
 
 constexpr uint32_t kGroups = 6, kDirect = 5, kCapacity = 200;

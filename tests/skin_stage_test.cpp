@@ -16,7 +16,7 @@
 namespace throng::test {
 namespace {
 
-const InSubset kInSubsets({Subset::kGpuAssisted},
+const InSubset kInSubsets({Subset::kGpuAssisted, Subset::kOtherDriver},
                           {"SkinStage.WithoutAViewAllIsSkinned", "SkinStage.WithAViewWhatItListsIsSkinned",
                            "SkinStage.DualQuaternionsFollowTheReference"});
 const InSubset kNatively({Subset::kNative}, {"SkinStage.*"});

@@ -10,6 +10,7 @@ namespace throng::test {
 enum class Subset {
     kGpuAssisted,  // "gpu_assisted": under GPU-assisted validation, which finds accesses out of bounds
     kSubgroups,    // "subgroups": invocations that work together, with other subgroup sizes
+    kOtherDriver,  // "other_driver": on a driver whose compiler takes seconds for a kernel: every stage, once or twice
     kNative,       // "native": on a device without Vulkan
 };
 

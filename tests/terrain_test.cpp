@@ -10,7 +10,7 @@
 namespace throng::test {
 namespace {
 
-const InSubset kInSubsets({Subset::kGpuAssisted}, {"Terrain.*"});
+const InSubset kInSubsets({Subset::kGpuAssisted, Subset::kOtherDriver}, {"Terrain.*"});
 const InSubset kNatively({Subset::kNative}, {"Terrain.*"});
 
 float between(Random& random, double least, double most) {
