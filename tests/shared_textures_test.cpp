@@ -1,4 +1,5 @@
 // Textures of the same images are made once; images that are decoded ahead are not decoded again.
+#include "crowd/shared_images.h"
 #include "draw/native_group.h"
 #include "tests/ball.h"
 #include "tests/crowd_cases.h"
@@ -10,7 +11,7 @@
 namespace throng::test {
 namespace {
 
-const InSubset kNatively({Subset::kNative}, {"*SharedTextures.*"});
+const InSubset kNatively({Subset::kNative}, {"*SharedTextures.*", "SharedImages.*"});
 
 Character ball_of(const Asset& asset) { return compile_character(asset, kExact).expect(); }
 
@@ -146,6 +147,28 @@ TEST_P(SharedTextures, WhatCannotBeDecodedIsWarnedOfWhenItIsDrawn) {
     ASSERT_TRUE(decode_images(crowd));
     Renderer drawer = renderer();
     EXPECT_EQ(drawn(drawer, crowd).warnings.size(), broken.images.size());
+}
+
+TEST(SharedImages, AreKeptOnceForAllGroups) {
+    Asset asset = make_ball();
+    add_maps(asset);
+    const Character ball = ball_of(asset);
+    Character renamed = ball, other = ball;
+    renamed.images[0].name = "of another name";
+    std::swap(other.images[0], other.images[1]);
+    const Crowd crowd = create({.groups = {{.character = &ball, .instance_count = 1},
+                                           {.character = &renamed, .instance_count = 1},
+                                           {.character = &other, .instance_count = 1}}});
+    const Crowd again = create({.groups = {{.character = &ball, .instance_count = 1}}});
+    const auto& groups = crowd.state().groups;
+    EXPECT_EQ(again.state().groups[0].images, groups[0].images);
+    ASSERT_EQ(groups[0].images.size(), ball.images.size());
+    for (size_t image = 0; image < ball.images.size(); ++image)
+        EXPECT_EQ(groups[0].images[image]->encoded, ball.images[image].encoded);
+    EXPECT_EQ(groups[1].images[1], groups[0].images[1]);
+    EXPECT_EQ(groups[1].images[0]->name, "of another name");
+    EXPECT_EQ(groups[2].images[0], groups[0].images[1]);
+    EXPECT_EQ(groups[2].images[1], groups[0].images[0]);
 }
 
 INSTANTIATE_TEST_SUITE_P(OnPaths, SharedTextures, kBothDrawPaths, name_of_path);

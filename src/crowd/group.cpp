@@ -123,7 +123,6 @@ Group::Group(Uploads& uploads, SharedRigs& rigs, const Character& character, con
       level_count(character.rig.level_count),
       sections(character.sections),
       materials(character.materials),
-      images(character.images),
       bounds_min(character.bounds_min),
       bounds_max(character.bounds_max),
       packed(character.packed),
@@ -131,6 +130,7 @@ Group::Group(Uploads& uploads, SharedRigs& rigs, const Character& character, con
       scan_reason(choice.scan_reason),
       path_reason(choice.path_reason) {
     native = choice.native;
+    images = rigs.images(character);
     if (choice.fused)
         add_fused(uploads, rigs, character, FusedRig(character), *choice.fused, choice.rows);
     else

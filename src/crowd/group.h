@@ -95,7 +95,7 @@ struct Group {
     std::vector<float> clip_durations_s;
     std::vector<MeshSection> sections;
     std::vector<AssetMaterial> materials;
-    std::vector<AssetImage> images;
+    SharedImages images;
     Vec3<float> bounds_min, bounds_max;
     Vec3<float> posed_min, posed_max;  // cull: of all poses
     std::vector<Lod> lods;

@@ -38,6 +38,12 @@ const SharedValues::Key& SharedRigs::motion(const Character& character) {
     return key;
 }
 
+const SharedImages& SharedRigs::images(const Character& character) {
+    const auto [entry, is_new] = images_.try_emplace(&character);
+    if (is_new) entry->second = shared_images(*gpu_, character.images);
+    return entry->second;
+}
+
 SharedValues::Key SharedRigs::key_of(SharedValue kind, const Character& character) {
     SharedValues::Key key = motion(character);
     key.insert(key.begin(), uint64_t(kind));

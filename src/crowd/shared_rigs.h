@@ -1,7 +1,8 @@
-// Native rigs and rows for GPUs take tens of milliseconds to compute, so groups whose characters have the same content
-// share them, across all crowds of a device.
+// Native rigs and rows for GPUs take tens of milliseconds to compute, and images a lot of memory, so groups whose
+// characters have the same content share them, across all crowds of a device.
 #pragma once
 
+#include "crowd/shared_images.h"
 #include "gpu/gpu.h"
 #include "native/native_rig.h"
 
@@ -17,6 +18,7 @@ public:
     explicit SharedRigs(std::shared_ptr<Gpu> gpu) : gpu_(std::move(gpu)) {}
 
     std::shared_ptr<const NativeRig> native(const Character& character, const NativeRigSettings& settings);
+    const SharedImages& images(const Character& character);
     // Covers everything of the character that native rigs and rows are computed from; callers append what else matters.
     SharedValues::Key key_of(SharedValue kind, const Character& character);
 
@@ -25,6 +27,7 @@ private:
 
     std::shared_ptr<Gpu> gpu_;
     std::map<const Character*, SharedValues::Key> motions_;
+    std::map<const Character*, SharedImages> images_;
     // Later groups find these even where no group keeps them.
     std::vector<std::shared_ptr<const NativeRig>> made_;
 };

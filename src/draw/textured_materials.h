@@ -43,7 +43,7 @@ public:
             if (image >= group.images.size()) return nullptr;
             const std::pair key(image, is_color);
             auto found = textures_.find(key);
-            if (found == textures_.end()) found = textures_.emplace(key, make(group.images[image], is_color)).first;
+            if (found == textures_.end()) found = textures_.emplace(key, make(*group.images[image], is_color)).first;
             return found->second.get();
         };
         for (size_t i = 0; i <= group.materials.size(); ++i) {

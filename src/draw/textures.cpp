@@ -1,6 +1,7 @@
 #include "draw/textures.h"
 
 #include "base/failure.h"
+#include "crowd/shared_images.h"
 #include "gpu/buffer.h"
 
 #include <algorithm>
@@ -52,11 +53,6 @@ Picture decode(const AssetImage& image) {
 }
 
 }  // namespace
-
-SharedValues::Key image_key(SharedValue kind, const AssetImage& image) {
-    const auto [crc, hash, size_bytes, usage, texel_bytes] = SharedBuffers::key_of(image.encoded, 0, 0);
-    return {uint64_t(kind), crc, hash, size_bytes};
-}
 
 void take_room(const AssetImage& image, uint64_t& room_bytes) {
     const Encoded encoded(image);

@@ -19,8 +19,6 @@ inline constexpr uint64_t kTexturePixelLimit = uint64_t{1} << 26;  // 256 MiB de
 // Size of all textures of a crowd, with mipmaps: a small file may ask for a lot
 inline constexpr uint64_t kTexturesLimit_bytes = uint64_t{1} << 31;
 
-// A key for what is made from this image; callers append what else it depends on.
-SharedValues::Key image_key(SharedValue kind, const AssetImage& image);
 // Takes what an image needs with mipmaps from `room_bytes`. Throws kInvalidFile where that cannot be read, and kLimit
 // above the limits.
 void take_room(const AssetImage& image, uint64_t& room_bytes);

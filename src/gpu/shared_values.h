@@ -10,7 +10,7 @@
 
 namespace throng {
 
-enum class SharedValue : uint64_t { kNativeRig, kGroupRows, kPicture, kTexture, kNativeTexture };
+enum class SharedValue : uint64_t { kNativeRig, kGroupRows, kImage, kPicture, kTexture, kNativeTexture };
 
 // Finds a value that is in use by what it was computed from. Thread-safe.
 class SharedValues {
