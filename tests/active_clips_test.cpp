@@ -16,8 +16,7 @@ namespace throng {
 namespace {
 
 // Instrumented, those left out take too long.
-const test::InSubset kInSubsets({test::Subset::kGpuAssisted, test::Subset::kOtherDriver},
-                                {"ActiveClips.*", "-ActiveClips.FollowTheReference"});
+const test::InSubset kInSubsets({test::Subset::kGpuAssisted}, {"ActiveClips.*", "-ActiveClips.FollowTheReference"});
 const test::InSubset kNatively({test::Subset::kNative}, {"ActiveClips.*"});
 
 using namespace test;

@@ -13,9 +13,8 @@
 namespace throng::test {
 namespace {
 
-const InSubset kInSubsets({Subset::kGpuAssisted}, {"*Attach.*", "*AttachInRows.*"}),
+const InSubset kInSubsets({Subset::kGpuAssisted}, {"*Attach*.*/Staged"}),
     kNatively({Subset::kNative}, {"*Attach.*", "*AttachInRows.*"});
-const InSubset kOnAnotherDriver({Subset::kOtherDriver}, {"*Attach*.*/Staged"});
 
 constexpr uint32_t kBodies = 40, kThings = 30;
 

@@ -14,8 +14,7 @@
 namespace throng::bench {
 namespace {
 
-const test::InSubset kInSubsets({test::Subset::kGpuAssisted, test::Subset::kSubgroups, test::Subset::kOtherDriver},
-                                {"Baseline.*"});
+const test::InSubset kInSubsets({test::Subset::kGpuAssisted, test::Subset::kSubgroups}, {"Baseline.*"});
 
 using namespace test;
 

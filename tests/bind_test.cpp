@@ -10,7 +10,7 @@
 namespace throng {
 namespace {
 
-const test::InSubset kInSubsets({test::Subset::kGpuAssisted, test::Subset::kOtherDriver}, {"Bind.*"});
+const test::InSubset kInSubsets({test::Subset::kGpuAssisted}, {"Bind.*"});
 const test::InSubset kNatively({test::Subset::kNative}, {"Bind.*"});
 
 using namespace test;

@@ -12,7 +12,7 @@
 namespace throng {
 namespace {
 
-const test::InSubset kInSubsets({test::Subset::kGpuAssisted, test::Subset::kOtherDriver}, {"Blend.*"});
+const test::InSubset kInSubsets({test::Subset::kGpuAssisted}, {"Blend.*"});
 const test::InSubset kNatively({test::Subset::kNative}, {"Blend.*"});
 
 using namespace test;

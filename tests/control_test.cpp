@@ -14,7 +14,7 @@
 namespace throng {
 namespace {
 
-const test::InSubset kInSubsets({test::Subset::kGpuAssisted, test::Subset::kOtherDriver}, {"Control.*"});
+const test::InSubset kInSubsets({test::Subset::kGpuAssisted}, {"Control.*"});
 const test::InSubset kNatively({test::Subset::kNative}, {"Control.*"});
 
 using namespace test;

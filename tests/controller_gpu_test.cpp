@@ -9,8 +9,7 @@
 namespace throng::test {
 namespace {
 
-const InSubset kInSubsets({Subset::kGpuAssisted, Subset::kOtherDriver},
-                          {"ControllerOnTheGpu.LayersPlayWhatTheyAreTold"});
+const InSubset kInSubsets({Subset::kGpuAssisted}, {"ControllerOnTheGpu.LayersPlayWhatTheyAreTold"});
 const InSubset kNatively({Subset::kNative}, {"ControllerOnTheGpu.*"});
 
 // The kernel's buffers for instances of one controller.

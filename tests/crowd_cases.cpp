@@ -21,6 +21,9 @@ size_t different_bytes(const Picture& a, const Picture& b) {
 
 Crowd create(CrowdSettings settings) {
     if (const char* scan = std::getenv("THRONG_TEST_SCAN"); scan && settings.scan == "auto") settings.scan = scan;
+    const char* const path = std::getenv("THRONG_TEST_PATH");
+    if (path && path == std::string_view("device") && settings.path == UpdatePath::kAuto)
+        settings.path = UpdatePath::kDevice;
     Result<Crowd> crowd = Crowd::create(test_device(), settings);
     if (!crowd) {
         ADD_FAILURE() << crowd.error().text();

@@ -19,7 +19,8 @@ inline constexpr double kPoseBound = 1e-5;  // of the character's size
 // In how many bytes of their colours two pictures of the same size differ.
 size_t different_bytes(const Picture& a, const Picture& b);
 
-// With THRONG_TEST_SCAN by that method, where a test leaves it open.
+// Where a test leaves them open, by the scan method THRONG_TEST_SCAN, and with THRONG_TEST_PATH=device by shaders on
+// software devices too, which else would update natively.
 Crowd create(CrowdSettings settings);
 
 // The message of a call's error; empty where there is none.

@@ -10,11 +10,13 @@
 namespace throng::test {
 namespace {
 
-const InSubset kInSubsets({Subset::kGpuAssisted, Subset::kSubgroups}, {"CrowdController.*"});
+const InSubset kInSubsets({Subset::kGpuAssisted},
+                          {"CrowdController.*", "-CrowdController.SocketsAreTheJointsInModelOrWorldSpace",
+                           "-CrowdController.InertialPlaysFollowTheReference", "-CrowdController.TellsWhatLayersPlay",
+                           "-CrowdController.ThousandsOfCommandsAreAppliedInTheirOrder",
+                           "-CrowdController.WrongCallsAreRefused"});
+const InSubset kWithOtherSubgroups({Subset::kSubgroups}, {"CrowdController.*"});
 const InSubset kNatively({Subset::kNative}, {"CrowdController.*"});
-const InSubset kOnAnotherDriver({Subset::kOtherDriver},
-                                {"CrowdController.*", "-CrowdController.SocketsAreTheJointsInModelOrWorldSpace",
-                                 "-CrowdController.InertialPlaysFollowTheReference"});
 
 double matrix_error(std::span<const Affine> matrices, std::span<const AffineT<double>> wanted, double size) {
     EXPECT_EQ(matrices.size(), wanted.size());

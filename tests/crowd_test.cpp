@@ -14,11 +14,13 @@
 namespace throng {
 namespace {
 
-const test::InSubset kInSubsets({test::Subset::kGpuAssisted, test::Subset::kSubgroups}, {"Crowd.*"});
-const test::InSubset kWithAMethodGiven({test::Subset::kSubgroups}, {"-Crowd.AutoChoosesAScanAndSaysWhy"});
+const test::InSubset kInSubsets({test::Subset::kGpuAssisted},
+                                {"Crowd.AMixedCrowdFollowsTheReferenceWithEveryScan", "Crowd.ManyLargeCharacters*",
+                                 "Crowd.TheLargestCharacterWorksWithEveryScan", "Crowd.OnlyChangedInstancesAreSetAnew",
+                                 "Crowd.PlacementsReachTheDevice", "Crowd.RecordsIntoTheCallersCommandBuffer"});
+const test::InSubset kWithAMethodGiven({test::Subset::kSubgroups}, {"Crowd.*", "-Crowd.AutoChoosesAScanAndSaysWhy"});
 const test::InSubset kNatively({test::Subset::kNative}, {"Crowd.*", "-Crowd.RecordsIntoTheCallersCommandBuffer",
                                                          "-Crowd.ManySmallCharactersAreSplitIntoBatches"});
-const test::InSubset kOnAnotherDriver({test::Subset::kOtherDriver}, {"Crowd.*", "-Crowd.TheSameInputsGiveTheSameBits"});
 
 using namespace test;
 

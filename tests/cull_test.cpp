@@ -18,7 +18,7 @@
 namespace throng::test {
 namespace {
 
-const InSubset kInSubsets({Subset::kGpuAssisted, Subset::kSubgroups, Subset::kOtherDriver},
+const InSubset kInSubsets({Subset::kGpuAssisted, Subset::kSubgroups},
                           {"Cull.ListsWhatTheReferenceSees", "Cull.BatchesChangeNothing"});
 const InSubset kNatively({Subset::kNative}, {"Cull.*", "-Cull.TiledMethodsAnimateTheListToo"});
 

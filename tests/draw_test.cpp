@@ -31,8 +31,7 @@ namespace {
 const test::InSubset kInSubsets({test::Subset::kGpuAssisted},
                                 {"Draw.*", "Renderer.*", "-Draw.LeavesOutWhatAMaskSays",
                                  "-Draw.WhatIsBlendedIsSeenThrough", "-Draw.MirroredInstancesKeepTheirFrontFaces",
-                                 "-Draw.DrawsBrokenImagesWhite"}),
-    kOnAnotherDriver({test::Subset::kOtherDriver}, {"Draw.*", "Renderer.*", "-Renderer.FramesFollowEachOther"}),
+                                 "-Draw.DrawsBrokenImagesWhite", "-Renderer.FramesFollowEachOther"}),
     kNatively({test::Subset::kNative}, {"Draw.*", "Renderer.*", "-Draw.AFailedUploadIsNotBlamedOnTheNextTexture"});
 
 // Shaders where the device has some: on native devices these are tests of the native renderer.

@@ -13,8 +13,7 @@
 namespace throng {
 namespace {
 
-const test::InSubset kInSubsets({test::Subset::kGpuAssisted, test::Subset::kSubgroups, test::Subset::kOtherDriver},
-                                {"Inertia.*"});
+const test::InSubset kInSubsets({test::Subset::kGpuAssisted, test::Subset::kSubgroups}, {"Inertia.*"});
 
 using namespace test;
 

@@ -13,7 +13,7 @@
 namespace throng::test {
 namespace {
 
-const InSubset kInSubsets({Subset::kGpuAssisted, Subset::kOtherDriver}, {"*Looks.*"}),
+const InSubset kInSubsets({Subset::kGpuAssisted}, {"*Looks.WhatIsHiddenIsAsIfItWereNotThere/ByShaders"}),
     kNatively({Subset::kNative}, {"*Looks.*"});
 
 // A creature in two sections, "creature" by name: the second has every third triangle and a material of its own.

@@ -11,8 +11,7 @@
 namespace throng::test {
 namespace {
 
-const InSubset kInSubsets({Subset::kGpuAssisted, Subset::kOtherDriver},
-                          {"ModelRotations.WhatIsAimedKeepsItsDirectionWhereTheHipsTurn"});
+const InSubset kInSubsets({Subset::kGpuAssisted}, {"ModelRotations.CrowdsFollowTheReference"});
 const InSubset kNatively({Subset::kNative}, {"ModelRotations.*"});
 
 // The rotation of model_from_joint of a character without scale, as columns.

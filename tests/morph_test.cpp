@@ -17,8 +17,7 @@
 namespace throng {
 namespace {
 
-const test::InSubset kInSubsets({test::Subset::kGpuAssisted, test::Subset::kOtherDriver},
-                                {"Morph.AClipOfWeightsAloneIsPlayed"});
+const test::InSubset kInSubsets({test::Subset::kGpuAssisted}, {"Morph.TwoClipsFollowTheReference"});
 const test::InSubset kNatively({test::Subset::kNative}, {"Morph.*"});
 
 using namespace test;
@@ -150,6 +149,10 @@ double compare(const std::vector<io::ActiveMorph>& got, const std::vector<double
 double as_float(double value) { return static_cast<float>(value); }
 
 TEST(Morph, TwoClipsFollowTheReference) {
+    // They make a loop's header another block, which no driver takes; what is compiled is valid by SPIR-V's validator.
+    if (const char* validation = std::getenv("THRONG_VALIDATION");
+        validation && validation == std::string_view("gpu-assisted"))
+        GTEST_SKIP() << "the instrumentation of Debian 12's validation layers breaks this kernel";
     double worst = 0;
     for (const auto& [morph_count, limit] : {std::pair{1u, 8u}, {2u, 1u}, {3u, 8u}, {5u, 8u}, {40u, 8u}, {40u, 100u}}) {
         const Character character = make_character(

@@ -15,9 +15,8 @@
 namespace throng::test {
 namespace {
 
-const InSubset kInSubsets({Subset::kGpuAssisted, Subset::kOtherDriver},
-                          {"Procedural.LimbsWithoutLengthAndTargetsWithoutWeightChangeNothing",
-                           "Procedural.WorksBelowAController"});
+const InSubset kInSubsets({Subset::kGpuAssisted}, {"Procedural.LimbsWithoutLengthAndTargetsWithoutWeightChangeNothing",
+                                                   "Procedural.WorksBelowAController"});
 const InSubset kNatively({Subset::kNative}, {"Procedural.*", "-Procedural.ChainsBeyondTheDevicesLoopsAreRefused"});
 
 using Locals = std::vector<Trs<double>>;

@@ -14,8 +14,7 @@ namespace throng {
 namespace {
 
 // Instrumented, those left out take too long.
-const test::InSubset kInSubsets({test::Subset::kGpuAssisted, test::Subset::kOtherDriver},
-                                {"Sample.*", "-Sample.PackedClipsFollowTheReference"});
+const test::InSubset kInSubsets({test::Subset::kGpuAssisted}, {"Sample.*", "-Sample.PackedClipsFollowTheReference"});
 const test::InSubset kNatively({test::Subset::kNative}, {"Sample.*"});
 
 using namespace test;

@@ -26,8 +26,6 @@ namespace {
 const test::InSubset kInBoth({test::Subset::kGpuAssisted, test::Subset::kSubgroups},
                              {"Scan.EveryOnChipVariantIsExact"});
 const test::InSubset kUnderValidation({test::Subset::kGpuAssisted}, {"Scan.EveryMethodIsExactWithNarrowWords"});
-const test::InSubset kOnAnotherDriver({test::Subset::kOtherDriver},
-                                      {"Scan.EveryOnChipVariantIsExact", "Scan.EveryMethodIsExactWithNarrowWords"});
 const test::InSubset kWithOtherSubgroups({test::Subset::kSubgroups},
                                          {"Scan.EveryNumberOfThreadsIsExact",
                                           "Scan.EveryMethodIsExactWithinLowerLimits", "Scan.EveryMethodRoundsLittle"});

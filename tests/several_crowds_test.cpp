@@ -9,9 +9,8 @@
 namespace throng::test {
 namespace {
 
-const InSubset kInSubsets({Subset::kGpuAssisted}, {"*SeveralCrowds.*"}),
+const InSubset kInSubsets({Subset::kGpuAssisted}, {"*SeveralCrowds.LookAsOneCrowdOfAllGroups/ByShaders"}),
     kNatively({Subset::kNative}, {"*SeveralCrowds.*"});
-const InSubset kOnAnotherDriver({Subset::kOtherDriver}, {"*SeveralCrowds.LookAsOneCrowdOfAllGroups/ByShaders"});
 
 constexpr uint32_t kCount = 6, kWidth = 200, kHeight = 120;
 

@@ -15,7 +15,8 @@
 namespace throng::test {
 namespace {
 
-const InSubset kInSubsets({Subset::kGpuAssisted, Subset::kOtherDriver}, {"*ShaderCommands*"}),
+const InSubset kInSubsets({Subset::kGpuAssisted},
+                          {"ShaderCommands.RandomBitsDoNoHarm", "ShaderCommands/*.DoWhatCallsDo/Device"}),
     kNatively({Subset::kNative}, {"*ShaderCommands*"});
 
 constexpr uint32_t kGroups = 6, kDirect = 5, kCapacity = 200;

@@ -19,7 +19,8 @@
 namespace throng::test {
 namespace {
 
-const InSubset kInSubsets({Subset::kGpuAssisted, Subset::kSubgroups}, {"SkinPool.OnTheDeviceToo"});
+const InSubset kInSubsets({Subset::kGpuAssisted}, {"SkinPool.WhatHasNoRowSharesAPose"}),
+    kWithOtherSubgroups({Subset::kSubgroups}, {"SkinPool.OnTheDeviceToo"});
 const InSubset kNatively({Subset::kNative}, {"SkinPool.*"});
 
 constexpr uint32_t kWidth = 320, kHeight = 240;

@@ -16,9 +16,8 @@
 namespace throng::test {
 namespace {
 
-const InSubset kInSubsets({Subset::kGpuAssisted, Subset::kOtherDriver},
-                          {"SkinStage.WithoutAViewAllIsSkinned", "SkinStage.WithAViewWhatItListsIsSkinned",
-                           "SkinStage.DualQuaternionsFollowTheReference"});
+const InSubset kInSubsets({Subset::kGpuAssisted},
+                          {"SkinStage.WithAViewWhatItListsIsSkinned", "SkinStage.DualQuaternionsFollowTheReference"});
 const InSubset kNatively({Subset::kNative}, {"SkinStage.*"});
 
 constexpr uint32_t kWidth = 160, kHeight = 120;

@@ -15,7 +15,7 @@
 namespace throng {
 namespace {
 
-const test::InSubset kInSubsets({test::Subset::kGpuAssisted, test::Subset::kOtherDriver}, {"Skin.*"});
+const test::InSubset kInSubsets({test::Subset::kGpuAssisted}, {"Skin.*"});
 const test::InSubset kNatively({test::Subset::kNative}, {"Skin.*"});
 
 using namespace test;

@@ -16,8 +16,7 @@
 namespace throng::test {
 namespace {
 
-const InSubset kInSubsets({Subset::kGpuAssisted, Subset::kSubgroups, Subset::kOtherDriver},
-                          {"Steer.CrowdsThatCrossGetThrough"});
+const InSubset kInSubsets({Subset::kGpuAssisted, Subset::kSubgroups}, {"Steer.CrowdsThatCrossGetThrough"});
 const InSubset kNatively({Subset::kNative}, {"Steer.*"});
 
 constexpr float kWalk = 1.3f;  // units a second, of the clip

@@ -11,7 +11,7 @@
 namespace throng::test {
 namespace {
 
-constexpr std::array<std::string_view, 4> kNames{"gpu_assisted", "subgroups", "other_driver", "native"};  // [Subset]
+constexpr std::array<std::string_view, 3> kNames{"gpu_assisted", "subgroups", "native"};  // [Subset]
 
 struct Patterns {
     std::vector<std::string> taken, left_out;

@@ -8,10 +8,12 @@
 namespace throng::test {
 
 enum class Subset {
-    kGpuAssisted,  // "gpu_assisted": under GPU-assisted validation, which finds accesses out of bounds
-    kSubgroups,    // "subgroups": invocations that work together, with other subgroup sizes
-    kOtherDriver,  // "other_driver": on a driver whose compiler takes seconds for a kernel: every stage, once or twice
-    kNative,       // "native": on a device without Vulkan
+    // "gpu_assisted": under GPU-assisted validation, which finds accesses out of bounds, and on drivers of another
+    // make;
+    // either may take seconds for a kernel, so few tests, which between them run every one
+    kGpuAssisted,
+    kSubgroups,  // "subgroups": invocations that work together, with other subgroup sizes
+    kNative,     // "native": on a device without Vulkan
 };
 
 // A file of tests says by one of these, outside of functions, which of its tests belong to which of the subsets:

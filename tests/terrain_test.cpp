@@ -10,7 +10,7 @@
 namespace throng::test {
 namespace {
 
-const InSubset kInSubsets({Subset::kGpuAssisted, Subset::kOtherDriver}, {"Terrain.*"});
+const InSubset kInSubsets({Subset::kGpuAssisted}, {"Terrain.*"});
 const InSubset kNatively({Subset::kNative}, {"Terrain.*"});
 
 float between(Random& random, double least, double most) {
@@ -41,10 +41,14 @@ Terrain make_terrain(uint32_t columns, uint32_t rows, Random& random) {
 TEST(Terrain, InstancesStandOnIt) {
     const Character character = make_character({.joint_count = 5});
     Random random(7);
-    for (const auto& [columns, rows] : {std::pair{30u, 20u}, {1u, 9u}, {4u, 1u}, {1u, 1u}}) {
+    const std::pair<uint32_t, uint32_t> sizes[]{{30, 20}, {1, 9}, {4, 1}, {1, 1}};
+    const UpdatePath paths[]{UpdatePath::kAuto, UpdatePath::kDevice};
+    for (size_t run = 0; run < std::size(sizes) * std::size(paths); ++run) {
+        const auto [columns, rows] = sizes[run / 2];
         const Terrain terrain = make_terrain(columns, rows, random);
         Crowd crowd = create({.groups = {{.character = &character, .instance_count = 200, .on_terrain = true},
                                          {.character = &character, .instance_count = 3}},
+                              .path = paths[run % 2],
                               .terrain = terrain});
         std::vector<Affine> placements(203);
         for (Affine& placement : placements)

@@ -4,6 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include <cerrno>
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
@@ -12,6 +13,7 @@
 #include <stdexcept>
 #include <sys/resource.h>
 #include <sys/wait.h>
+#include <system_error>
 #include <thread>
 #include <unistd.h>
 
@@ -26,7 +28,7 @@ constexpr bool kAddressSanitizer = __has_feature(address_sanitizer);
 constexpr bool kAddressSanitizer = false;
 #endif
 
-// Without moving the offset, at which a process that still runs writes on.
+// Without moving the offset, since a process that still runs writes there.
 std::string contents(std::FILE* file) {
     std::string text;
     char buffer[4096];
@@ -79,7 +81,9 @@ Outcome run_tool(const Words& arguments, const RunSettings& settings) {
         _exit(127);
     }
     int status = 0;
-    while (waitpid(child, &status, settings.watch ? WNOHANG : 0) == 0) {
+    for (pid_t ended = 0; ended != child; ended = waitpid(child, &status, settings.watch ? WNOHANG : 0)) {
+        if (ended < 0 && errno != EINTR) throw std::system_error(errno, std::generic_category(), "waitpid");
+        if (!settings.watch) continue;
         settings.watch(child, contents(err));
         std::this_thread::sleep_for(std::chrono::milliseconds(5));
     }

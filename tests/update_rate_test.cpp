@@ -19,6 +19,7 @@
 namespace throng::test {
 namespace {
 
+const InSubset kUnderValidation({Subset::kGpuAssisted}, {"UpdateRate.AFinerLevelIsAnimatedAtOnce"});
 const InSubset kInSubsets({Subset::kNative}, {"UpdateRate.*", "-UpdateRate.TimesComeLateAndOnce"});
 
 constexpr uint32_t kWidth = 160, kHeight = 120;

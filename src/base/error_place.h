@@ -5,10 +5,12 @@
 
 #include <cstdint>
 #include <optional>
+#include <string>
+#include <string_view>
 
 namespace throng {
 
-// Something that the caller gave, by its name, or that of an instance. Its text is put together when it is needed:
+// What the caller gave, by its name, perhaps of one instance. The text is made only when a message needs it, since
 // calls for thousands of instances check each of them, and hardly ever find anything.
 struct ErrorPlace {
     ErrorPlace(const char* thing) : name(thing) {}
@@ -16,7 +18,7 @@ struct ErrorPlace {
     ErrorPlace(const char* thing, uint32_t of_instance) : name(thing), instance(of_instance) {}
     operator std::string() const { return instance ? joined(name, " of instance ", *instance) : std::string(name); }
 
-    std::string_view name;  // of the caller's
+    std::string_view name;  // not a copy: an ErrorPlace is passed on, not kept
     std::optional<uint32_t> instance = {};
 };
 

@@ -259,12 +259,20 @@ TEST_F(CliFilm, TwoProcessesDoNotDrawTheSameFrames) {
         ASSERT_EQ(flock(held, LOCK_EX), 0);
         std::mutex mutex;
         std::set<int> waiting;
+        const auto let_go = [&] {
+            if (held >= 0) close(std::exchange(held, -1));
+        };
         const auto let_go_when_both_wait = [&](int process, const std::string& err) {
             const std::lock_guard guard(mutex);
             if (contains(err, "waiting for it")) waiting.insert(process);
-            if (waiting.size() == 2 && held >= 0) close(std::exchange(held, -1));
+            if (waiting.size() == 2) let_go();
         };
-        const auto draw = [&] { return run_tool(arguments(out) + Words{"--json"}, {.watch = let_go_when_both_wait}); };
+        const auto draw = [&] {
+            const Outcome outcome = run_tool(arguments(out) + Words{"--json"}, {.watch = let_go_when_both_wait});
+            const std::lock_guard guard(mutex);
+            let_go();  // if it has not waited, the other one would wait in vain
+            return outcome;
+        };
         std::future<Outcome> other = std::async(std::launch::async, draw);
         const std::array outcomes{draw(), other.get()};
         std::multiset<int> rendered;
@@ -274,6 +282,7 @@ TEST_F(CliFilm, TwoProcessesDoNotDrawTheSameFrames) {
             EXPECT_EQ(json["frames"], 4);
             rendered.insert(json["rendered"].get<int>());
         }
+        EXPECT_EQ(waiting.size(), 2u);
         EXPECT_EQ(rendered, (std::multiset{0, 4})) << out;
     }
     std::set<std::string> names;
@@ -288,12 +297,12 @@ TEST_F(CliFilm, AnInterruptedOneSaysWhatIsKept) {
     const auto interrupt_after_a_frame = [&](int process, const std::string&) {
         if (is_drawing && fs::exists(folder + "/0.png")) is_drawing = kill(process, SIGINT) != 0;
     };
-    const Words command = "render walker.glb --size 640x360 --frames 0:5000" + Words{"--out", out};
+    const Words command = "render walker.glb --size 640x360 --frames 0:500" + Words{"--out", out};
     const Outcome interrupted = run_tool(command, {.watch = interrupt_after_a_frame});
     EXPECT_TRUE(interrupted.refused("interrupted; ")) << interrupted;
     EXPECT_TRUE(interrupted.refused("the same command draws the others")) << interrupted;
     std::smatch kept;
-    ASSERT_TRUE(std::regex_search(interrupted.err, kept, std::regex("([0-9]+) of 5000 frames")));
+    ASSERT_TRUE(std::regex_search(interrupted.err, kept, std::regex("([0-9]+) of 500 frames")));
     const auto count = static_cast<size_t>(std::stoul(kept[1]));
     EXPECT_GT(count, 0u);
     EXPECT_EQ(contents(folder).size(), count + 1) << "with the settings, and nothing half-written";
