@@ -13,7 +13,7 @@
 namespace throng::test {
 namespace {
 
-const InSubset kInSubsets({Subset::kGpuAssisted}, {"*Attach*.*/Staged"}),
+const InSubset kInSubsets({Subset::kGpuAssisted}, {"*Attach*.*/Staged", "*Attach*.*/Fused"}),
     kNatively({Subset::kNative}, {"*Attach.*", "*AttachInRows.*"});
 
 constexpr uint32_t kBodies = 40, kThings = 30;

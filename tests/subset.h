@@ -8,9 +8,8 @@
 namespace throng::test {
 
 enum class Subset {
-    // "gpu_assisted": under GPU-assisted validation, which finds accesses out of bounds, and on drivers of another
-    // make;
-    // either may take seconds for a kernel, so few tests, which between them run every one
+    // "gpu_assisted": under GPU-assisted validation, which finds accesses out of bounds, and on other drivers. A kernel
+    // may take seconds there, so these are few, but among them run the kernels of every stage and scan method.
     kGpuAssisted,
     kSubgroups,  // "subgroups": invocations that work together, with other subgroup sizes
     kNative,     // "native": on a device without Vulkan

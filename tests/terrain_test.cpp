@@ -41,14 +41,11 @@ Terrain make_terrain(uint32_t columns, uint32_t rows, Random& random) {
 TEST(Terrain, InstancesStandOnIt) {
     const Character character = make_character({.joint_count = 5});
     Random random(7);
-    const std::pair<uint32_t, uint32_t> sizes[]{{30, 20}, {1, 9}, {4, 1}, {1, 1}};
-    const UpdatePath paths[]{UpdatePath::kAuto, UpdatePath::kDevice};
-    for (size_t run = 0; run < std::size(sizes) * std::size(paths); ++run) {
-        const auto [columns, rows] = sizes[run / 2];
+    const auto expect_standing = [&](uint32_t columns, uint32_t rows, UpdatePath path) {
         const Terrain terrain = make_terrain(columns, rows, random);
         Crowd crowd = create({.groups = {{.character = &character, .instance_count = 200, .on_terrain = true},
                                          {.character = &character, .instance_count = 3}},
-                              .path = paths[run % 2],
+                              .path = path,
                               .terrain = terrain});
         std::vector<Affine> placements(203);
         for (Affine& placement : placements)
@@ -68,7 +65,9 @@ TEST(Terrain, InstancesStandOnIt) {
             placed[i].row[1][3] = placements[i].row[1][3];
             EXPECT_EQ(placed[i].row, placements[i].row) << "nothing else moves";
         }
-    }
+    };
+    for (const auto& [columns, rows] : {std::pair{30u, 20u}, {1u, 9u}, {4u, 1u}, {1u, 1u}})
+        for (const UpdatePath path : {UpdatePath::kAuto, UpdatePath::kDevice}) expect_standing(columns, rows, path);
 }
 
 TEST(Terrain, WrongOnesAreRefused) {
