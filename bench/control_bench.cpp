@@ -10,8 +10,8 @@
 namespace throng::bench {
 namespace {
 
-constexpr uint32_t kWarmUp = 30;   // updates, so that states, fades and times have spread
-constexpr uint32_t kChecked = 16;  // characters, followed by the reference
+constexpr uint32_t kWarmUp = 30;             // updates, so that states, fades and times have spread
+constexpr uint32_t kCheckedCharacters = 16;  // characters, followed by the reference
 
 using Test = ControllerCondition::Test;
 
@@ -86,7 +86,7 @@ Json measure_control(const Device& device, const ControlCase& control, const Pro
         device, {.groups = {{.character = &character, .instance_count = control.count, .controller = &controller}},
                  .path = control.path}));
     std::vector<ReferenceCharacter> references;
-    for (uint32_t i = 0; i < std::min(kChecked, control.count); ++i)
+    for (uint32_t i = 0; i < std::min(kCheckedCharacters, control.count); ++i)
         references.push_back(value_of(ReferenceCharacter::create(character, controller)));
 
     // What an application would do: in each update a hundredth of the characters, and at first all of them, are told

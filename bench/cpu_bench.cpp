@@ -22,9 +22,9 @@
 namespace throng::bench {
 namespace {
 
-constexpr uint32_t kFrames = 4;       // of cursors, so that rows are not always the same
-constexpr uint32_t kPart = 256;       // characters that a thread takes at a time
-constexpr double kFrameStep_s = 0.1;  // rows further on in each frame
+constexpr uint32_t kFrames = 4;               // of cursors, so that rows are not always the same
+constexpr uint32_t kCharactersAtATime = 256;  // characters that a thread takes at a time
+constexpr double kFrameStep_s = 0.1;          // rows further on in each frame
 
 struct Scene {
     std::vector<Playback> playbacks;                       // [character], of the first frame
@@ -207,7 +207,7 @@ private:
         CpuThreads& threads = threads_.at(entrant.threads);
         const size_t stride = instance_bytes(entrant);
         if (!entrant.variant)
-            return threads.run(of_.characters, kPart, [&](uint32_t first, uint32_t end) {
+            return threads.run(of_.characters, kCharactersAtATime, [&](uint32_t first, uint32_t end) {
                 const size_t begin = first * stride / 64 * 64, stop = end * stride / 64 * 64;
                 stream_fill({output_.data() + begin, stop - begin}, entrant.isa);
             });
@@ -219,7 +219,7 @@ private:
             buffers.active_clip_limit = kActiveClips;
             buffers.masks = reinterpret_cast<const float*>(scene.ordered_mask.get());
         }
-        return threads.run(of_.characters, kPart, [&](uint32_t first, uint32_t end) {
+        return threads.run(of_.characters, kCharactersAtATime, [&](uint32_t first, uint32_t end) {
             (only_decode ? decode_only : static_cast<decltype(&decode_only)>(update))(rig, buffers, first, end,
                                                                                       entrant.isa);
         });

@@ -20,7 +20,7 @@ struct Stage {
     std::string unsupported_reason;
 };
 
-struct Entrant {
+struct DrawEntrant {
     std::string renderer, isa;
     uint32_t threads = 0;
     Stage* stage = nullptr;
@@ -66,7 +66,7 @@ public:
             stage.crowd = drawn_.make_crowd(*stage.device);
             if (!camera_) camera_ = drawn_.camera_of(*stage.crowd);
             for (const NativeIsa isa : drawn_.isas) {
-                Entrant& entrant = add("native", stage);
+                DrawEntrant& entrant = add("native", stage);
                 entrant.isa = name_of(isa);
                 entrant.threads = drawn_.threads[i];
                 entrant.native = std::make_unique<NativeRenderer>(stage.device->gpu(), drawn_.picture, isa);
@@ -78,7 +78,7 @@ public:
 
     void time(uint32_t samples, const Progress& progress) {
         std::vector<Contestant> contestants;
-        for (Entrant& entrant : entrants_)
+        for (DrawEntrant& entrant : entrants_)
             if ((entrant.native || entrant.vulkan) && !entrant.is_wrong)
                 contestants.push_back(
                     {drawn_.configuration + ": " + entrant.renderer, [&] { entrant.sample(*camera_); }});
@@ -88,13 +88,13 @@ public:
 
     std::vector<Json> records() const {
         std::vector<Json> records;
-        for (const Entrant& entrant : entrants_) records.push_back(record_of(entrant));
+        for (const DrawEntrant& entrant : entrants_) records.push_back(record_of(entrant));
         return records;
     }
 
 private:
-    Entrant& add(const char* renderer, Stage& stage) {
-        Entrant& entrant = entrants_.emplace_back();
+    DrawEntrant& add(const char* renderer, Stage& stage) {
+        DrawEntrant& entrant = entrants_.emplace_back();
         entrant.renderer = renderer;
         entrant.stage = &stage;
         return entrant;
@@ -102,7 +102,7 @@ private:
 
     void add_vulkan(const Progress& progress) {
         Stage& stage = stages_.back();
-        Entrant& entrant = add("vulkan", stage);
+        DrawEntrant& entrant = add("vulkan", stage);
         const Result<Device> device = Device::create({.select = *drawn_.vulkan_device});
         RendererSettings settings = drawn_.picture;
         settings.path = DrawPath::kDevice;
@@ -119,11 +119,11 @@ private:
 
     // Wrong is a picture that differs at all from an earlier one of the same instruction set, by another number of
     // threads, or visibly from the first one.
-    void compare(Entrant& entrant, const Progress& progress) {
+    void compare(DrawEntrant& entrant, const Progress& progress) {
         progress(drawn_.configuration + ": checking " + entrant.renderer + " " + entrant.isa);
         double ms = 0;
         entrant.picture = entrant.draw(*camera_, ms);
-        for (const Entrant& before : entrants_)
+        for (const DrawEntrant& before : entrants_)
             if (&before != &entrant && before.isa == entrant.isa && before.picture.rgba != entrant.picture.rgba)
                 entrant.is_wrong = true;
         entrant.alike_db = psnr(entrant.picture, entrants_.front().picture);
@@ -133,7 +133,7 @@ private:
         if (!(entrant.alike_db >= least_alike_db(sub_pixel_bits))) entrant.is_wrong = true;
     }
 
-    Json record_of(const Entrant& entrant) const {
+    Json record_of(const DrawEntrant& entrant) const {
         Json record = where_and_when(entrant.stage->device ? entrant.stage->device->info()
                                                            : stages_.front().device->info());
         const RendererSettings& picture = drawn_.picture;
@@ -168,14 +168,14 @@ private:
         const double samples = static_cast<double>(uint64_t{picture.width} * picture.height * picture.samples);
         record["mtriangles_per_s"] = static_cast<double>(of.triangles) / all.median * 1e-3;
         record["msamples_per_s"] = samples / all.median * 1e-3;
-        if (const Entrant& vulkan = entrants_.back(); vulkan.vulkan && !vulkan.all_ms.empty() && entrant.native)
+        if (const DrawEntrant& vulkan = entrants_.back(); vulkan.vulkan && !vulkan.all_ms.empty() && entrant.native)
             record["times_faster"] = spread_of(vulkan.all_ms).median / all.median;
         return record;
     }
 
     const DrawCase& drawn_;
     std::vector<Stage> stages_;
-    std::deque<Entrant> entrants_;  // stay where they are
+    std::deque<DrawEntrant> entrants_;  // stay where they are
     std::optional<Camera> camera_;
 };
 

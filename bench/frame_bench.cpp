@@ -12,19 +12,19 @@
 namespace throng::bench {
 namespace {
 
-struct Variant {
+struct FrameVariant {
     const char* name;
     UpdatePath path = UpdatePath::kFused;
     bool one_clip = false;
     SkinFormat format = SkinFormat::kAffine;
     bool exact_keys = false;
 };
-constexpr std::array kVariants{Variant{.name = "staged", .path = UpdatePath::kStaged},
-                               Variant{.name = "fused"},
-                               Variant{.name = "fused, one clip", .one_clip = true},
-                               Variant{.name = "fused, 24 bytes", .format = SkinFormat::kHalfAffine},
-                               Variant{.name = "fused, 32 bytes", .format = SkinFormat::kSimilarity},
-                               Variant{.name = "fused, exact keys", .exact_keys = true}};
+constexpr std::array kFrameVariants{FrameVariant{.name = "staged", .path = UpdatePath::kStaged},
+                                    FrameVariant{.name = "fused"},
+                                    FrameVariant{.name = "fused, one clip", .one_clip = true},
+                                    FrameVariant{.name = "fused, 24 bytes", .format = SkinFormat::kHalfAffine},
+                                    FrameVariant{.name = "fused, 32 bytes", .format = SkinFormat::kSimilarity},
+                                    FrameVariant{.name = "fused, exact keys", .exact_keys = true}};
 constexpr std::array kFormats{std::pair{SkinFormat::kAffine, "affine"},
                               std::pair{SkinFormat::kHalfAffine, "half_affine"},
                               std::pair{SkinFormat::kSimilarity, "similarity"}};
@@ -38,8 +38,8 @@ const char* name_of(SkinFormat format) {
 // Half floats have 11 bits, and a translation may be as long as the character is large, or a few times that.
 double error_bound(SkinFormat format) { return format == SkinFormat::kHalfAffine ? 2e-3 : kSkinErrorBound; }
 
-struct Entrant {
-    const Variant* variant = nullptr;
+struct FrameEntrant {
+    const FrameVariant* variant = nullptr;
     const Character* character = nullptr;
     const std::vector<Playback>* playback = nullptr;
     std::shared_ptr<const FrameCrowd> made;
@@ -71,11 +71,11 @@ public:
     }
 
     void check(const Progress& progress) {
-        for (const Variant& variant : kVariants) {
+        for (const FrameVariant& variant : kFrameVariants) {
             if (variant.exact_keys && !frame_.exact) continue;
             progress(frame_.configuration + ": checking " + variant.name);
             const Character* character = variant.exact_keys ? frame_.exact : frame_.character;
-            Entrant entrant{
+            FrameEntrant entrant{
                 .variant = &variant, .character = character, .playback = variant.one_clip ? &one_clip_ : &two_clips_};
             entrant.made = crowds_.get({character, variant.path, variant.format});
             if (entrant.crowd()) entrant.max_error = error_of(entrant);
@@ -88,7 +88,7 @@ public:
 
     void time(uint32_t samples, const Progress& progress) {
         std::vector<Contestant> contestants;
-        for (Entrant& entrant : entrants_)
+        for (FrameEntrant& entrant : entrants_)
             if (entrant.runs())
                 contestants.push_back(
                     {frame_.configuration + ": " + entrant.variant->name, [&] { take_sample(entrant); }});
@@ -101,7 +101,7 @@ public:
 
     std::vector<Json> records() const {
         std::vector<Json> records;
-        for (const Entrant& entrant : entrants_) records.push_back(record_of(entrant));
+        for (const FrameEntrant& entrant : entrants_) records.push_back(record_of(entrant));
         for (const Floor& floor : floors_) {
             records.push_back(case_record());
             records.back().update(floor.record);
@@ -116,7 +116,7 @@ private:
     uint64_t joint_count() const { return frame_.character->rig.joint_count(); }
 
     // The largest error of some instances, at the times that they were given.
-    double error_of(const Entrant& entrant) const {
+    double error_of(const FrameEntrant& entrant) const {
         constexpr uint64_t kChecked = 16;
         value_of(entrant.crowd()->set_playback(entrant.crowd()->instances(), *entrant.playback));
         value_of(entrant.crowd()->update(0));
@@ -132,13 +132,13 @@ private:
     }
 
     // All variants begin at the same times in every round, and so do the same work.
-    void take_sample(Entrant& entrant) const {
+    void take_sample(FrameEntrant& entrant) const {
         value_of(entrant.crowd()->set_playback(entrant.crowd()->instances(), *entrant.playback));
         entrant.times.take(clock_.load(), *entrant.crowd());
     }
 
     void add_fill(SkinFormat format) {
-        const auto written = std::find_if(entrants_.begin(), entrants_.end(), [&](const Entrant& entrant) {
+        const auto written = std::find_if(entrants_.begin(), entrants_.end(), [&](const FrameEntrant& entrant) {
             return entrant.runs() && entrant.variant->format == format;
         });
         if (written == entrants_.end()) return;
@@ -177,7 +177,7 @@ private:
         floors_.push_back(std::move(floor));
     }
 
-    uint64_t bytes_of(const Entrant& entrant) const {
+    uint64_t bytes_of(const FrameEntrant& entrant) const {
         const bool staged = entrant.variant->path == UpdatePath::kStaged;
         const ScanFormat format = staged && entrant.crowd()
                                       ? parse_scan_request(entrant.crowd()->path(0)->scan.method).method->format
@@ -204,8 +204,8 @@ private:
         return record;
     }
 
-    Json record_of(const Entrant& entrant) const {
-        const Variant& variant = *entrant.variant;
+    Json record_of(const FrameEntrant& entrant) const {
+        const FrameVariant& variant = *entrant.variant;
         Json record = case_record();
         record.update({{"variant", variant.name},
                        {"path", variant.path == UpdatePath::kStaged ? "staged" : "fused"},
@@ -249,7 +249,7 @@ private:
     const SkinReference& reference_;
     std::vector<Playback> two_clips_, one_clip_;
     FrameCrowds crowds_;
-    std::vector<Entrant> entrants_;
+    std::vector<FrameEntrant> entrants_;
     std::vector<Floor> floors_;
 };
 

@@ -148,7 +148,7 @@ private:
     Bindings bindings_;
 };
 
-struct Checked : ScanCheck {
+struct CheckedOnChip : ScanCheck {
     std::optional<OnChipRunner> runner;
     std::vector<double> ns, barriers_twice_ns;  // a joint
 
@@ -158,9 +158,9 @@ struct Checked : ScanCheck {
     }
 };
 
-Checked check(const std::shared_ptr<Gpu>& gpu, const GpuClock& clock, const Entrant& entrant, const ScanRig& rig,
-              uint32_t character_count, const PoseSet& pose) {
-    Checked checked;
+CheckedOnChip check(const std::shared_ptr<Gpu>& gpu, const GpuClock& clock, const Entrant& entrant, const ScanRig& rig,
+                    uint32_t character_count, const PoseSet& pose) {
+    CheckedOnChip checked;
     double best_ns = std::numeric_limits<double>::infinity();
     for (const ScanChoice& choice : entrant.choices) {
         ScanPlan plan = plan_scan(*choice.method, rig, scan_limits(*gpu), choice.threads);
@@ -189,7 +189,7 @@ Checked check(const std::shared_ptr<Gpu>& gpu, const GpuClock& clock, const Entr
     return checked;
 }
 
-Json record_of(const Entrant& entrant, const Checked& checked, const Json& cell_record) {
+Json record_of(const Entrant& entrant, const CheckedOnChip& checked, const Json& cell_record) {
     Json record = describe_check(cell_record, entrant, checked);
     if (!checked.runs()) return record;
     const Spread ns = spread_of(checked.ns), barriers_twice_ns = spread_of(checked.barriers_twice_ns);
@@ -214,7 +214,7 @@ std::vector<Json> measure_on_chip(const std::shared_ptr<Gpu>& gpu, ScanCell cell
     const ScanRig rig = cell.rig();
     const PoseSet pose(rig, 1, cell.seed);
 
-    std::vector<Checked> checked = check_all(entrants, progress, [&](const Entrant& entrant) {
+    std::vector<CheckedOnChip> checked = check_all(entrants, progress, [&](const Entrant& entrant) {
         return check(gpu, clock, entrant, rig, cell.characters, pose);
     });
 

@@ -19,7 +19,7 @@ constexpr std::array kParts{0.1, 0.5, 1.0};
 enum class Kind { kForGood, kTogether, kAnywhere };
 constexpr std::array kKindNames{"for good", "together", "anywhere"};
 
-struct Entrant {
+struct PopulationEntrant {
     Kind kind = Kind::kForGood;
     uint32_t count = 0;
     Crowd crowd;
@@ -48,7 +48,7 @@ public:
             for (const Kind kind : {Kind::kForGood, Kind::kTogether, Kind::kAnywhere}) {
                 const auto count = std::max(1u, static_cast<uint32_t>(part * capacity_));
                 progress(population_.configuration + ": checking " + std::to_string(count));
-                Entrant& entrant = entrants_.emplace_back(make(kind, count));
+                PopulationEntrant& entrant = entrants_.emplace_back(make(kind, count));
                 value_of(entrant.crowd.update(0));
                 entrant.max_error = largest_error_of_some(count, [&](uint32_t i) { return error_of(entrant, i); });
             }
@@ -56,7 +56,7 @@ public:
 
     void time(uint32_t samples, const Progress& progress) {
         std::vector<Contestant> contestants;
-        for (Entrant& entrant : entrants_)
+        for (PopulationEntrant& entrant : entrants_)
             if (!is_wrong(entrant))
                 contestants.push_back({population_.configuration + ": " + std::to_string(entrant.count),
                                        [&] { entrant.times.take(load_, entrant.crowd); }});
@@ -65,11 +65,11 @@ public:
 
     // In crowds that fill half of their capacity; half of the instances change in each frame.
     void time_turnover(uint32_t samples, const Progress& progress) {
-        Entrant told = make(Kind::kAnywhere, std::max(1u, capacity_ / 2)),
-                reborn = make(Kind::kAnywhere, std::max(1u, capacity_ / 2));
+        PopulationEntrant told = make(Kind::kAnywhere, std::max(1u, capacity_ / 2)),
+                          reborn = make(Kind::kAnywhere, std::max(1u, capacity_ / 2));
         changed_count_ = std::max(1u, capacity_ / 4);
         std::mt19937 random(2);
-        Entrant commanded = make_commanded();
+        PopulationEntrant commanded = make_commanded();
         commands_are_wrong_ = is_wrong(commanded);
         turnovers_ = {Turnover{"playbacks", [&] { tell(told, random); }, {}, {}},
                       Turnover{"births and deaths", [&] { replace(reborn, random); }, {}, {}},
@@ -94,7 +94,7 @@ public:
 
     std::vector<Json> records() const {
         std::vector<Json> all;
-        for (const Entrant& entrant : entrants_) all.push_back(record_of(entrant));
+        for (const PopulationEntrant& entrant : entrants_) all.push_back(record_of(entrant));
         for (const Turnover& turnover : turnovers_) {
             Json record = new_record(entrants_.front().crowd);
             record.update({{"frames_with", turnover.name},
@@ -111,13 +111,13 @@ public:
 
 private:
     // The n-th instance of each entrant plays and stands as the n-th of the case.
-    Entrant make(Kind kind, uint32_t count) const {
+    PopulationEntrant make(Kind kind, uint32_t count) const {
         CrowdGroup group{.character = population_.character};
         if (kind == Kind::kForGood)
             group.instance_count = count;
         else
             group.capacity = capacity_;
-        Entrant entrant{
+        PopulationEntrant entrant{
             kind,
             count,
             value_of(Crowd::create(device_, {.groups = {group}, .path = population_.path, .culling = Culling{}})),
@@ -140,27 +140,27 @@ private:
         return entrant;
     }
 
-    double error_of(Entrant& entrant, uint32_t i) const {
+    double error_of(PopulationEntrant& entrant, uint32_t i) const {
         return skin_error(value_of(entrant.crowd.read_skin_matrices(entrant.instances[i])),
                           value_of(reference_pose(*population_.character, population_.playback[i])).model_from_bind,
                           population_.character->size);
     }
-    static bool is_wrong(const Entrant& entrant) { return !(entrant.max_error <= kSkinErrorBound); }
+    static bool is_wrong(const PopulationEntrant& entrant) { return !(entrant.max_error <= kSkinErrorBound); }
 
     // Brings some to the end, in random order.
-    void choose(Entrant& entrant, std::mt19937& random) const {
+    void choose(PopulationEntrant& entrant, std::mt19937& random) const {
         const auto count = static_cast<uint32_t>(entrant.instances.size());
         for (uint32_t i = 0; i < changed_count_; ++i)
             std::swap(entrant.instances[count - 1 - i],
                       entrant.instances[std::uniform_int_distribution<uint32_t>(0, count - 1 - i)(random)]);
     }
 
-    void tell(Entrant& entrant, std::mt19937& random) const {
+    void tell(PopulationEntrant& entrant, std::mt19937& random) const {
         choose(entrant, random);
         set_playback(entrant);
     }
 
-    void replace(Entrant& entrant, std::mt19937& random) const {
+    void replace(PopulationEntrant& entrant, std::mt19937& random) const {
         choose(entrant, random);
         const uint32_t kept = entrant.count - changed_count_;
         value_of(entrant.crowd.despawn(std::span(entrant.instances).subspan(kept)));
@@ -171,19 +171,19 @@ private:
     }
 
     // Of those at the end.
-    void set_playback(Entrant& entrant) const {
+    void set_playback(PopulationEntrant& entrant) const {
         const uint32_t kept = entrant.count - changed_count_;
         value_of(entrant.crowd.set_playback(std::span(entrant.instances).subspan(kept),
                                             population_.playback.subspan(kept, changed_count_)));
     }
 
     // As make(), of those of half of the numbers, which shaders have spawned.
-    Entrant make_commanded() const {
+    PopulationEntrant make_commanded() const {
         const CrowdGroup group{.character = population_.character,
                                .capacity = capacity_,
                                .command_capacity = 3 * capacity_,
                                .shaders_populate = true};
-        Entrant entrant{
+        PopulationEntrant entrant{
             Kind::kAnywhere,
             std::max(1u, capacity_ / 2),
             value_of(Crowd::create(device_, {.groups = {group}, .path = population_.path, .culling = Culling{}})),
@@ -205,7 +205,7 @@ private:
     }
 
     // The first `count` are there: some of them go, and as many others come.
-    void command(Entrant& entrant, std::mt19937& random) const {
+    void command(PopulationEntrant& entrant, std::mt19937& random) const {
         std::vector<InstanceCommand> commands;
         for (uint32_t i = 0; i < changed_count_; ++i) {
             const uint32_t gone = std::uniform_int_distribution<uint32_t>(0, entrant.count - 1)(random),
@@ -218,7 +218,7 @@ private:
         write(entrant.crowd, commands);
     }
 
-    void add_birth(std::vector<InstanceCommand>& commands, const Entrant& entrant, uint32_t i) const {
+    void add_birth(std::vector<InstanceCommand>& commands, const PopulationEntrant& entrant, uint32_t i) const {
         const uint32_t instance = entrant.instances[i].instance;
         commands.push_back(InstanceCommand::spawn(instance, population_.placement[i]));
         commands.push_back(InstanceCommand::set_playback(instance, population_.playback[i]));
@@ -252,7 +252,7 @@ private:
         return record;
     }
 
-    Json record_of(const Entrant& entrant) const {
+    Json record_of(const PopulationEntrant& entrant) const {
         Json record = new_record(entrant.crowd);
         record.update({{"instances", kKindNames[static_cast<size_t>(entrant.kind)]},
                        {"characters", entrant.count},
@@ -268,7 +268,7 @@ private:
     const PopulationCase& population_;
     uint32_t capacity_, changed_count_ = 0;
     bool commands_are_wrong_ = false;
-    std::vector<Entrant> entrants_;
+    std::vector<PopulationEntrant> entrants_;
     std::vector<Turnover> turnovers_;
 };
 

@@ -26,7 +26,7 @@ struct Runner {
     }
 };
 
-struct Checked : ScanCheck {
+struct CheckedRun : ScanCheck {
     std::optional<Runner> runner;
     std::vector<double> times_ms;
 };
@@ -78,9 +78,9 @@ std::optional<Runner> fastest(const std::shared_ptr<Gpu>& gpu, const GpuClock& c
     return best;
 }
 
-Checked check(const std::shared_ptr<Gpu>& gpu, const GpuClock& clock, const Entrant& entrant, const ScanRig& rig,
-              ScanCrowd& crowd) {
-    Checked checked;
+CheckedRun check(const std::shared_ptr<Gpu>& gpu, const GpuClock& clock, const Entrant& entrant, const ScanRig& rig,
+                 ScanCrowd& crowd) {
+    CheckedRun checked;
     checked.runner = fastest(gpu, clock, entrant, rig, crowd, checked.unsupported_reason);
     if (!checked.runner) return checked;
     const ScanStage& stage = checked.runner->stage;
@@ -92,7 +92,7 @@ Checked check(const std::shared_ptr<Gpu>& gpu, const GpuClock& clock, const Entr
     return checked;
 }
 
-Json record_of(const Entrant& entrant, const Checked& checked, const Json& cell_record, double copy_ms) {
+Json record_of(const Entrant& entrant, const CheckedRun& checked, const Json& cell_record, double copy_ms) {
     Json record = describe_check(cell_record, entrant, checked);
     if (!checked.runs()) return record;
     const uint64_t matrix_count = record["characters"].get<uint64_t>() * record["joints"].get<uint64_t>();
@@ -116,7 +116,7 @@ std::vector<Json> measure_scans(const std::shared_ptr<Gpu>& gpu, const ScanCell&
     progress("making " + std::to_string(cell.characters) + " characters");
     ScanCrowd crowd(gpu, rig, cell.characters, cell.seed);
 
-    std::vector<Checked> checked = check_all(
+    std::vector<CheckedRun> checked = check_all(
         entrants, progress, [&](const Entrant& entrant) { return check(gpu, clock, entrant, rig, crowd); });
 
     std::vector<double> copy_times_ms;

@@ -22,7 +22,7 @@ std::vector<std::string> words_of(const std::string& text) {
 }
 
 // What makes another device of a number, as in "RTX 3080 Ti".
-constexpr std::array<std::string_view, 7> kVariants{"XT", "XTX", "GRE", "Ti", "PCIe", "NVL", "Laptop"};
+constexpr std::array<std::string_view, 7> kModelSuffixes{"XT", "XTX", "GRE", "Ti", "PCIe", "NVL", "Laptop"};
 
 // By the words with digits. A machine that has none, the Steam Deck, is known by no device's name.
 bool is_for(const Json& prediction, const Json& record) {
@@ -34,7 +34,8 @@ bool is_for(const Json& prediction, const Json& record) {
         const auto found = std::ranges::find(device, word);
         if (found == device.end()) return false;
         const auto next = found + 1;
-        if (next != device.end() && std::ranges::count(kVariants, *next) > 0 && std::ranges::count(machine, *next) == 0)
+        if (next != device.end() && std::ranges::count(kModelSuffixes, *next) > 0 &&
+            std::ranges::count(machine, *next) == 0)
             return false;
         named = true;
     }

@@ -15,20 +15,21 @@
 namespace throng::bench {
 namespace {
 
-struct Variant {
+struct ViewVariant {
     const char* name;
     bool culls = true, reduces_joints = false, skips_updates = false;
 };
-constexpr std::array kVariants{Variant{.name = "everything", .culls = false}, Variant{.name = "culled"},
-                               Variant{.name = "and fewer joints", .reduces_joints = true},
-                               Variant{.name = "and fewer updates", .reduces_joints = true, .skips_updates = true}};
+constexpr std::array kViewVariants{
+    ViewVariant{.name = "everything", .culls = false}, ViewVariant{.name = "culled"},
+    ViewVariant{.name = "and fewer joints", .reduces_joints = true},
+    ViewVariant{.name = "and fewer updates", .reduces_joints = true, .skips_updates = true}};
 
 // Updates in which no time passes, after which whoever waits for a pose has arrived there
 constexpr uint32_t kSettling = 17;
-constexpr uint32_t kChecked = 16;  // characters of each level of detail
+constexpr uint32_t kCheckedOfEachLevel = 16;  // characters of each level of detail
 
-struct Entrant {
-    const Variant* variant = nullptr;
+struct ViewEntrant {
+    const ViewVariant* variant = nullptr;
     std::optional<Crowd> crowd;
     std::string unsupported_reason;
     std::vector<uint32_t> drawn;  // of each level of detail
@@ -43,9 +44,9 @@ public:
     ViewMeasurement(const Device& device, const ViewCase& seen) : device_(device), load_(device.gpu()), seen_(seen) {}
 
     void check(const Progress& progress) {
-        for (const Variant& variant : kVariants) {
+        for (const ViewVariant& variant : kViewVariants) {
             progress(seen_.configuration + ": checking " + variant.name);
-            Entrant& entrant = entrants_.emplace_back();
+            ViewEntrant& entrant = entrants_.emplace_back();
             entrant.variant = &variant;
             Result<Crowd> made = Crowd::create(
                 device_, {.groups = {{.character = seen_.character, .instance_count = count()}},
@@ -71,7 +72,7 @@ public:
 
     void time(uint32_t samples, const Progress& progress) {
         std::vector<Contestant> contestants;
-        for (Entrant& entrant : entrants_)
+        for (ViewEntrant& entrant : entrants_)
             if (entrant.crowd && !is_wrong(entrant))
                 contestants.push_back({seen_.configuration + ": " + entrant.variant->name, [&] {
                                            entrant.times.take(load_, *entrant.crowd, kFrame_s, entrant.view(*view_));
@@ -81,19 +82,19 @@ public:
 
     std::vector<Json> records() const {
         std::vector<Json> records;
-        for (const Entrant& entrant : entrants_) records.push_back(record_of(entrant));
+        for (const ViewEntrant& entrant : entrants_) records.push_back(record_of(entrant));
         return records;
     }
 
 private:
     // Fewer joints may move a vertex by no more than the level of detail is off.
-    bool is_wrong(const Entrant& entrant) const {
+    bool is_wrong(const ViewEntrant& entrant) const {
         return !(entrant.max_error <= kSkinErrorBound && entrant.max_pixels <= view_->lod_pixels);
     }
 
     uint32_t count() const { return static_cast<uint32_t>(seen_.playback.size()); }
 
-    std::vector<DrawnInstance> drawn_by(Entrant& entrant) const {
+    std::vector<DrawnInstance> drawn_by(ViewEntrant& entrant) const {
         if (entrant.variant->culls) return value_of(entrant.crowd->read_drawn());
         std::vector<DrawnInstance> all;
         for (uint32_t i = 0; i < count(); ++i) all.push_back({.instance = i});
@@ -102,19 +103,19 @@ private:
 
     // Looks at some instances of each level of detail that is drawn: at their skin matrices, and where they have fewer
     // joints at how far these take vertices away, as the view sees it.
-    void compare(Entrant& entrant) const {
+    void compare(ViewEntrant& entrant) const {
         std::vector<DrawnInstance> drawn = drawn_by(entrant);
         std::ranges::stable_sort(drawn, {}, &DrawnInstance::lod);  // large crowds are listed batch by batch
         entrant.drawn = tools::count_by_lod(drawn);
         auto first = drawn.begin();
         for (const uint32_t of_level : entrant.drawn) {
-            const uint32_t checked = std::min(kChecked, of_level);
+            const uint32_t checked = std::min(kCheckedOfEachLevel, of_level);
             for (uint32_t i = 0; i < checked; ++i) compare(entrant, first[int64_t{of_level} * i / checked]);
             first += of_level;
         }
     }
 
-    void compare(Entrant& entrant, const DrawnInstance& one) const {
+    void compare(ViewEntrant& entrant, const DrawnInstance& one) const {
         const ReferencePose pose = value_of(reference_pose(*seen_.character, seen_.playback[one.instance]));
         if (entrant.variant->reduces_joints && one.lod > 0)
             entrant.max_pixels = std::max(
@@ -127,7 +128,7 @@ private:
                                                     pose.model_from_bind, seen_.character->size));
     }
 
-    Json record_of(const Entrant& entrant) const {
+    Json record_of(const ViewEntrant& entrant) const {
         Json record = where_and_when(device_.info());
         const Rig& rig = seen_.character->rig;
         record.update({{"bench", "view"},
@@ -158,7 +159,7 @@ private:
     GpuLoad load_;
     const ViewCase& seen_;
     std::optional<CrowdView> view_;
-    std::vector<Entrant> entrants_;
+    std::vector<ViewEntrant> entrants_;
 };
 
 }  // namespace

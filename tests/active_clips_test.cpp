@@ -16,16 +16,17 @@ namespace throng {
 namespace {
 
 // Instrumented, those left out take too long.
-const test::InSubset kInSubsets({test::Subset::kGpuAssisted}, {"ActiveClips.*", "-ActiveClips.FollowTheReference"});
-const test::InSubset kNatively({test::Subset::kNative}, {"ActiveClips.*"});
+const test::InSubset kActiveClipsInSubsets({test::Subset::kGpuAssisted},
+                                           {"ActiveClips.*", "-ActiveClips.FollowTheReference"});
+const test::InSubset kActiveClipsNatively({test::Subset::kNative}, {"ActiveClips.*"});
 
 using namespace test;
 
 // Of an element, relative where it exceeds 1; times what the mixing itself makes of its inputs' errors
-constexpr double kBound = 2e-6;
+constexpr double kActiveClipsBound = 2e-6;
 
 // A clip at a time.
-struct Part {
+struct ClipPart {
     uint32_t clip = 0;
     double time_s = 0;
     float weight = 1;
@@ -35,13 +36,13 @@ struct Layer {
     bool is_additive = false;
     float weight = 1;
     uint32_t mask = kNone;
-    std::vector<Part> parts;
+    std::vector<ClipPart> parts;
 };
 
 using Layers = std::vector<Layer>;
 
 // The cursor's fraction is a float, and so the reference samples where it points.
-double rounded_time(const Character& character, const Part& part, const RowCursor& rows) {
+double rounded_time(const Character& character, const ClipPart& part, const RowCursor& rows) {
     const float* times_s = &character.times_s[character.clips[part.clip].first_time];
     return times_s[rows.earlier] +
            (double{times_s[rows.later]} - times_s[rows.earlier]) * static_cast<float>(rows.fraction);
@@ -52,7 +53,7 @@ struct Rows {
     double time_s = 0, first_s = 0;
 };
 
-Rows rows_of(const Character& character, const Part& part) {
+Rows rows_of(const Character& character, const ClipPart& part) {
     Rows out{.active_clip = {.first_track = part.clip * character.rig.joint_count(),
                              .earlier = 0,
                              .later = 0,
@@ -93,9 +94,9 @@ std::vector<io::ActiveClip> active_clips_of(const Character& character, const La
 }
 
 // A character and its masks, on the device and in the reference.
-class Stage {
+class ActiveClipsRun {
 public:
-    explicit Stage(Character character, std::vector<float> masks = {})
+    explicit ActiveClipsRun(Character character, std::vector<float> masks = {})
         : character_(std::move(character)),
           masks_(std::move(masks)),
           tracks_(character_.tracks),
@@ -158,7 +159,7 @@ public:
                                           ? layer.weight
                                           : double{layer.weight} * masks_[layer.mask * joint_count() + joint],
                                       {}});
-            for (const Part& part : layer.parts) {
+            for (const ClipPart& part : layer.parts) {
                 const Rows rows = rows_of(character_, part);
                 const std::vector<Trs<double>> pose = sample_reference(character_, part.clip, rows.time_s),
                                                first = sample_reference(character_, part.clip, rows.first_s);
@@ -206,7 +207,7 @@ Layers random_layers(Random& random, const Character& character, uint32_t active
             layer.parts.push_back({clip, random.between(0, duration_s), static_cast<float>(random.between(0.05, 1))});
             sum += layer.parts.back().weight;
         }
-        for (Part& part : layer.parts) part.weight = static_cast<float>(part.weight / sum);
+        for (ClipPart& part : layer.parts) part.weight = static_cast<float>(part.weight / sum);
         out.push_back(layer);
     }
     return out;
@@ -237,9 +238,9 @@ double amplification(const std::vector<ReferenceLayer>& layers, const Trs<double
     return worst;
 }
 
-void expect_reference(Character character) {
+void expect_reference_clips(Character character) {
     std::vector<float> masks = make_masks(character.rig.joint_count());
-    const Stage stage(std::move(character), std::move(masks));
+    const ActiveClipsRun stage(std::move(character), std::move(masks));
     Random random(stage.joint_count());
     std::vector<Layers> instances;
     for (uint32_t active_clip_count = 1; active_clip_count <= 10; ++active_clip_count)
@@ -257,7 +258,8 @@ void expect_reference(Character character) {
                 continue;
             }
             const double error = error_of(local[i * stage.joint_count() + joint], wanted) / factor;
-            EXPECT_LE(error, kBound) << "instance " << i << ", joint " << joint << ", amplified " << factor << " times";
+            EXPECT_LE(error, kActiveClipsBound)
+                << "instance " << i << ", joint " << joint << ", amplified " << factor << " times";
             worst = std::max(worst, error);
         }
     }
@@ -270,15 +272,15 @@ TEST(ActiveClips, FollowTheReference) {
     for (const uint32_t joint_count : {1u, 63u, 65u, 300u}) {
         const AssetSettings settings{
             .joint_count = joint_count, .seed = joint_count, .clip_count = 4, .cubic = joint_count == 65};
-        expect_reference(make_character(settings));
+        expect_reference_clips(make_character(settings));
         const Character packed = compiled(make_asset(settings), {.error = 1e-4});
         ASSERT_TRUE(packed.packed);
-        expect_reference(packed);
+        expect_reference_clips(packed);
     }
 }
 
 TEST(ActiveClips, AreSimilaritiesWhereScaleIsUniform) {
-    const Stage stage(make_character({.joint_count = 70, .scale_spread = 0}), make_masks(70));
+    const ActiveClipsRun stage(make_character({.joint_count = 70, .scale_spread = 0}), make_masks(70));
     Random random(7);
     std::vector<Layers> instances;
     for (int i = 0; i < 20; ++i) instances.push_back(random_layers(random, stage.character(), 6));
@@ -292,13 +294,13 @@ TEST(ActiveClips, AreSimilaritiesWhereScaleIsUniform) {
         const auto& [q, t] = similarities[i];
         EXPECT_LE(matrix_error(to_affine(Trs<float>{{q.x, q.y, q.z, q.w}, {t.x, t.y, t.z}, {t.w, t.w, t.w}}),
                                affines[i].as<double>(), 1),
-                  kBound);
+                  kActiveClipsBound);
     }
 }
 
 // Two clips that fade into each other are what the blend stage makes of them.
 TEST(ActiveClips, TwoInOneLayerAreABlend) {
-    const Stage stage(make_character({.joint_count = 70}));
+    const ActiveClipsRun stage(make_character({.joint_count = 70}));
     for (const float weight : {0.25f, 0.5f, 0.9f}) {
         const Layers layers{{.parts = {{0, 0.4, weight}, {1, 1.3, 1 - weight}}}};
         const std::vector<Affine> local = stage.run({layers});
@@ -308,14 +310,14 @@ TEST(ActiveClips, TwoInOneLayerAreABlend) {
             const Trs<double> wanted = blend_reference(active_clips[0].pose, active_clips[1].pose, weight),
                               got = active_clips_reference(references[joint]);
             EXPECT_LE(error_of(to_affine(got).as<float>(), wanted), 1e-7);  // float's rounding
-            EXPECT_LE(error_of(local[joint], wanted), kBound);
+            EXPECT_LE(error_of(local[joint], wanted), kActiveClipsBound);
         }
     }
 }
 
 // A layer without weight at a joint leaves what lies below to the bit; one of weight 1 covers it to the bit.
 TEST(ActiveClips, WeightsOfNothingAndOfOneAreExact) {
-    const Stage stage(make_character({.joint_count = 65, .clip_count = 4}), make_masks(65));
+    const ActiveClipsRun stage(make_character({.joint_count = 65, .clip_count = 4}), make_masks(65));
     const Layer base{.parts = {{0, 0.3, 0.5f}, {1, 0.2, 0.5f}}}, wave{.parts = {{2, 0.7, 0.25f}, {3, 0.1, 0.75f}}};
     const auto with = [](Layer layer, bool is_additive, float weight, uint32_t mask) {
         layer.is_additive = is_additive;
@@ -355,7 +357,7 @@ TEST(ActiveClips, WeightsOfNothingAndOfOneAreExact) {
 
 // A clip's difference from its first row is nothing in its first row: rounding, and no more.
 TEST(ActiveClips, AFirstRowAddsNothing) {
-    const Stage stage(make_character({.joint_count = 65, .clip_count = 4}));
+    const ActiveClipsRun stage(make_character({.joint_count = 65, .clip_count = 4}));
     const Layer base{.parts = {{0, 0.3}}};
     const std::vector<Affine> local = stage.run({{base},
                                                  {base, {.is_additive = true, .parts = {{1, 0, 0.5f}, {2, 0, 0.5f}}}},
@@ -393,9 +395,9 @@ Character two_row_clips(const std::vector<std::array<Trs<float>, 2>>& clips) {
 TEST(ActiveClips, RotationsThatCancel) {
     const Trs<float> still{}, half{.rotation = {1, 0, 0, 0}, .translation = {1, 0, 0}},
         other_half{.rotation = {-1, 0, 0, 0}, .translation = {3, 0, 0}};
-    const Stage stage(two_row_clips({{still, half}, {still, other_half}, {still, still}}));
+    const ActiveClipsRun stage(two_row_clips({{still, half}, {still, other_half}, {still, still}}));
     const Layer base{.parts = {{2, 0}}};
-    const std::vector<Part> both{{0, 1, 0.5f}, {1, 1, 0.5f}};
+    const std::vector<ClipPart> both{{0, 1, 0.5f}, {1, 1, 0.5f}};
     const std::vector<Layers> instances{{base, {.is_additive = true, .parts = both}},
                                         {base, {.is_additive = true, .weight = 0.5f, .parts = both}},
                                         {{.parts = both}}};
@@ -405,7 +407,7 @@ TEST(ActiveClips, RotationsThatCancel) {
     for (size_t i = 0; i < instances.size(); ++i) {
         const Trs<double> wanted{.rotation = axis_angle(Vec3<double>{1, 0, 0}, angles_rad[i]),
                                  .translation = {i == 1 ? 1.0 : 2.0, 0, 0}};
-        EXPECT_LE(error_of(local[i], wanted), kBound) << "instance " << i;
+        EXPECT_LE(error_of(local[i], wanted), kActiveClipsBound) << "instance " << i;
         EXPECT_LE(
             error_of(to_affine(active_clips_reference(stage.reference_layers(instances[i])[0])).as<float>(), wanted),
             1e-7)
@@ -415,10 +417,10 @@ TEST(ActiveClips, RotationsThatCancel) {
 
 // A scale that begins at nothing has no ratio, and is left alone.
 TEST(ActiveClips, ScalesFromNothingAddNothing) {
-    const Stage stage(two_row_clips(
+    const ActiveClipsRun stage(two_row_clips(
         {{Trs<float>{.scale = {1, 2, 4}}, {}}, {Trs<float>{.scale = {0, 1, 2}}, Trs<float>{.scale = {5, 3, 1}}}}));
     const std::vector<Affine> local = stage.run({{{.parts = {{0, 0}}}, {.is_additive = true, .parts = {{1, 1}}}}});
-    EXPECT_LE(error_of(local[0], {.rotation = {}, .translation = {}, .scale = {1, 6, 2}}), kBound);
+    EXPECT_LE(error_of(local[0], {.rotation = {}, .translation = {}, .scale = {1, 6, 2}}), kActiveClipsBound);
 }
 
 // The reference against hand-made numbers.
@@ -441,7 +443,7 @@ TEST(ActiveClips, TheReferenceAddsInTheSpaceOfTheParent) {
 
 // A list that fills its room ends there, whatever its flags say.
 TEST(ActiveClips, AListEndsWithItsRoom) {
-    const Stage stage(make_character({.joint_count = 65}));
+    const ActiveClipsRun stage(make_character({.joint_count = 65}));
     std::vector<Layers> instances;
     for (const double time_s : {0.1, 0.3, 0.5})
         instances.push_back({{.parts = {{0, time_s, 0.5f}, {1, 0.4, 0.5f}}}, {.weight = 0.5f, .parts = {{2, time_s}}}});
@@ -453,7 +455,7 @@ TEST(ActiveClips, AListEndsWithItsRoom) {
 }
 
 TEST(ActiveClips, AreReadFromATableThatTheDeviceWrote) {
-    const Stage stage(make_character({.joint_count = 65}), make_masks(65));
+    const ActiveClipsRun stage(make_character({.joint_count = 65}), make_masks(65));
     Random random(5);
     const std::vector<io::ActiveClip> active_clips = stage.active_clips(
         {random_layers(random, stage.character(), 5), random_layers(random, stage.character(), 8)}, 8);

@@ -13,8 +13,8 @@
 namespace throng::test {
 namespace {
 
-const InSubset kInSubsets({Subset::kGpuAssisted}, {"*Attach*.*/Staged", "*Attach*.*/Fused"}),
-    kNatively({Subset::kNative}, {"*Attach.*", "*AttachInRows.*"});
+const InSubset kAttachInSubsets({Subset::kGpuAssisted}, {"*Attach*.*/Staged", "*Attach*.*/Fused"}),
+    kAttachNatively({Subset::kNative}, {"*Attach.*", "*AttachInRows.*"});
 
 constexpr uint32_t kBodies = 40, kThings = 30;
 
@@ -397,12 +397,9 @@ TEST_P(AttachInRows, MayNotBeTooLong) {
     expect_all_there(crowd, rows);
 }
 
-const auto kPaths = testing::Values(UpdatePath::kAuto, UpdatePath::kFused, UpdatePath::kStaged);
-const auto name_of_path = [](const testing::TestParamInfo<UpdatePath>& of) {
-    return of.param == UpdatePath::kAuto ? "Auto" : of.param == UpdatePath::kFused ? "Fused" : "Staged";
-};
-INSTANTIATE_TEST_SUITE_P(OnPaths, Attach, kPaths, name_of_path);
-INSTANTIATE_TEST_SUITE_P(OnPaths, AttachInRows, kPaths, name_of_path);
+const auto kAttachPaths = testing::Values(UpdatePath::kAuto, UpdatePath::kFused, UpdatePath::kStaged);
+INSTANTIATE_TEST_SUITE_P(OnPaths, Attach, kAttachPaths, path_name);
+INSTANTIATE_TEST_SUITE_P(OnPaths, AttachInRows, kAttachPaths, path_name);
 
 }  // namespace
 }  // namespace throng::test

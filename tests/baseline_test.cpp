@@ -14,7 +14,7 @@
 namespace throng::bench {
 namespace {
 
-const test::InSubset kInSubsets({test::Subset::kGpuAssisted, test::Subset::kSubgroups}, {"Baseline.*"});
+const test::InSubset kBaselineInSubsets({test::Subset::kGpuAssisted, test::Subset::kSubgroups}, {"Baseline.*"});
 
 using namespace test;
 

@@ -17,7 +17,7 @@ namespace {
 
 using test::test_gpu;
 
-const Progress kQuiet = [](const std::string&) {};
+const Progress kBenchQuiet = [](const std::string&) {};
 
 std::vector<uint32_t> subtree_sizes(const std::vector<uint32_t>& parents) {
     std::vector<uint32_t> sizes(parents.size(), 1);
@@ -96,10 +96,12 @@ TEST(Bench, RoundsAlternateAndSlowOnesStop) {
                               std::this_thread::sleep_for(std::chrono::milliseconds(milliseconds));
                           }};
     };
-    run_rounds(std::vector{contestant('a', 0), contestant('b', 30)}, {.samples = 5, .least_samples = 2}, 0.05, kQuiet);
+    run_rounds(std::vector{contestant('a', 0), contestant('b', 30)}, {.samples = 5, .least_samples = 2}, 0.05,
+               kBenchQuiet);
     EXPECT_EQ(order, "ababaaa");
     order.clear();
-    run_rounds(std::vector{contestant('a', 0), contestant('b', 0)}, {.samples = 3, .least_samples = 2}, 10, kQuiet);
+    run_rounds(std::vector{contestant('a', 0), contestant('b', 0)}, {.samples = 3, .least_samples = 2}, 10,
+               kBenchQuiet);
     EXPECT_EQ(order, "ababab");
 }
 
@@ -161,7 +163,7 @@ TEST(Bench, AWrongMethodIsReportedAndNotTimed) {
     const std::vector<Entrant> entrants{entrant_of("one joint", one_joint),
                                         entrant_of("right", *find_scan_method("serial")),
                                         entrant_of("nothing", nothing)};
-    const auto records = measure_scans(test_gpu(), kCell, entrants, kSampling, kQuiet);
+    const auto records = measure_scans(test_gpu(), kCell, entrants, kSampling, kBenchQuiet);
     ASSERT_EQ(records.size(), 3u);
     for (const size_t wrong : {0u, 2u}) {
         EXPECT_EQ(records[wrong]["method"], entrants[wrong].name);
@@ -176,7 +178,7 @@ TEST(Bench, AWrongMethodIsReportedAndNotTimed) {
     EXPECT_EQ(records[1]["samples"], 3);
     EXPECT_GT(records[1]["median_ms"], 0);
 
-    const auto on_chip = measure_on_chip(test_gpu(), kCell, std::span(entrants).first(1), kSampling, kQuiet);
+    const auto on_chip = measure_on_chip(test_gpu(), kCell, std::span(entrants).first(1), kSampling, kBenchQuiet);
     EXPECT_EQ(on_chip[0]["wrong"], true);
     EXPECT_FALSE(on_chip[0].contains("on_chip_ns_per_joint"));
 }
@@ -185,8 +187,8 @@ TEST(Bench, AWrongMethodIsReportedAndNotTimed) {
 TEST(Bench, EveryMethodIsMeasured) {
     std::vector<Entrant> entrants;
     for (const ScanMethod& method : scan_table()) entrants.push_back(entrant_of(std::string(method.name), method));
-    const auto records = measure_scans(test_gpu(), kCell, entrants, kSampling, kQuiet),
-               on_chip = measure_on_chip(test_gpu(), kCell, entrants, kSampling, kQuiet);
+    const auto records = measure_scans(test_gpu(), kCell, entrants, kSampling, kBenchQuiet),
+               on_chip = measure_on_chip(test_gpu(), kCell, entrants, kSampling, kBenchQuiet);
     ASSERT_EQ(records.size(), entrants.size());
     ASSERT_EQ(on_chip.size(), entrants.size());
     size_t timed = 0, timed_on_chip = 0;

@@ -10,8 +10,8 @@
 namespace throng {
 namespace {
 
-const test::InSubset kInSubsets({test::Subset::kGpuAssisted}, {"Bind.*"});
-const test::InSubset kNatively({test::Subset::kNative}, {"Bind.*"});
+const test::InSubset kBindInSubsets({test::Subset::kGpuAssisted}, {"Bind.*"});
+const test::InSubset kBindNatively({test::Subset::kNative}, {"Bind.*"});
 
 using namespace test;
 

@@ -1,6 +1,7 @@
 // Blended poses as matrices, against the reference.
 #include "blend/blend.h"
 #include "blend/blend_reference.h"
+#include "tests/joint_pose.h"
 #include "tests/kernel_runner.h"
 #include "tests/subset.h"
 #include "tests/test_rig.h"
@@ -12,19 +13,12 @@
 namespace throng {
 namespace {
 
-const test::InSubset kInSubsets({test::Subset::kGpuAssisted}, {"Blend.*"});
-const test::InSubset kNatively({test::Subset::kNative}, {"Blend.*"});
+const test::InSubset kBlendInSubsets({test::Subset::kGpuAssisted}, {"Blend.*"});
+const test::InSubset kBlendNatively({test::Subset::kNative}, {"Blend.*"});
 
 using namespace test;
 
-constexpr double kBound = 2e-6;  // of an element, relative where it exceeds 1
-
-io::JointPose to_pose(const Trs<double>& trs) {
-    const Trs<float> t = trs.as<float>();
-    return {.rotation = {t.rotation.x, t.rotation.y, t.rotation.z, t.rotation.w},
-            .translation = {t.translation.x, t.translation.y, t.translation.z, 0},
-            .scale = {t.scale.x, t.scale.y, t.scale.z, 0}};
-}
+constexpr double kBlendBound = 2e-6;  // of an element, relative where it exceeds 1
 
 Trs<double> as_trs(const io::JointPose& p) {
     return {{p.rotation.x, p.rotation.y, p.rotation.z, p.rotation.w},
@@ -83,7 +77,8 @@ TEST(Blend, SimilaritiesAreTheSameTransforms) {
         const io::vec4 q = rows[2 * i], t = rows[2 * i + 1];
         const Trs<float> got{{q.x, q.y, q.z, q.w}, {t.x, t.y, t.z}, {t.w, t.w, t.w}};
         const Trs<double> wanted = blend_reference(as_trs(first[i]), as_trs(second[i]), weights[i / kJoints]);
-        EXPECT_LE(matrix_error(to_affine(got), to_affine(wanted), std::max(1.0, length(wanted.translation))), kBound)
+        EXPECT_LE(matrix_error(to_affine(got), to_affine(wanted), std::max(1.0, length(wanted.translation))),
+                  kBlendBound)
             << "joint " << i;
     }
 }
@@ -111,7 +106,7 @@ TEST(Blend, FollowsTheReference) {
             const double weight = weights[i / joint_count];
             const Trs<double> wanted = blend_reference(as_trs(first[i]), as_trs(second[i]), weight);
             const double error = matrix_error(local[i], to_affine(wanted), std::max(1.0, length(wanted.translation)));
-            EXPECT_LE(error, kBound) << "weight " << weight;
+            EXPECT_LE(error, kBlendBound) << "weight " << weight;
             worst = std::max(worst, error);
         }
         std::printf("  %3u joints, %zu weights: largest error %.1e\n", joint_count, weights.size(), worst);
@@ -129,8 +124,9 @@ TEST(Blend, APoseWithoutWeightDoesNotShow) {
     }
     const std::vector<Affine> local = run_blend({1, 0}, first, second, kJointCount);
     for (size_t joint = 0; joint < kJointCount; ++joint) {
-        EXPECT_LE(matrix_error(local[joint], to_affine(as_trs(first[joint])), 1), kBound);
-        EXPECT_LE(matrix_error(local[kJointCount + joint], to_affine(as_trs(second[kJointCount + joint])), 1), kBound);
+        EXPECT_LE(matrix_error(local[joint], to_affine(as_trs(first[joint])), 1), kBlendBound);
+        EXPECT_LE(matrix_error(local[kJointCount + joint], to_affine(as_trs(second[kJointCount + joint])), 1),
+                  kBlendBound);
     }
 }
 

@@ -10,7 +10,7 @@
 namespace throng::test {
 namespace {
 
-const InSubset kInSubsets({Subset::kGpuAssisted, Subset::kNative}, {"Changes.*"});
+const InSubset kChangeInSubsets({Subset::kGpuAssisted, Subset::kNative}, {"Changes.*"});
 
 constexpr uint32_t kEach = 60;  // instances of a group: every other one changes, which is many
 

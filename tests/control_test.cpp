@@ -14,8 +14,8 @@
 namespace throng {
 namespace {
 
-const test::InSubset kInSubsets({test::Subset::kGpuAssisted}, {"Control.*"});
-const test::InSubset kNatively({test::Subset::kNative}, {"Control.*"});
+const test::InSubset kControlInSubsets({test::Subset::kGpuAssisted}, {"Control.*"});
+const test::InSubset kControlNatively({test::Subset::kNative}, {"Control.*"});
 
 using namespace test;
 

@@ -56,7 +56,7 @@ inline EventBlock event_block_of(const std::vector<uint32_t>& words) {
     return block;
 }
 
-inline Character creature() {
+inline Character controlled_creature() {
     const Result<Asset> asset = make_creature({.joint_count = 60, .level_count = 15});
     Result<Character> character = compile_character(*asset);
     EXPECT_TRUE(character);
@@ -204,7 +204,7 @@ void follow_example(const char* name, uint32_t instance_count = 1000, uint32_t u
         source_file(std::string("examples/controllers/") + name + ".json"));
     ASSERT_TRUE(controller) << controller.error().text();
     const Followed followed = follow<Kernels>(
-        *controller, creature(), instance_count, update_count,
+        *controller, controlled_creature(), instance_count, update_count,
         [&](Random& random) { return random_commands(random, *controller, instance_count); });
     EXPECT_TRUE(controller->events.empty() || followed.event_count > update_count) << followed.event_count;
     EXPECT_GT(followed.transition_count, instance_count);
@@ -215,7 +215,7 @@ template <class Kernels>
 void follow_direct_layers() {
     const Controller controller = direct_layers(3, {{.name = "all", .items = {}}});
     constexpr uint32_t kInstances = 300;
-    const Character character = creature();
+    const Character character = controlled_creature();
     follow<Kernels>(controller, character, kInstances, 300, [&](Random& random) {
         std::vector<io::ControlCommand> commands;
         for (uint32_t instance = 0; instance < kInstances; ++instance) {

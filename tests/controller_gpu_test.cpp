@@ -9,8 +9,8 @@
 namespace throng::test {
 namespace {
 
-const InSubset kInSubsets({Subset::kGpuAssisted}, {"ControllerOnTheGpu.LayersPlayWhatTheyAreTold"});
-const InSubset kNatively({Subset::kNative}, {"ControllerOnTheGpu.*"});
+const InSubset kControllerGpuInSubsets({Subset::kGpuAssisted}, {"ControllerOnTheGpu.LayersPlayWhatTheyAreTold"});
+const InSubset kControllerGpuNatively({Subset::kNative}, {"ControllerOnTheGpu.*"});
 
 // The kernel's buffers for instances of one controller.
 class Kernels {

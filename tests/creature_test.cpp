@@ -17,17 +17,17 @@
 namespace throng {
 namespace {
 
-constexpr CreatureKind kKinds[] = {CreatureKind::kDragon, CreatureKind::kWillow, CreatureKind::kWalker,
-                                   CreatureKind::kCentipede};
+constexpr CreatureKind kCreatureKinds[] = {CreatureKind::kDragon, CreatureKind::kWillow, CreatureKind::kWalker,
+                                           CreatureKind::kCentipede};
 constexpr const char* kNames[] = {"dragon", "willow", "walker", "centipede"};
 
-constexpr uint32_t kJointCounts[] = {1, 2, 3, 5, 17, 64, 100, 300, 1000};
+constexpr uint32_t kCreatureJointCounts[] = {1, 2, 3, 5, 17, 64, 100, 300, 1000};
 constexpr uint32_t kLevelCounts[] = {1, 2, 3, 4, 5, 7, 8, 15, 16, 17, 30, 60, 64, 99, 120, 200, 300, 999};
 
 // Every allowed pair of the two lists, and the pure chain of each joint count.
 std::vector<CreatureSettings> grid(CreatureKind kind) {
     std::vector<CreatureSettings> out;
-    for (const uint32_t joints : kJointCounts) {
+    for (const uint32_t joints : kCreatureJointCounts) {
         std::set<uint32_t> levels{joints};
         for (const uint32_t count : kLevelCounts)
             // Large ones take their time
@@ -236,7 +236,7 @@ void expect_shape_kept_in_every_clip(const Asset& asset) {
 }
 
 TEST(Creature, IsSoundForEveryTree) {
-    for (const CreatureKind kind : kKinds)
+    for (const CreatureKind kind : kCreatureKinds)
         for (const CreatureSettings& settings : grid(kind)) {
             SCOPED_TRACE(text_of(settings));
             const Asset asset = creature(settings);
@@ -251,7 +251,7 @@ TEST(Creature, IsSoundForEveryTree) {
 
 TEST(Creature, HasExactlyTheLargestTrees) {
     std::vector<CreatureSettings> largest;  // of the dragon; of all kinds the same code deals, and takes its time
-    for (const CreatureKind kind : kKinds) largest.push_back({4000, 60, 1500, 7, kind});
+    for (const CreatureKind kind : kCreatureKinds) largest.push_back({4000, 60, 1500, 7, kind});
     for (const uint32_t levels : {2u, 60u, 65535u}) largest.push_back({65535, levels, 1500, 7});
     for (const CreatureSettings& settings : largest) {
         SCOPED_TRACE(text_of(settings));
@@ -285,11 +285,11 @@ TEST(Creature, MeshIsNearItsFaceBudget) {
                                              {300u, 2u},
                                              {4000u, 60u}})
             expect_near({joints, levels, faces, 3});
-        for (const CreatureKind kind : kKinds)
+        for (const CreatureKind kind : kCreatureKinds)
             for (const auto& [joints, levels] : {std::pair{1u, 1u}, {20u, 8u}, {300u, 60u}})
                 expect_near({joints, levels, faces, 3, kind});
     }
-    for (const CreatureKind kind : kKinds)
+    for (const CreatureKind kind : kCreatureKinds)
         for (const uint32_t faces : {0u, 10u, 50u, 100u, 200u}) {
             const size_t made = faces_of({300, 30, faces, 3, kind});
             EXPECT_GE(made, std::min(faces / 2, 4u));
@@ -298,7 +298,7 @@ TEST(Creature, MeshIsNearItsFaceBudget) {
 }
 
 TEST(Creature, HasSizesOfItsKind) {
-    for (const CreatureKind kind : kKinds) {
+    for (const CreatureKind kind : kCreatureKinds) {
         const CreatureSettings usual = creature_settings(kind);
         SCOPED_TRACE(text_of(usual));
         EXPECT_EQ(usual.kind, kind);
@@ -315,7 +315,7 @@ TEST(Creature, HasSizesOfItsKind) {
 
 // Over every key of the clips that stand or walk, of the usual creature: the lowest point of the skin.
 TEST(Creature, KeepsItsFeetOnTheGround) {
-    for (const CreatureKind kind : kKinds) {
+    for (const CreatureKind kind : kCreatureKinds) {
         const Asset asset = creature(creature_settings(kind));
         for (const AssetClip& clip : asset.clips) {
             if (clip.name == "fly" || clip.name == "glide") continue;
@@ -338,7 +338,7 @@ TEST(Creature, CurlsUp) {
 }
 
 TEST(Creature, IsKnownByItsName) {
-    for (const CreatureKind kind : kKinds) EXPECT_EQ(*creature_kind(kNames[size_t(kind)]), kind);
+    for (const CreatureKind kind : kCreatureKinds) EXPECT_EQ(*creature_kind(kNames[size_t(kind)]), kind);
     EXPECT_EQ(creature_kind("unicorn").error().message,
               "there is no 'unicorn'. There are: dragon, willow, walker, centipede");
 }
@@ -377,7 +377,7 @@ TEST(Creature, NormalsPointOutward) {
 }
 
 TEST(Creature, IsTheSameForTheSameSettingsOnly) {
-    for (const CreatureKind kind : kKinds) {
+    for (const CreatureKind kind : kCreatureKinds) {
         const CreatureSettings settings{300, 60, 1500, 5, kind};
         const auto bytes = write_glb(creature(settings));
         ASSERT_TRUE(bytes.ok());

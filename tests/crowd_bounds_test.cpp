@@ -10,28 +10,26 @@
 namespace throng::test {
 namespace {
 
-const InSubset kNatively({Subset::kNative}, {"CrowdBoundsTest.*"});
+const InSubset kCrowdBoundsNatively({Subset::kNative}, {"CrowdBoundsTest.*"});
 
-constexpr uint32_t kCount = 12;
-
-Affine at(float x, float y = 0, float z = 0) { return to_affine(Trs<float>{.translation = {x, y, z}}); }
+constexpr uint32_t kCrowdBoundsCount = 12;
 
 // Side by side in units of 1, each of size 1.
 std::vector<Affine> in_a_row(uint32_t count) {
     std::vector<Affine> places;
-    for (uint32_t i = 0; i < count; ++i) places.push_back(at(static_cast<float>(i)));
+    for (uint32_t i = 0; i < count; ++i) places.push_back(placed_at(static_cast<float>(i)));
     return places;
 }
 
 // Agents without root motion, which walk as fast as they want.
 Crowd crowd_of_agents(const Character& character) {
     Crowd crowd = create({.groups = {{.character = &character,
-                                      .instance_count = kCount,
+                                      .instance_count = kCrowdBoundsCount,
                                       .steering = Steering{.radius = 0.1f, .speed = 5},
-                                      .capacity = kCount + 4}},
+                                      .capacity = kCrowdBoundsCount + 4}},
                           .culling = Culling{}});
-    EXPECT_TRUE(crowd.set_placement(Instances::numbered(0, kCount), in_a_row(kCount)));
-    for (uint32_t i = 0; i < kCount; ++i)
+    EXPECT_TRUE(crowd.set_placement(Instances::numbered(0, kCrowdBoundsCount), in_a_row(kCrowdBoundsCount)));
+    for (uint32_t i = 0; i < kCrowdBoundsCount; ++i)
         EXPECT_TRUE(crowd.set_destination(InstanceHandle{i}, Vec3<float>{static_cast<float>(i), 0, 100}));
     return crowd;
 }
@@ -39,7 +37,7 @@ Crowd crowd_of_agents(const Character& character) {
 // By what the update has left on the device.
 float farthest_z(const Crowd& crowd) {
     float z = -1e30f;
-    for (const Affine& place : output<Affine>(crowd.outputs()[0], &OutputBlock::placement, kCount))
+    for (const Affine& place : output<Affine>(crowd.outputs()[0], &OutputBlock::placement, kCrowdBoundsCount))
         z = std::max(z, place.row[2][3]);
     return z;
 }
@@ -70,9 +68,9 @@ TEST_F(CrowdBoundsTest, FollowWhereUpdatesMoveInstances) {
         }
         EXPECT_NEAR(middle_z(world_bounds(crowd)), z, reach);
 
-        // What is set is known at once, whatever comes back of the update before; the rest stays where it is.
+        // What is set is known placed_at once, whatever comes back of the update before; the rest stays where it is.
         ASSERT_TRUE(crowd.update(0.1f));
-        ASSERT_TRUE(crowd.set_placement(InstanceHandle{3}, at(3, 0, -50)));
+        ASSERT_TRUE(crowd.set_placement(InstanceHandle{3}, placed_at(3, 0, -50)));
         EXPECT_LT(world_bounds(crowd).min.z, -49);
         EXPECT_NEAR(world_bounds(crowd).max.z, z, reach);
         ASSERT_TRUE(crowd.update(0.1f));
@@ -81,7 +79,7 @@ TEST_F(CrowdBoundsTest, FollowWhereUpdatesMoveInstances) {
 
         // Somebody new, where nobody has been.
         ASSERT_TRUE(crowd.despawn(std::vector{InstanceHandle{3}}));
-        const auto born = crowd.spawn(0, std::vector{at(80, 0, z)}).value();
+        const auto born = crowd.spawn(0, std::vector{placed_at(80, 0, z)}).value();
         EXPECT_NEAR(world_bounds(crowd).max.x, 80, reach);
         EXPECT_GT(world_bounds(crowd).min.z, z - reach);
     }
@@ -119,7 +117,7 @@ TEST_F(CrowdBoundsTest, FollowRecordedUpdatesAndNotDiscardedOnes) {
 TEST_F(CrowdBoundsTest, FollowNothingThatHasNotRun) {
     if (test_gpu()->is_native()) GTEST_SKIP() << "it has no command buffers";
     Crowd crowd = crowd_of_agents(character_);
-    ASSERT_TRUE(crowd.set_placement(Instances::numbered(0, kCount), at(500, 0, 500)));
+    ASSERT_TRUE(crowd.set_placement(Instances::numbered(0, kCrowdBoundsCount), placed_at(500, 0, 500)));
     Recorder recorder;
     recorder.record([&](VkCommandBuffer commands) { ASSERT_TRUE(crowd.record(commands, 0.1f)); });
     ASSERT_TRUE(renderer_.prepare(crowd));
@@ -140,8 +138,8 @@ TEST_F(CrowdBoundsTest, FollowAfterAChange) {
     const Bounds bounds = world_bounds(wanted);
     ASSERT_GT(bounds.max.z, 4);
     Crowd others = crowd_of_agents(character_);
-    ASSERT_TRUE(others.set_placement(Instances::numbered(0, kCount), at(0, 0, 2)));
-    ASSERT_TRUE(others.clear_destination(Instances::numbered(0, kCount)));
+    ASSERT_TRUE(others.set_placement(Instances::numbered(0, kCrowdBoundsCount), placed_at(0, 0, 2)));
+    ASSERT_TRUE(others.clear_destination(Instances::numbered(0, kCrowdBoundsCount)));
     ASSERT_TRUE(grown.add_groups(std::move(others)));
     ASSERT_TRUE(
         wanted.add_groups(create({.groups = {{.character = &character_, .instance_count = 1}}, .culling = Culling{}})));
@@ -170,14 +168,14 @@ TEST_F(CrowdBoundsTest, LeaveOutStraysButNotAParty) {
     const Bounds all = world_bounds(crowd);
     EXPECT_TRUE(same(main_bounds(crowd), all));
     // One that falls through the ground, one that flies, one far away.
-    places[7] = at(7, -1e6f);
-    places[8] = at(8, 1e5f);
-    places[9] = at(9, 0, 1e7f);
+    places[7] = placed_at(7, -1e6f);
+    places[8] = placed_at(8, 1e5f);
+    places[9] = placed_at(9, 0, 1e7f);
     ASSERT_TRUE(crowd.set_placement(crowd.instances(), places));
     EXPECT_TRUE(same(main_bounds(crowd), all));
     EXPECT_LT(world_bounds(crowd).min.y, -9e5f);
     EXPECT_NEAR(bounds_of(std::array{&crowd.state()}, Strays::kLeftOut).ground, all.min.y, character_.size);
-    places[10] = at(10, 0, 1e7f);  // more than one in a hundred
+    places[10] = placed_at(10, 0, 1e7f);  // more than one in a hundred
     ASSERT_TRUE(crowd.set_placement(crowd.instances(), places));
     EXPECT_TRUE(same(main_bounds(crowd), world_bounds(crowd)));
 }
@@ -185,14 +183,15 @@ TEST_F(CrowdBoundsTest, LeaveOutStraysButNotAParty) {
 // The others look as they would without the stray, which nobody sees.
 TEST_F(CrowdBoundsTest, AStrayDoesNotSpoilThePicture) {
     const auto picture_of = [&](const Affine& last) {
-        Crowd crowd = create({.groups = {{.character = &character_, .instance_count = kCount}}, .culling = Culling{}});
-        std::vector<Affine> places = in_a_row(kCount);
+        Crowd crowd = create(
+            {.groups = {{.character = &character_, .instance_count = kCrowdBoundsCount}}, .culling = Culling{}});
+        std::vector<Affine> places = in_a_row(kCrowdBoundsCount);
         places.back() = last;
         EXPECT_TRUE(crowd.set_placement(crowd.instances(), places));
         const Camera camera = fit_camera(main_bounds(crowd), 64.0f / 48);
         return renderer_.render_frame(crowd, 0, camera).value().picture.rgba;
     };
-    EXPECT_EQ(picture_of(at(1e6f)), picture_of(at(0, -1e7f)));
+    EXPECT_EQ(picture_of(placed_at(1e6f)), picture_of(placed_at(0, -1e7f)));
 }
 
 }  // namespace

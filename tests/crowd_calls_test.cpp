@@ -6,8 +6,6 @@
 namespace throng::test {
 namespace {
 
-Affine placed_at(float x, float y, float z) { return to_affine(Trs<float>{.translation = {x, y, z}}); }
-
 // With a layer for play() above the states.
 Controller walker_and_layer() {
     Controller controller = example("walker");

@@ -56,6 +56,17 @@ Character creature(uint32_t joints, uint32_t levels, double error) {
     return at->second;
 }
 
+Character creature_with_lods() {
+    return *compile_character(*make_creature({.joint_count = 40, .level_count = 12, .face_count = 800}));
+}
+
+Affine placed_at(float x, float y, float z) { return to_affine(Trs<float>{.translation = {x, y, z}}); }
+
+std::string path_name(const testing::TestParamInfo<UpdatePath>& of) {
+    constexpr std::array kNames{"Auto", "Fused", "Staged", "Native", "Device"};  // [UpdatePath]
+    return kNames[static_cast<size_t>(of.param)];
+}
+
 Controller example(const char* name) {
     Result<Controller> controller = load_controller(source_file(std::string("examples/controllers/") + name + ".json"));
     EXPECT_TRUE(controller) << (controller ? "" : controller.error().text());

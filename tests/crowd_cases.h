@@ -23,6 +23,9 @@ size_t different_bytes(const Picture& a, const Picture& b);
 // software devices too, which else would update natively.
 Crowd create(CrowdSettings settings);
 
+// The last part of the name of a test that runs on several paths.
+std::string path_name(const testing::TestParamInfo<UpdatePath>& of);
+
 // The message of a call's error; empty where there is none.
 std::string refusal(const auto& result) { return result ? std::string() : result.error().text(); }
 
@@ -37,6 +40,10 @@ std::vector<std::vector<PlayedMotion>> copy_of(std::span<const std::span<const P
 std::vector<DrawnInstance> drawn_of(Crowd& crowd);
 
 Character creature(uint32_t joints = 60, uint32_t levels = 15, double error = 1e-4);
+
+Character creature_with_lods();
+
+Affine placed_at(float x, float y = 0, float z = 0);
 
 // One of examples/controllers.
 Controller example(const char* name);

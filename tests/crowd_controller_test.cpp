@@ -10,15 +10,15 @@
 namespace throng::test {
 namespace {
 
-const InSubset kInSubsets({Subset::kGpuAssisted},
-                          {"CrowdController.*", "-CrowdController.SocketsAreTheJointsInModelOrWorldSpace",
-                           "-CrowdController.InertialPlaysFollowTheReference", "-CrowdController.TellsWhatLayersPlay",
-                           "-CrowdController.ThousandsOfCommandsAreAppliedInTheirOrder",
-                           "-CrowdController.WrongCallsAreRefused"});
-const InSubset kWithOtherSubgroups({Subset::kSubgroups}, {"CrowdController.*"});
-const InSubset kNatively({Subset::kNative}, {"CrowdController.*"});
+const InSubset kCrowdControllerInSubsets(
+    {Subset::kGpuAssisted},
+    {"CrowdController.*", "-CrowdController.SocketsAreTheJointsInModelOrWorldSpace",
+     "-CrowdController.InertialPlaysFollowTheReference", "-CrowdController.TellsWhatLayersPlay",
+     "-CrowdController.ThousandsOfCommandsAreAppliedInTheirOrder", "-CrowdController.WrongCallsAreRefused"});
+const InSubset kCrowdControllerWithOtherSubgroups({Subset::kSubgroups}, {"CrowdController.*"});
+const InSubset kCrowdControllerNatively({Subset::kNative}, {"CrowdController.*"});
 
-double matrix_error(std::span<const Affine> matrices, std::span<const AffineT<double>> wanted, double size) {
+double largest_matrix_error(std::span<const Affine> matrices, std::span<const AffineT<double>> wanted, double size) {
     EXPECT_EQ(matrices.size(), wanted.size());
     double worst = 0;
     for (size_t i = 0; i < std::min(matrices.size(), wanted.size()); ++i)
@@ -30,7 +30,7 @@ double matrix_error(std::span<const Affine> matrices, std::span<const AffineT<do
 }
 
 // Random parameters over many updates; poses of all instances at the end, events in every update.
-void follow(UpdatePath path, const char* name, double error) {
+void follow_the_reference(UpdatePath path, const char* name, double error) {
     constexpr uint32_t kInstances = 40, kUpdates = 60;
     const Character character = creature(60, 15, error);
     const Controller controller = example(name);
@@ -71,21 +71,22 @@ void follow(UpdatePath path, const char* name, double error) {
     EXPECT_GT(fading, 0);
     for (uint32_t i = 0; i < kInstances; ++i) {
         const ReferencePose pose = wanted[i].pose();
-        EXPECT_LE(matrix_error(*crowd.read_model_matrices({i}), pose.model_from_joint, character.size), 1e-4)
+        EXPECT_LE(largest_matrix_error(*crowd.read_model_matrices({i}), pose.model_from_joint, character.size), 1e-4)
             << "instance " << i;
-        EXPECT_LE(matrix_error(*crowd.read_skin_matrices({i}), pose.model_from_bind, character.size), 1e-4)
+        EXPECT_LE(largest_matrix_error(*crowd.read_skin_matrices({i}), pose.model_from_bind, character.size), 1e-4)
             << "instance " << i;
     }
 }
 
 TEST(CrowdController, PosesFollowTheReferenceFused) {
-    for (const char* name : {"walker", "flyer", "dragon", "guard"}) follow(UpdatePath::kFused, name, 1e-4);
-    follow(UpdatePath::kFused, "dragon", 0);
+    for (const char* name : {"walker", "flyer", "dragon", "guard"})
+        follow_the_reference(UpdatePath::kFused, name, 1e-4);
+    follow_the_reference(UpdatePath::kFused, "dragon", 0);
 }
 
 TEST(CrowdController, PosesFollowTheReferenceStaged) {
-    for (const char* name : {"walker", "dragon"}) follow(UpdatePath::kStaged, name, 1e-4);
-    follow(UpdatePath::kStaged, "dragon", 0);
+    for (const char* name : {"walker", "dragon"}) follow_the_reference(UpdatePath::kStaged, name, 1e-4);
+    follow_the_reference(UpdatePath::kStaged, "dragon", 0);
 }
 
 // More commands than one round takes, for instances in any order; the last of a kind holds.
@@ -120,7 +121,8 @@ TEST(CrowdController, ThousandsOfCommandsAreAppliedInTheirOrder) {
         for (ReferenceCharacter& one : wanted) ASSERT_TRUE(one.update(0.07f));
     }
     for (uint32_t i = 0; i < kInstances; i += 37)
-        EXPECT_LE(matrix_error(*crowd.read_model_matrices({10 + i}), wanted[i].pose().model_from_joint, character.size),
+        EXPECT_LE(largest_matrix_error(*crowd.read_model_matrices({10 + i}), wanted[i].pose().model_from_joint,
+                                       character.size),
                   1e-4)
             << "instance " << i;
 }
@@ -150,7 +152,8 @@ TEST(CrowdController, InertialPlaysFollowTheReference) {
             for (uint32_t i = 0; i < kInstances; ++i) {
                 ASSERT_TRUE(wanted[i].update(0.03f));
                 const ReferencePose pose = wanted[i].pose();
-                EXPECT_LE(matrix_error(*crowd.read_model_matrices({i}), pose.model_from_joint, character.size), 1e-4)
+                EXPECT_LE(largest_matrix_error(*crowd.read_model_matrices({i}), pose.model_from_joint, character.size),
+                          1e-4)
                     << "instance " << i << ", update " << update;
             }
         }

@@ -18,16 +18,12 @@
 namespace throng::test {
 namespace {
 
-const InSubset kInSubsets({Subset::kGpuAssisted, Subset::kSubgroups},
-                          {"Cull.ListsWhatTheReferenceSees", "Cull.BatchesChangeNothing"});
-const InSubset kNatively({Subset::kNative}, {"Cull.*", "-Cull.TiledMethodsAnimateTheListToo"});
+const InSubset kCullInSubsets({Subset::kGpuAssisted, Subset::kSubgroups},
+                              {"Cull.ListsWhatTheReferenceSees", "Cull.BatchesChangeNothing"});
+const InSubset kCullNatively({Subset::kNative}, {"Cull.*", "-Cull.TiledMethodsAnimateTheListToo"});
 
-constexpr uint32_t kWidth = 160, kHeight = 120;
+constexpr uint32_t kCullWidth = 160, kCullHeight = 120;
 constexpr uint32_t kUnseen = ~0u;
-
-Character creature_with_lods() {
-    return *compile_character(*make_creature({.joint_count = 40, .level_count = 12, .face_count = 800}));
-}
 
 // Anywhere within a square, of any size, some mirrored.
 std::vector<Affine> random_places(Random& random, uint32_t count, double extent) {
@@ -63,7 +59,7 @@ TEST(Cull, ListsWhatTheReferenceSees) {
         const CullBox box{((group.posed_min + group.posed_max) * 0.5f).as<double>(),
                           ((group.posed_max - group.posed_min) * 0.5f).as<double>()};
         for (int round = 0; round < 8; ++round) {
-            CrowdView view = *view_of(random_camera(random, extent), kWidth, kHeight, {});
+            CrowdView view = *view_of(random_camera(random, extent), kCullWidth, kCullHeight, {});
             view.shadow = random.vector(20).as<float>();
             if (round % 3 > 0) view.ground = static_cast<float>(random.between(-0.3, 0.3) * extent);
             view.lod_pixels = static_cast<float>(random.between(0.1, 3));
@@ -150,7 +146,7 @@ void expect_same_where_drawn(const CrowdGroup& group, UpdatePath path, bool only
                     (group.controller || crowd->set_playback(crowd->instances(), playbacks)) && crowd->update(0.1f));
     uint32_t skipped = 0;
     for (int update = 0; update < 6; ++update) {
-        const CrowdView view = *view_of(random_camera(random, 30), kWidth, kHeight, {});
+        const CrowdView view = *view_of(random_camera(random, 30), kCullWidth, kCullHeight, {});
         std::vector<std::vector<Affine>> before;
         for (uint32_t i = 0; i < kCount; ++i) before.push_back(*viewed.read_skin_matrices({i}));
         ASSERT_TRUE(viewed.update(0.1f, &view) && whole.update(0.1f));
@@ -207,7 +203,7 @@ TEST(Cull, BatchesChangeNothing) {
     EXPECT_EQ(parts->outputs().size(), 4u);
     Random random(9);
     const std::vector<Affine> places = random_places(random, 10, 20);
-    const CrowdView view = *view_of({.eye = {0, 10, 40}, .target = {5, 0, 0}}, kWidth, kHeight, {});
+    const CrowdView view = *view_of({.eye = {0, 10, 40}, .target = {5, 0, 0}}, kCullWidth, kCullHeight, {});
     for (Crowd* crowd : {&whole, &*parts})
         ASSERT_TRUE(crowd->set_placement(crowd->instances(), places) && crowd->update(0, &view));
     const auto sorted = [](Crowd& crowd) {
@@ -236,7 +232,7 @@ TEST(Cull, CellsFollowPlacements) {
     };
     std::vector<Affine> places = sorted_places(kCount);
     const CrowdView view = *view_of({.eye = {30, 10, 60}, .target = {30, 0, 0}, .vertical_field_of_view_rad = 0.3f},
-                                    kWidth, kHeight, {});
+                                    kCullWidth, kCullHeight, {});
     const CrowdSettings settings{.groups = {{&character, kCount}}, .culling = Culling{}};
     Crowd crowd = create(settings);
     ASSERT_TRUE(crowd.set_placement(crowd.instances(), places));
@@ -290,8 +286,8 @@ TEST(Cull, PicturesAreThoseOfEverything) {
     for (Crowd* crowd : {&viewed, &whole})
         ASSERT_TRUE(crowd->set_placement(crowd->instances(), places) &&
                     crowd->set_playback(crowd->instances(), playbacks));
-    Result<Renderer> of_viewed = Renderer::create(test_device(), {.width = kWidth, .height = kHeight}),
-                     of_whole = Renderer::create(test_device(), {.width = kWidth, .height = kHeight});
+    Result<Renderer> of_viewed = Renderer::create(test_device(), {.width = kCullWidth, .height = kCullHeight}),
+                     of_whole = Renderer::create(test_device(), {.width = kCullWidth, .height = kCullHeight});
     ASSERT_TRUE(of_viewed && of_whole);
     uint64_t drawn = 0;
     double worst = 0;
@@ -299,7 +295,7 @@ TEST(Cull, PicturesAreThoseOfEverything) {
         const double turn = 0.2 * frame;
         const Camera camera{.eye = Vec3<double>{25 * std::sin(turn), 2 + 0.2 * frame, 25 * std::cos(turn)}.as<float>(),
                             .target = Vec3<double>{20 * std::sin(turn + 2), 0, 20 * std::cos(turn + 2)}.as<float>()};
-        CrowdView view = *view_of(camera, kWidth, kHeight, world_bounds(viewed));
+        CrowdView view = *view_of(camera, kCullWidth, kCullHeight, world_bounds(viewed));
         const bool exact = frame % 2 == 0;  // full detail
         if (exact) view.lod_pixels = 1e-20f;
         ASSERT_TRUE(viewed.update(0.05f, &view) && whole.update(0.05f));
@@ -369,7 +365,7 @@ TEST(Cull, PositionsAreThoseOfTheLevel) {
     ASSERT_GT(crowd.state().groups[0].fused.size(), 1u);
     const Playback playback{.first = {.clip = 0, .time_s = 0.4}};
     ASSERT_TRUE(crowd.set_playback(InstanceHandle{0}, playback));
-    CrowdView view = *view_of({.eye = {0, 0, 3 * character.size}, .target = {0, 0, 0}}, kWidth, kHeight, {});
+    CrowdView view = *view_of({.eye = {0, 0, 3 * character.size}, .target = {0, 0, 0}}, kCullWidth, kCullHeight, {});
     view.lod_pixels = 1e9f;
     ASSERT_TRUE(crowd.update(0, &view));
     const uint32_t lod = drawn_of(crowd).at(0).lod;
@@ -388,8 +384,8 @@ TEST(Cull, PosesFromOutsideMayGoFarIfTheGroupSaysSo) {
     std::vector<Trs<float>> pose = character.rig.rest;
     for (uint32_t joint = 0; joint < character.rig.joint_count(); ++joint)
         if (character.rig.parents[joint] == kNone) pose[joint].translation.x += away;
-    const CrowdView view = *view_of({.eye = {away, 0, 5 * character.size}, .target = {away, 0, 0}}, kWidth, kHeight,
-                                    {});
+    const CrowdView view = *view_of({.eye = {away, 0, 5 * character.size}, .target = {away, 0, 0}}, kCullWidth,
+                                    kCullHeight, {});
     const auto is_drawn = [&](std::optional<float> pose_margin) {
         Crowd crowd = create(
             {.groups = {{.character = &character, .instance_count = 1, .pose_capacity = 1, .pose_margin = pose_margin}},

@@ -28,18 +28,18 @@ namespace throng {
 namespace {
 
 // Instrumented, those left out take too long.
-const test::InSubset kInSubsets({test::Subset::kGpuAssisted},
-                                {"Draw.*", "Renderer.*", "-Draw.LeavesOutWhatAMaskSays",
-                                 "-Draw.WhatIsBlendedIsSeenThrough", "-Draw.MirroredInstancesKeepTheirFrontFaces",
-                                 "-Draw.DrawsBrokenImagesWhite", "-Renderer.FramesFollowEachOther"}),
-    kNatively({test::Subset::kNative}, {"Draw.*", "Renderer.*", "-Draw.AFailedUploadIsNotBlamedOnTheNextTexture"});
+const test::InSubset kDrawInSubsets({test::Subset::kGpuAssisted},
+                                    {"Draw.*", "Renderer.*", "-Draw.LeavesOutWhatAMaskSays",
+                                     "-Draw.WhatIsBlendedIsSeenThrough", "-Draw.MirroredInstancesKeepTheirFrontFaces",
+                                     "-Draw.DrawsBrokenImagesWhite", "-Renderer.FramesFollowEachOther"}),
+    kDrawNatively({test::Subset::kNative}, {"Draw.*", "Renderer.*", "-Draw.AFailedUploadIsNotBlamedOnTheNextTexture"});
 
 // Shaders where the device has some: on native devices these are tests of the native renderer.
 DrawPath device_path() { return test_device().gpu()->is_native() ? DrawPath::kNative : DrawPath::kDevice; }
 
 using test::gradient, test::png_bytes, test::project;
 
-constexpr uint32_t kWidth = 64, kHeight = 48;
+constexpr uint32_t kDrawWidth = 64, kDrawHeight = 48;
 
 // A red square of side 1 in the plane z = 0 that faces +z and stands on the ground, with one joint; its clip moves it
 // to x = 1 at 1 s.
@@ -80,7 +80,7 @@ Renderer& shared_renderer(uint32_t samples, const DrawOptions& options = {}) {
     static std::map<uint32_t, Renderer> renderers;
     if (!renderers.contains(samples)) {
         Result<Renderer> renderer = Renderer::create(
-            test_device(), {.width = kWidth, .height = kHeight, .samples = samples, .path = device_path()});
+            test_device(), {.width = kDrawWidth, .height = kDrawHeight, .samples = samples, .path = device_path()});
         if (!renderer) throw std::runtime_error(renderer.error().text());
         renderers.emplace(samples, std::move(*renderer));
     }
@@ -107,7 +107,7 @@ Picture draw(const Asset& asset, const std::vector<Affine>& placements = {Affine
         *crowd, {.eye = {0, 0.5f, 5}, .target = {0, 0.5f, 0}, .vertical_field_of_view_rad = 0.7f});
     EXPECT_TRUE(result) << (result ? "" : result.error().text());
     EXPECT_GE(result->draw_ms, 0);
-    EXPECT_EQ(result->picture.rgba.size(), kWidth * kHeight * 4);
+    EXPECT_EQ(result->picture.rgba.size(), kDrawWidth * kDrawHeight * 4);
     return result->picture;
 }
 
@@ -118,10 +118,10 @@ struct Pixel {
 // The pixel where the plane z = 0 is at x, y.
 Pixel at(const Picture& picture, double x, double y) {
     const Vec3<double> seen = project({.eye = {0, 0.5f, 5}, .target = {0, 0.5f, 0}, .vertical_field_of_view_rad = 0.7f},
-                                      double{kWidth} / kHeight, {x, y, 0});
-    const auto column = static_cast<size_t>((seen.x + 1) / 2 * kWidth),
-               row = static_cast<size_t>((1 - seen.y) / 2 * kHeight);
-    const uint8_t* p = &picture.rgba[(row * kWidth + column) * 4];
+                                      double{kDrawWidth} / kDrawHeight, {x, y, 0});
+    const auto column = static_cast<size_t>((seen.x + 1) / 2 * kDrawWidth),
+               row = static_cast<size_t>((1 - seen.y) / 2 * kDrawHeight);
+    const uint8_t* p = &picture.rgba[(row * kDrawWidth + column) * 4];
     EXPECT_EQ(p[3], 255);
     return {p[0], p[1], p[2]};
 }
@@ -182,9 +182,9 @@ double shown_part(float alpha, uint32_t layers, uint32_t samples) {
         asset.materials[0].base_color[3] = of_alpha;
         const Picture picture = draw(asset, std::vector<Affine>(count), samples);
         double sum = 0;
-        for (uint32_t y = kHeight / 2 - 6; y < kHeight / 2 + 6; ++y)
-            for (uint32_t x = kWidth / 2 - 6; x < kWidth / 2 + 6; ++x)
-                sum += std::pow(picture.rgba[4 * (size_t{y} * kWidth + x) + 1] / 255.0, 2.2);  // green
+        for (uint32_t y = kDrawHeight / 2 - 6; y < kDrawHeight / 2 + 6; ++y)
+            for (uint32_t x = kDrawWidth / 2 - 6; x < kDrawWidth / 2 + 6; ++x)
+                sum += std::pow(picture.rgba[4 * (size_t{y} * kDrawWidth + x) + 1] / 255.0, 2.2);  // green
         return sum;
     };
     const double nothing = light_of(AlphaMode::kBlend, 0, 1), all = light_of(AlphaMode::kOpaque, 1, 1);
@@ -371,7 +371,7 @@ Crowd crowd_of(const Character& character, const CrowdSettings& settings = {}) {
     return std::move(*crowd);
 }
 
-Renderer renderer_of(RendererSettings settings = {.width = kWidth, .height = kHeight}) {
+Renderer renderer_of(RendererSettings settings = {.width = kDrawWidth, .height = kDrawHeight}) {
     settings.path = device_path();
     Result<Renderer> renderer = Renderer::create(test_device(), settings);
     EXPECT_TRUE(renderer) << (renderer ? "" : renderer.error().text());
@@ -410,7 +410,7 @@ TEST(Renderer, FramesFollowEachOther) {
                 ASSERT_TRUE(result) << result.error().text();
                 VkBufferImageCopy region{};
                 region.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
-                region.imageExtent = {kWidth, kHeight, 1};
+                region.imageExtent = {kDrawWidth, kDrawHeight, 1};
                 gpu->vk.vkCmdCopyImageToBuffer(commands, one.picture(), VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL,
                                                copy.handle(), 1, &region);
             }
@@ -442,13 +442,13 @@ TEST(Renderer, TakesAnotherSize) {
     Crowd crowd = crowd_of(*character);
     Renderer renderer = renderer_of({.width = 20, .height = 90});
     ASSERT_TRUE(renderer.render_frame(crowd, 0, kFront));
-    ASSERT_TRUE(renderer.resize(kWidth, kHeight));
+    ASSERT_TRUE(renderer.resize(kDrawWidth, kDrawHeight));
     EXPECT_TRUE(is_red(at(renderer.render_frame(crowd, 0, kFront)->picture, -1.5, 0.5)));
     const Result<void> empty = renderer.resize(0, 4), huge = renderer.resize(1u << 20, 4);
     ASSERT_FALSE(empty || huge);
     EXPECT_EQ(empty.error().code, ErrorCode::kInvalidArgument);
     EXPECT_EQ(huge.error().code, ErrorCode::kLimit);
-    EXPECT_EQ(renderer.render_frame(crowd, 0, kFront)->picture.width, kWidth) << "keeps its size";
+    EXPECT_EQ(renderer.render_frame(crowd, 0, kFront)->picture.width, kDrawWidth) << "keeps its size";
 }
 
 TEST(Renderer, RefusesWrongOptions) {
@@ -617,7 +617,8 @@ void expect_lit_as_the_reference(const std::vector<LitSquare>& squares, const Dr
     const float middle = placements.back().row[0][3] / 2;
     const Camera camera{.eye = {middle + 0.9f, 1.2f, 2.4f + 1.3f * middle}, .target = {middle, 0.5f, 0}};
     const Picture picture = shared_renderer(1, options).render_frame(*crowd, 0, camera)->picture;
-    const io::DrawScene scene = make_scene(std::array{&crowd->state()}, camera, {kWidth, kHeight}, 512, options);
+    const io::DrawScene scene = make_scene(std::array{&crowd->state()}, camera, {kDrawWidth, kDrawHeight}, 512,
+                                           options);
     const auto row = [](const io::vec4& v) { return Vec3<double>{v.x, v.y, v.z}; };
     for (size_t i = 0; i < squares.size(); ++i) {
         const auto& [what, material, images, normal] = squares[i];
@@ -636,18 +637,21 @@ void expect_lit_as_the_reference(const std::vector<LitSquare>& squares, const Dr
                                          ? 1
                                          : 1 + material.occlusion_strength * (images[0][0] / 255.0 - 1);
         for (const auto& [x, y] : {std::pair(-0.25, 0.15), {0.2, 0.8}, {0.0, 0.5}}) {
-            const Vec3<double> seen = project(camera, double{kWidth} / kHeight, {placements[i].row[0][3] + x, y, 0});
-            const double column = std::floor((seen.x + 1) / 2 * kWidth), line = std::floor((1 - seen.y) / 2 * kHeight);
+            const Vec3<double> seen = project(camera, double{kDrawWidth} / kDrawHeight,
+                                              {placements[i].row[0][3] + x, y, 0});
+            const double column = std::floor((seen.x + 1) / 2 * kDrawWidth),
+                         line = std::floor((1 - seen.y) / 2 * kDrawHeight);
             // The place of the middle of the pixel, on the plane z = 0.
             const Vec3<double> eye = row(scene.eye), ray = row(scene.forward) +
-                                                           row(scene.right) * ((column + 0.5) / kWidth * 2 - 1) +
-                                                           row(scene.down) * ((line + 0.5) / kHeight * 2 - 1);
+                                                           row(scene.right) * ((column + 0.5) / kDrawWidth * 2 - 1) +
+                                                           row(scene.down) * ((line + 0.5) / kDrawHeight * 2 - 1);
             surface.place = eye + ray * (-eye.z / ray.z);
             const double t = std::clamp((surface.place.y - scene.ground.y) / scene.ground.w / 0.25, 0.0, 1.0);
             surface.occlusion = (0.5 + 0.5 * t * t * (3 - 2 * t)) * map_occlusion;
             const Vec3<double> expected = pictured_reference(scene, surface.place,
                                                              reflected_light_reference(scene, surface, 1));
-            const uint8_t* p = &picture.rgba[(static_cast<size_t>(line) * kWidth + static_cast<size_t>(column)) * 4];
+            const uint8_t* p =
+                &picture.rgba[(static_cast<size_t>(line) * kDrawWidth + static_cast<size_t>(column)) * 4];
             EXPECT_NEAR(p[0], encoded(std::clamp(expected.x, 0.0, 1.0)), 1.2) << what << " at " << x << ", " << y;
             EXPECT_NEAR(p[1], encoded(std::clamp(expected.y, 0.0, 1.0)), 1.2) << what;
             EXPECT_NEAR(p[2], encoded(std::clamp(expected.z, 0.0, 1.0)), 1.2) << what;
@@ -736,7 +740,7 @@ TEST(Draw, SkeletonsShowLevelsOverTheMesh) {
     }
     const Result<Character> character = compile_character(square(), kExact);
     Crowd unseen = crowd_of(*character, {.keep_model_matrices = true, .culling = Culling{}});
-    const CrowdView away = *view_of({.eye = {0, 0.5f, 5}, .target = {0, 0.5f, 9}}, kWidth, kHeight,
+    const CrowdView away = *view_of({.eye = {0, 0.5f, 5}, .target = {0, 0.5f, 9}}, kDrawWidth, kDrawHeight,
                                     world_bounds(unseen));
     ASSERT_TRUE(unseen.update(0, &away));
     const Picture with_lines = shared_renderer(1, {.skeletons = true, .bounds = true}).render(unseen, kFront)->picture,

@@ -24,19 +24,19 @@ namespace {
 using test::count_of;
 using Json = nlohmann::json;
 
-constexpr uint32_t kJoints = 40, kLevels = 12, kCharacters = 30;
+constexpr uint32_t kFrameBenchJoints = 40, kLevels = 12, kFrameBenchCharacters = 30;
 constexpr const char* kConfiguration = "30 x 40, 12 levels";
-const Progress kQuiet = [](const std::string&) {};
+const Progress kFrameBenchQuiet = [](const std::string&) {};
 
-Character creature(const CompileSettings& settings = {}) {
-    return *compile_character(*make_creature({.joint_count = kJoints, .level_count = kLevels, .face_count = 600}),
-                              settings);
+Character measured_creature(const CompileSettings& settings = {}) {
+    return *compile_character(
+        *make_creature({.joint_count = kFrameBenchJoints, .level_count = kLevels, .face_count = 600}), settings);
 }
 
 // Two different clips in each, at different times.
 std::vector<Playback> playbacks() {
     std::vector<Playback> all;
-    for (uint32_t i = 0; i < kCharacters; ++i)
+    for (uint32_t i = 0; i < kFrameBenchCharacters; ++i)
         all.push_back({.first = {.clip = i % 3, .time_s = 0.1 * i},
                        .second = {.clip = (i + 1) % 3, .time_s = 0.07 * i},
                        .weight = 0.1f + 0.02f * static_cast<float>(i)});
@@ -59,7 +59,7 @@ std::map<std::string, Json> measure(const Character& character, const Character*
                                      .keys = "0.01 %",
                                      .exact = exact,
                                      .playback = playback},
-                                    samples, kQuiet, reference));
+                                    samples, kFrameBenchQuiet, reference));
 }
 
 TEST(FrameBench, BytesAreCountedByHand) {
@@ -79,14 +79,14 @@ TEST(FrameBench, BytesAreCountedByHand) {
 }
 
 TEST(FrameBench, EveryVariantIsMeasured) {
-    const Character packed = creature(), exact = creature(kExact);
+    const Character packed = measured_creature(), exact = measured_creature(kExact);
     const std::map<std::string, Json> records = measure(packed, &exact, 2);
     ASSERT_EQ(records.size(), 11u);
     for (const auto& [variant, record] : records) {
         EXPECT_EQ(record["bench"], "frame");
         EXPECT_EQ(record["configuration"], kConfiguration);
-        EXPECT_EQ(record["characters"], kCharacters);
-        EXPECT_EQ(record["joints"], kJoints);
+        EXPECT_EQ(record["characters"], kFrameBenchCharacters);
+        EXPECT_EQ(record["joints"], kFrameBenchJoints);
         EXPECT_EQ(record["levels"], kLevels);
         EXPECT_FALSE(record.contains("wrong")) << record;
         ASSERT_TRUE(record.contains("ms")) << record;
@@ -96,7 +96,8 @@ TEST(FrameBench, EveryVariantIsMeasured) {
         EXPECT_LE(record["ms"]["p5"], record["ms"]["median"]);
         EXPECT_LE(record["ms"]["median"], record["ms"]["p95"]);
         const double ms = record["ms"]["median"];
-        EXPECT_NEAR(record["ns_per_joint"].get<double>() * kCharacters * kJoints * 1e-6, ms, 1e-9 * ms);
+        EXPECT_NEAR(record["ns_per_joint"].get<double>() * kFrameBenchCharacters * kFrameBenchJoints * 1e-6, ms,
+                    1e-9 * ms);
         EXPECT_NEAR(record["gb_per_s"].get<double>() * ms * 1e6, record["bytes"].get<double>(),
                     1e-6 * record["bytes"].get<double>());
     }
@@ -107,30 +108,34 @@ TEST(FrameBench, EveryVariantIsMeasured) {
         double error;
     };
     for (const Wanted& wanted :
-         {Wanted{"fused", "fused", "affine", "0.01 %", "fill, 48 bytes", 2, 116 + kJoints * 48, 1e-4},
-          Wanted{"fused, one clip", "fused", "affine", "0.01 %", "fill, 48 bytes", 1, 116 + kJoints * 48, 1e-4},
-          Wanted{"fused, 24 bytes", "fused", "half_affine", "0.01 %", "fill, 24 bytes", 2, 116 + kJoints * 24, 2e-3},
-          Wanted{"fused, 32 bytes", "fused", "similarity", "0.01 %", "fill, 32 bytes", 2, 116 + kJoints * 32, 1e-4},
-          Wanted{"fused, exact keys", "fused", "affine", "exact", "fill, 48 bytes", 2, 116 + kJoints * 48, 1e-4}}) {
+         {Wanted{"fused", "fused", "affine", "0.01 %", "fill, 48 bytes", 2, 116 + kFrameBenchJoints * 48, 1e-4},
+          Wanted{"fused, one clip", "fused", "affine", "0.01 %", "fill, 48 bytes", 1, 116 + kFrameBenchJoints * 48,
+                 1e-4},
+          Wanted{"fused, 24 bytes", "fused", "half_affine", "0.01 %", "fill, 24 bytes", 2, 116 + kFrameBenchJoints * 24,
+                 2e-3},
+          Wanted{"fused, 32 bytes", "fused", "similarity", "0.01 %", "fill, 32 bytes", 2, 116 + kFrameBenchJoints * 32,
+                 1e-4},
+          Wanted{"fused, exact keys", "fused", "affine", "exact", "fill, 48 bytes", 2, 116 + kFrameBenchJoints * 48,
+                 1e-4}}) {
         const Json &record = records.at(wanted.variant), &fill = records.at(wanted.fill);
         EXPECT_EQ(record["path"], wanted.path) << wanted.variant;
         EXPECT_EQ(record["skin_format"], wanted.format) << wanted.variant;
         EXPECT_EQ(record["keys"], wanted.keys) << wanted.variant;
         EXPECT_EQ(record["clips"], wanted.clips) << wanted.variant;
-        EXPECT_EQ(record["bytes"], kCharacters * wanted.instance_bytes) << wanted.variant;
+        EXPECT_EQ(record["bytes"], kFrameBenchCharacters * wanted.instance_bytes) << wanted.variant;
         EXPECT_LE(record["max_error"], wanted.error) << wanted.variant;
         EXPECT_NEAR(record["times_fill_floor"].get<double>(),
                     record["ms"]["median"].get<double>() / fill["ms"]["median"].get<double>(), 1e-9)
             << wanted.variant;
         EXPECT_TRUE(record["stages"].contains("fused") && !record["stages"].contains("sample")) << record;
         EXPECT_EQ(fill["path"], "fill");
-        EXPECT_EQ(fill["bytes"], kCharacters * (wanted.instance_bytes - 116));
+        EXPECT_EQ(fill["bytes"], kFrameBenchCharacters * (wanted.instance_bytes - 116));
     }
     const Json& staged = records.at("staged");
     EXPECT_EQ(staged["path"], "staged");
     EXPECT_TRUE(staged["stages"].contains("sample") && !staged["stages"].contains("fused")) << staged;
     const bool similarities = staged["scan"].get<std::string>().find("quaternion") != std::string::npos;
-    EXPECT_EQ(staged["bytes"], kCharacters * (188 + kJoints * (similarities ? 400 : 432)));
+    EXPECT_EQ(staged["bytes"], kFrameBenchCharacters * (188 + kFrameBenchJoints * (similarities ? 400 : 432)));
     EXPECT_EQ(records.at("copy as staged")["bytes"], staged["bytes"]);
     EXPECT_EQ(records.at("copy as staged")["path"], "copy");
     EXPECT_GT(records.at("fused, 24 bytes")["max_error"], records.at("fused")["max_error"])
@@ -139,7 +144,7 @@ TEST(FrameBench, EveryVariantIsMeasured) {
 
 // Against a reference that is off by a little in one number of one palette entry.
 TEST(FrameBench, AWrongResultIsNotTimed) {
-    const Character character = creature();
+    const Character character = measured_creature();
     const auto reference_off_by = [](double offset) {
         return [offset](const Character& of, const Playback& playback) {
             std::vector<AffineT<double>> matrices = skin_reference_of(of, playback);
@@ -162,7 +167,7 @@ TEST(FrameBench, AWrongResultIsNotTimed) {
 }
 
 TEST(FrameBench, SaysWhatDoesNotApply) {
-    Character character = creature();
+    Character character = measured_creature();
     for (float& element : character.palette[3].joint_from_bind.row[0]) element *= 2;  // no similarity any more
     const std::map<std::string, Json> records = measure(character, nullptr, 1);
     EXPECT_NE(records.at("fused, 32 bytes")["unsupported_reason"].get<std::string>().find("palette entry 3"),
@@ -174,8 +179,8 @@ TEST(FrameBench, SaysWhatDoesNotApply) {
 }
 
 TEST(FrameBench, CrowdsAreSharedAndRefusedBeforeMemoryEnds) {
-    const Character character = creature();
-    FrameCrowds crowds(test_device(), kCharacters);
+    const Character character = measured_creature();
+    FrameCrowds crowds(test_device(), kFrameBenchCharacters);
     const FrameCrowdKey key{&character, UpdatePath::kFused, SkinFormat::kAffine};
     EXPECT_EQ(crowds.get(key), crowds.get(key));
     EXPECT_NE(crowds.get(key), crowds.get({&character, UpdatePath::kStaged, SkinFormat::kAffine}));
@@ -187,11 +192,11 @@ TEST(FrameBench, CrowdsAreSharedAndRefusedBeforeMemoryEnds) {
 }
 
 TEST(FrameBench, FillsWriteEveryRow) {
-    const Character character = creature();
-    Crowd crowd = *Crowd::create(test_device(),
-                                 {.groups = {{&character, kCharacters}}, .skin_format = SkinFormat::kHalfAffine});
+    const Character character = measured_creature();
+    Crowd crowd = *Crowd::create(
+        test_device(), {.groups = {{&character, kFrameBenchCharacters}}, .skin_format = SkinFormat::kHalfAffine});
     const FillFloor fill(test::test_gpu(), crowd, SkinFormat::kHalfAffine);
-    EXPECT_EQ(fill.size_bytes(), uint64_t{kCharacters} * kJoints * 24);
+    EXPECT_EQ(fill.size_bytes(), uint64_t{kFrameBenchCharacters} * kFrameBenchJoints * 24);
     const BufferRange target(crowd.outputs()[0].skin.buffer, 0, fill.size_bytes());
     test::run_on_gpu([&](VkCommandBuffer commands) {
         test::test_gpu()->vk.vkCmdFillBuffer(commands, target.buffer, 0, target.size_bytes, ~0u);
@@ -251,11 +256,16 @@ TEST(FrameBench, HostTimeCountsWhereASoftwareDevicesTimestampsAreTooShort) {
 }
 
 Json frame_record(const char* variant, const char* path, double ms) {
-    return {{"bench", "frame"},           {"configuration", kConfiguration},
-            {"variant", variant},         {"path", path},
-            {"characters", kCharacters},  {"joints", kJoints},
-            {"levels", kLevels},          {"ms", {{"median", ms}, {"p5", 0.9 * ms}, {"p95", 1.2 * ms}}},
-            {"times_fill_floor", ms / 4}, {"device", "A GPU"}};
+    return {{"bench", "frame"},
+            {"configuration", kConfiguration},
+            {"variant", variant},
+            {"path", path},
+            {"characters", kFrameBenchCharacters},
+            {"joints", kFrameBenchJoints},
+            {"levels", kLevels},
+            {"ms", {{"median", ms}, {"p5", 0.9 * ms}, {"p95", 1.2 * ms}}},
+            {"times_fill_floor", ms / 4},
+            {"device", "A GPU"}};
 }
 
 // A bare machine, as `./run bundle` is for, has none.

@@ -19,8 +19,8 @@ void append_word(std::string& out, uint32_t word) { out.append(reinterpret_cast<
 
 GlbBuilder::GlbBuilder() {
     json["asset"] = {{"version", "2.0"}};
-    for (const char* key : {"bufferViews", "accessors", "nodes"}) json[key] = Json::array();
-    json["buffers"] = Json::array({Json::object()});
+    for (const char* key : {"bufferViews", "accessors", "nodes"}) json[key] = GltfJson::array();
+    json["buffers"] = GltfJson::array({GltfJson::object()});
 }
 
 size_t GlbBuilder::add_view(std::span<const std::byte> bytes) {
@@ -39,7 +39,7 @@ size_t GlbBuilder::add_accessor(size_t view, size_t component_count, const char*
 }
 
 std::string GlbBuilder::glb() const {
-    Json copy = json;
+    GltfJson copy = json;
     if (!copy["buffers"].empty() && !copy["buffers"][0].contains("byteLength"))
         copy["buffers"][0]["byteLength"] = bin.size();
     std::string text = copy.dump();
@@ -58,7 +58,7 @@ std::string GlbBuilder::glb() const {
 }
 
 std::string GlbBuilder::gltf() const {
-    Json copy = json;
+    GltfJson copy = json;
     copy["buffers"][0]["byteLength"] = bin.size();
     copy["buffers"][0]["uri"] = "data:application/octet-stream;base64," + base64(bin);
     return copy.dump();
@@ -87,7 +87,7 @@ GlbBuilder tiny_character() {
     b.json["meshes"] = {
         {{"primitives",
           {{{"attributes",
-             {{"POSITION", kPosition}, {"JOINTS_0", kJoints}, {"WEIGHTS_0", kWeights}, {"NORMAL", kNormals}}},
+             {{"POSITION", kPosition}, {"JOINTS_0", kVertexJoints}, {"WEIGHTS_0", kWeights}, {"NORMAL", kNormals}}},
             {"indices", kIndices}}}}}};
     b.json["animations"] = {{{"name", "turn"},
                              {"channels", {{{"sampler", 0}, {"target", {{"node", 2}, {"path", "rotation"}}}}}},

@@ -12,7 +12,7 @@
 
 namespace throng::test {
 
-using Json = nlohmann::json;
+using GltfJson = nlohmann::json;
 
 // glTF component types.
 enum : int { kInt8 = 5120, kUint8, kInt16, kUint16, kUint32 = 5125, kFloat = 5126 };
@@ -35,7 +35,7 @@ public:
     std::string glb() const;   // binary
     std::string gltf() const;  // JSON with a data: URI
 
-    Json json;
+    GltfJson json;
     std::vector<std::byte> bin;
 };
 
@@ -43,7 +43,7 @@ public:
 // clip, 1 s long, that turns node 2 by 90° about z. The accessors are, in this order: POSITION, JOINTS_0, WEIGHTS_0,
 // indices, inverse bind matrices, key times, rotations, NORMAL.
 GlbBuilder tiny_character();
-enum : size_t { kPosition, kJoints, kWeights, kIndices, kInverseBinds, kTimes, kRotations, kNormals };
+enum : size_t { kPosition, kVertexJoints, kWeights, kIndices, kInverseBinds, kTimes, kRotations, kNormals };
 
 std::string base64(std::span<const std::byte> bytes);
 

@@ -231,7 +231,7 @@ TEST(GpuMemory, WhatIsKeptGoesWhereMemoryIsOut) {
 
 // ---- Uploads
 
-std::vector<uint32_t> numbers(size_t count, uint32_t seed) {
+std::vector<uint32_t> random_numbers(size_t count, uint32_t seed) {
     std::vector<uint32_t> values(count);
     for (size_t i = 0; i < count; ++i) values[i] = (static_cast<uint32_t>(i) + seed) * 2654435761u;
     return values;
@@ -242,19 +242,20 @@ TEST(Uploads, AreSubmittedTogether) {
     const uint64_t before = gpu->counts.submissions;
     std::vector<Buffer> buffers;
     Uploads uploads(gpu);
-    for (uint32_t i = 0; i < 100; ++i) buffers.push_back(upload(uploads, "numbers", numbers(1 + 37 * i, i)));
+    for (uint32_t i = 0; i < 100; ++i) buffers.push_back(upload(uploads, "numbers", random_numbers(1 + 37 * i, i)));
     const Buffer empty = upload(uploads, "nothing", std::vector<uint32_t>());
     EXPECT_EQ(gpu->counts.submissions, before);
     uploads.finish();
     uploads.finish();
     EXPECT_EQ(gpu->counts.submissions, before + 1);
     for (uint32_t i = 0; i < buffers.size(); ++i)
-        ASSERT_EQ(download<uint32_t>(gpu, buffers[i]).front(), numbers(1, i).front()) << i;
+        ASSERT_EQ(download<uint32_t>(gpu, buffers[i]).front(), random_numbers(1, i).front()) << i;
     // What takes the place of every other one leaves the rest alone.
-    for (uint32_t i = 0; i < buffers.size(); i += 2) buffers[i] = upload(gpu, "others", numbers(20 + 31 * i, 1000 + i));
+    for (uint32_t i = 0; i < buffers.size(); i += 2)
+        buffers[i] = upload(gpu, "others", random_numbers(20 + 31 * i, 1000 + i));
     for (uint32_t i = 0; i < buffers.size(); ++i)
         ASSERT_EQ(download<uint32_t>(gpu, buffers[i]),
-                  i % 2 == 0 ? numbers(20 + 31 * i, 1000 + i) : numbers(1 + 37 * i, i))
+                  i % 2 == 0 ? random_numbers(20 + 31 * i, 1000 + i) : random_numbers(1 + 37 * i, i))
             << i;
     EXPECT_EQ(download<uint32_t>(gpu, empty), std::vector<uint32_t>(4, 0));
 }
@@ -265,27 +266,27 @@ TEST(Uploads, BeyondTheirStagingMemoryAreSubmittedOnTheWay) {
     const std::vector<size_t> counts{7 * kMiB, 7 * kMiB, 7 * kMiB, 18 * kMiB, 1000};  // words: 28, 28, 28, 72 MiB
     std::vector<Buffer> buffers;
     Uploads uploads(gpu);
-    for (const size_t count : counts) buffers.push_back(upload(uploads, "numbers", numbers(count, 5)));
+    for (const size_t count : counts) buffers.push_back(upload(uploads, "numbers", random_numbers(count, 5)));
     uploads.finish();
     EXPECT_EQ(gpu->counts.submissions, before + 4);
     for (size_t i = 0; i < counts.size(); ++i)
-        EXPECT_TRUE(download<uint32_t>(gpu, buffers[i]) == numbers(counts[i], 5)) << i;
+        EXPECT_TRUE(download<uint32_t>(gpu, buffers[i]) == random_numbers(counts[i], 5)) << i;
 }
 
 // The validation layer would complain of a copy to a buffer that is none any more.
 TEST(Uploads, TheTargetMayBeGone) {
     Uploads uploads(test_gpu());
-    Buffer buffer = upload(uploads, "numbers", numbers(100, 1));
-    buffer = upload(uploads, "other numbers", numbers(200, 2));
+    Buffer buffer = upload(uploads, "numbers", random_numbers(100, 1));
+    buffer = upload(uploads, "other random_numbers", random_numbers(200, 2));
     uploads.finish();
-    EXPECT_EQ(download<uint32_t>(test_gpu(), buffer), numbers(200, 2));
+    EXPECT_EQ(download<uint32_t>(test_gpu(), buffer), random_numbers(200, 2));
 }
 
 TEST(Uploads, ThatAreNotFinishedSubmitNothing) {
     const uint64_t before = test_gpu()->counts.submissions;
     {
         Uploads uploads(test_gpu());
-        upload(uploads, "numbers", numbers(100, 1));
+        upload(uploads, "numbers", random_numbers(100, 1));
     }
     EXPECT_EQ(test_gpu()->counts.submissions, before);
 }

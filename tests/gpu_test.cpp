@@ -29,8 +29,8 @@
 namespace throng {
 namespace {
 
-const test::InSubset kInSubsets({test::Subset::kNative},
-                                {"Gpu.BuffersKeepTheirBytes", "Gpu.AnEmptyUploadGivesZeros", "Gpu.BuffersMove"});
+const test::InSubset kGpuInSubsets({test::Subset::kNative},
+                                   {"Gpu.BuffersKeepTheirBytes", "Gpu.AnEmptyUploadGivesZeros", "Gpu.BuffersMove"});
 
 using namespace test;
 

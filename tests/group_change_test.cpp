@@ -13,8 +13,8 @@
 namespace throng::test {
 namespace {
 
-const InSubset kNatively({Subset::kNative}, {"*GroupChanges*"}),
-    kInSubsets({Subset::kGpuAssisted}, {"GroupChanges.GroupsMayHaveSeveralBatches"});
+const InSubset kGroupChangeNatively({Subset::kNative}, {"*GroupChanges*"}),
+    kGroupChangeInSubsets({Subset::kGpuAssisted}, {"GroupChanges.GroupsMayHaveSeveralBatches"});
 
 class GroupChanges : public testing::Test {
 protected:

@@ -11,9 +11,9 @@
 namespace throng::test {
 namespace {
 
-const InSubset kNatively({Subset::kNative}, {"*GroupContinuity*"});
+const InSubset kGroupContinuityNatively({Subset::kNative}, {"*GroupContinuity*"});
 
-constexpr uint32_t kKinds = 7, kCarriers = 2, kCarried = 6;
+constexpr uint32_t kGroupContinuityKinds = 7, kCarriers = 2, kCarried = 6;
 
 // Five kinds in which instances come and go, some with poses from outside in outfits, some that hang on others.
 struct Groups {
@@ -30,7 +30,7 @@ struct Groups {
     }
 
     // Of the kinds from `first` on.
-    Crowd make(uint32_t first = 0, uint32_t count = kKinds) const {
+    Crowd make(uint32_t first = 0, uint32_t count = kGroupContinuityKinds) const {
         CrowdSettings of = settings;
         of.groups = {settings.groups.begin() + first, settings.groups.begin() + first + count};
         return create(of);
@@ -40,7 +40,7 @@ struct Groups {
     CrowdSettings settings;
 };
 
-std::vector<uint32_t> numbers(uint32_t first, uint32_t count = kKinds) {
+std::vector<uint32_t> numbers(uint32_t first, uint32_t count = kGroupContinuityKinds) {
     std::vector<uint32_t> all(count);
     std::iota(all.begin(), all.end(), first);
     return all;
@@ -169,7 +169,7 @@ TEST_P(GroupContinuity, WhatStaysGoesOnAsIfNothingHadBeen) {
             theirs.place(other);
             theirs.play(other, 77);
             others = crowd.add_groups(std::move(other)).value();
-            EXPECT_EQ(others, numbers(kKinds));
+            EXPECT_EQ(others, numbers(kGroupContinuityKinds));
         }
         if (number == 7 || number == 9) {
             for (size_t i = number == 7 ? 0 : 2; i < (number == 7 ? 2 : others.size()); ++i)
@@ -202,7 +202,7 @@ TEST_P(GroupContinuity, WhatComesGoesOnAsInACrowdOfItsOwn) {
         };
         Crowd alone = make_other();
         const std::vector<uint32_t> numbers_here = crowd.add_groups(make_other()).value();
-        EXPECT_EQ(numbers_here, numbers(kKinds));
+        EXPECT_EQ(numbers_here, numbers(kGroupContinuityKinds));
         const Player theirs(groups_, numbers_here, 2000);
         for (uint32_t number = 10 * time; number < 10 * time + 8; ++number) {
             ours.play(crowd, number);

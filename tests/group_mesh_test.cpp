@@ -9,7 +9,7 @@
 namespace throng::test {
 namespace {
 
-const InSubset kNatively({Subset::kNative}, {"GroupMesh.*"});
+const InSubset kGroupMeshNatively({Subset::kNative}, {"GroupMesh.*"});
 
 // A creature, its triangles dealt to three sections that have the vertices of all.
 Character in_three_sections() {

@@ -2,6 +2,7 @@
 #include "blend/inertia_io.h"
 #include "blend/inertia_reference.h"
 #include "sample/sample_io.h"
+#include "tests/joint_pose.h"
 #include "tests/kernel_runner.h"
 #include "tests/subset.h"
 #include "tests/test_rig.h"
@@ -13,7 +14,7 @@
 namespace throng {
 namespace {
 
-const test::InSubset kInSubsets({test::Subset::kGpuAssisted, test::Subset::kSubgroups}, {"Inertia.*"});
+const test::InSubset kInertiaInSubsets({test::Subset::kGpuAssisted, test::Subset::kSubgroups}, {"Inertia.*"});
 
 using namespace test;
 
@@ -21,17 +22,10 @@ constexpr uint32_t kSpirv[] = {
 #include "inertia.comp.inc"
 };
 
-constexpr double kBound = 2e-6;  // of an element of the matrix
+constexpr double kInertiaBound = 2e-6;  // of an element of the matrix
 constexpr double kTimeStep_s = 1.0 / 60;
 
-io::JointPose to_pose(const Trs<double>& trs) {
-    const Trs<float> t = trs.as<float>();
-    return {.rotation = {t.rotation.x, t.rotation.y, t.rotation.z, t.rotation.w},
-            .translation = {t.translation.x, t.translation.y, t.translation.z, 0},
-            .scale = {t.scale.x, t.scale.y, t.scale.z, 0}};
-}
-
-Trs<double> as_trs(const io::JointPose& p) {
+Trs<double> as_unit_trs(const io::JointPose& p) {
     return {normalized(Quaternion<double>{p.rotation.x, p.rotation.y, p.rotation.z, p.rotation.w}),
             {p.translation.x, p.translation.y, p.translation.z},
             {p.scale.x, p.scale.y, p.scale.z}};
@@ -156,19 +150,19 @@ TEST(Inertia, TheShadersFollowTheReference) {
                         Push{count, static_cast<float>(kTimeStep_s), elapsed_s, 0.3f}, count);
         const std::vector<io::JointPose> got = results.read();
         for (size_t i = 0; i < count; ++i) {
-            const Trs<double> target = as_trs(poses[4 * i + 2]);
+            const Trs<double> target = as_unit_trs(poses[4 * i + 2]);
             const ReferenceInertia inertia = inertia_begin_reference(
-                {as_trs(poses[4 * i]), as_trs(poses[4 * i + 1]), target, as_trs(poses[4 * i + 3])},
+                {as_unit_trs(poses[4 * i]), as_unit_trs(poses[4 * i + 1]), target, as_unit_trs(poses[4 * i + 3])},
                 static_cast<float>(kTimeStep_s));
             const Trs<double> wanted = inertia_apply_reference(inertia, elapsed_s, 0.3f, target);
             // A speed is a difference divided by the time step, and its rounding lasts as long as the transition.
-            const double error = matrix_error(to_affine(as_trs(got[i])).as<float>(), to_affine(wanted), 1) /
+            const double error = matrix_error(to_affine(as_unit_trs(got[i])).as<float>(), to_affine(wanted), 1) /
                                  (1 + (elapsed_s < 0.3f ? elapsed_s / kTimeStep_s : 0));
-            EXPECT_LE(error, kBound) << "joint " << i << " after " << elapsed_s;
+            EXPECT_LE(error, kInertiaBound) << "joint " << i << " after " << elapsed_s;
             worst = std::max(worst, error);
-            const Trs<double> end = elapsed_s == 0 ? as_trs(poses[4 * i]) : target;
+            const Trs<double> end = elapsed_s == 0 ? as_unit_trs(poses[4 * i]) : target;
             if (elapsed_s == 0 || elapsed_s >= 0.3f) {
-                EXPECT_LE(matrix_error(to_affine(as_trs(got[i])).as<float>(), to_affine(end), 1), kBound)
+                EXPECT_LE(matrix_error(to_affine(as_unit_trs(got[i])).as<float>(), to_affine(end), 1), kInertiaBound)
                     << "the ends of the transition";
             }
         }

@@ -13,8 +13,8 @@
 namespace throng::test {
 namespace {
 
-const InSubset kInSubsets({Subset::kGpuAssisted}, {"*Looks.WhatIsHiddenIsAsIfItWereNotThere/ByShaders"}),
-    kNatively({Subset::kNative}, {"*Looks.*"});
+const InSubset kLookInSubsets({Subset::kGpuAssisted}, {"*Looks.WhatIsHiddenIsAsIfItWereNotThere/ByShaders"}),
+    kLookNatively({Subset::kNative}, {"*Looks.*"});
 
 // A creature in two sections, "creature" by name: the second has every third triangle and a material of its own.
 Asset in_two_sections() {
@@ -32,9 +32,9 @@ Asset in_two_sections() {
     return asset;
 }
 
-Character compiled(const Asset& asset) { return compile_character(asset, {.lods = false}).value(); }
+Character without_lods(const Asset& asset) { return compile_character(asset, {.lods = false}).value(); }
 
-constexpr uint32_t kCount = 6;
+constexpr uint32_t kLookCount = 6;
 
 class Looks : public testing::TestWithParam<DrawPath> {
 protected:
@@ -43,11 +43,11 @@ protected:
     }
     Crowd crowd_of(const Character& character, std::vector<Outfit> outfits = {}, bool culls = true) const {
         CrowdSettings settings{.groups = {{.character = &character, .outfits = std::move(outfits)}}};
-        settings.groups[0].instance_count = kCount;
+        settings.groups[0].instance_count = kLookCount;
         if (culls) settings.culling.emplace();
         Crowd crowd = create(settings);
         std::vector<Affine> places;
-        for (uint32_t i = 0; i < kCount; ++i)
+        for (uint32_t i = 0; i < kLookCount; ++i)
             places.push_back(to_affine(
                 Trs<float>{.translation = Vec3<float>{static_cast<float>(i), 0, 0} * (0.7f * character.size)}));
         EXPECT_TRUE(crowd.set_placement(crowd.instances(), places));
@@ -59,7 +59,7 @@ protected:
             renderer_.emplace(
                 Renderer::create(test_device(), {.width = 240, .height = 120, .path = GetParam()}).value());
         EXPECT_TRUE(crowd.update(0));
-        const float size = compiled(asset_).size;
+        const float size = without_lods(asset_).size;
         const Camera camera{.eye = Vec3<float>{2, 1, 3} * size, .target = Vec3<float>{1.5f, 0.3f, 0} * size};
         return renderer_->render(crowd, camera).value().picture.rgba;
     }
@@ -78,7 +78,7 @@ int difference(const std::vector<uint8_t>& a, const std::vector<uint8_t>& b) {
 TEST_P(Looks, WhatIsHiddenIsAsIfItWereNotThere) {
     Asset first_alone = asset_;
     first_alone.meshes[0].primitives[1].indices.clear();
-    const Character both = compiled(asset_), first = compiled(first_alone);
+    const Character both = without_lods(asset_), first = without_lods(first_alone);
     for (const bool culls : {false, true}) {
         Crowd all = crowd_of(both, {}, culls), wanted = crowd_of(first, {}, culls),
               crowd = crowd_of(both, {{}, {{{.section = 1, .is_shown = false}}}}, culls);
@@ -99,7 +99,7 @@ TEST_P(Looks, ColorsAreTimesTheMaterials) {
         colored.materials[0].base_color[i] *= tint[i];
         colored.materials[1].base_color[i] *= color[i] * (0.25f + 0.75f * tint[i]);
     }
-    const Character character = compiled(asset_), wanted_character = compiled(colored);
+    const Character character = without_lods(asset_), wanted_character = without_lods(colored);
     Crowd plain = crowd_of(character), wanted = crowd_of(wanted_character),
           crowd = crowd_of(character, {{}, {{{.section = 1, .color = color, .tint = 0.75f}}}});
     ASSERT_TRUE(crowd.set_look(crowd.instances(), {.tint = tint, .outfit = 1}));
@@ -119,7 +119,7 @@ TEST_P(Looks, AnotherMaterialIsAsIfTheFileHadIt) {
     add({.name = "striped", .base_color = {0.9f, 0.8f, 0.7f, 1}, .image = 0});
     add({.name = "in part", .base_color = {0.2f, 0.2f, 0.9f, 0.5f}, .alpha_mode = AlphaMode::kBlend});
     add({.name = "glowing", .base_color = {0.1f, 0.1f, 0.1f, 1}, .emissive = {0.9f, 0.5f, 0.1f}});
-    const Character character = compiled(dressed);
+    const Character character = without_lods(dressed);
     const auto material_count = static_cast<uint32_t>(dressed.materials.size());
     std::vector<Outfit> outfits(1);
     for (uint32_t material = 0; material < material_count; ++material)
@@ -131,7 +131,7 @@ TEST_P(Looks, AnotherMaterialIsAsIfTheFileHadIt) {
         for (uint32_t material = 1; material < material_count; ++material) {
             Asset asset = dressed;
             asset.meshes[0].primitives[1].material = material;
-            const Character of_file = compiled(asset);
+            const Character of_file = without_lods(asset);
             Crowd wanted = crowd_of(of_file, {}, culls);
             ASSERT_TRUE(crowd.set_look(crowd.instances(), {.outfit = 1 + material}));
             const std::vector<uint8_t> picture = picture_of(crowd);
@@ -139,7 +139,7 @@ TEST_P(Looks, AnotherMaterialIsAsIfTheFileHadIt) {
             EXPECT_TRUE(pictures.insert(picture).second) << material;
         }
         // Each instance has its own: the picture has something of all
-        for (uint32_t i = 0; i < kCount; ++i)
+        for (uint32_t i = 0; i < kLookCount; ++i)
             ASSERT_TRUE(crowd.set_look(InstanceHandle{i}, {.outfit = 1 + i % material_count}));
         EXPECT_TRUE(pictures.insert(picture_of(crowd)).second);
         ASSERT_TRUE(crowd.set_look(crowd.instances(), InstanceLook{}));
@@ -149,7 +149,7 @@ TEST_P(Looks, AnotherMaterialIsAsIfTheFileHadIt) {
 
 // One instance's look is no other's.
 TEST_P(Looks, EachInstanceHasItsOwn) {
-    const Character character = compiled(asset_);
+    const Character character = without_lods(asset_);
     std::set<std::vector<uint8_t>> pictures;
     Crowd crowd = crowd_of(character, {{}, {{{.section = 0, .is_shown = false}}}});
     pictures.insert(picture_of(crowd));
@@ -157,18 +157,18 @@ TEST_P(Looks, EachInstanceHasItsOwn) {
         ASSERT_TRUE(crowd.set_look(InstanceHandle{i}, {.tint = {1, 0, 0}, .outfit = i % 2}));
         EXPECT_TRUE(pictures.insert(picture_of(crowd)).second) << i;
     }
-    std::vector<InstanceLook> looks(kCount);
+    std::vector<InstanceLook> looks(kLookCount);
     ASSERT_TRUE(crowd.set_look(crowd.instances(), looks));
     EXPECT_FALSE(pictures.insert(picture_of(crowd)).second) << "as at first";
-    for (uint32_t i = 0; i < kCount; ++i) looks[i] = {.tint = {0.1f, 0.2f, static_cast<float>(i)}, .outfit = i % 2};
+    for (uint32_t i = 0; i < kLookCount; ++i) looks[i] = {.tint = {0.1f, 0.2f, static_cast<float>(i)}, .outfit = i % 2};
     ASSERT_TRUE(crowd.set_look(crowd.instances(), looks));
     ASSERT_TRUE(crowd.update(0));
-    const auto written = output<InstanceLook>(crowd.outputs()[0], &OutputBlock::look, kCount);
+    const auto written = output<InstanceLook>(crowd.outputs()[0], &OutputBlock::look, kLookCount);
     EXPECT_TRUE(same_bits(written, looks));
 }
 
 TEST_P(Looks, NewbornsHaveTheDefaultAndSavedOnesTheirs) {
-    const Character character = compiled(asset_);
+    const Character character = without_lods(asset_);
     CrowdSettings settings{.groups = {{.character = &character, .capacity = 4, .outfits = {{}, {}}}}};
     Crowd crowd = create(settings);
     const std::vector<InstanceHandle> two = crowd.spawn(0, std::vector<Affine>(2)).value();
@@ -188,7 +188,7 @@ TEST_P(Looks, NewbornsHaveTheDefaultAndSavedOnesTheirs) {
 }
 
 TEST_P(Looks, RefusesWhatThereIsNot) {
-    const Character character = compiled(asset_);
+    const Character character = without_lods(asset_);
     Crowd plain = crowd_of(character), crowd = crowd_of(character, {{}});
     EXPECT_EQ(refusal(plain.set_look(InstanceHandle{0}, InstanceLook{})), "look: no group has CrowdGroup::outfits");
     EXPECT_EQ(refusal(crowd.set_look(InstanceHandle{2}, {.outfit = 1})),
@@ -197,7 +197,7 @@ TEST_P(Looks, RefusesWhatThereIsNot) {
               "look of instance 2: the tint is 0 to 1000");
     EXPECT_EQ(refusal(crowd.set_look(InstanceHandle{2}, {.tint = {0, std::nanf(""), 0}})),
               "look of instance 2: the tint is 0 to 1000");
-    EXPECT_FALSE(crowd.set_look(InstanceHandle{kCount}, InstanceLook{}));
+    EXPECT_FALSE(crowd.set_look(InstanceHandle{kLookCount}, InstanceLook{}));
     const auto refused = [&](const SectionLook& look) {
         const std::vector<Outfit> outfits{{}, {{look}}};
         return refusal(Crowd::create(test_device(),

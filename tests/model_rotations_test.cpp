@@ -11,8 +11,8 @@
 namespace throng::test {
 namespace {
 
-const InSubset kInSubsets({Subset::kGpuAssisted}, {"ModelRotations.CrowdsFollowTheReference"});
-const InSubset kNatively({Subset::kNative}, {"ModelRotations.*"});
+const InSubset kModelRotationsInSubsets({Subset::kGpuAssisted}, {"ModelRotations.CrowdsFollowTheReference"});
+const InSubset kModelRotationsNatively({Subset::kNative}, {"ModelRotations.*"});
 
 // The rotation of model_from_joint of a character without scale, as columns.
 double direction_error(const Affine& got, const Quaternion<double>& wanted) {
@@ -142,7 +142,7 @@ TEST(ModelRotations, WhatIsAimedKeepsItsDirectionWhereTheHipsTurn) {
 }
 
 // Random plays and blends in layers of either kind.
-void follow(const Character& character, uint32_t instances, uint32_t layer_count, UpdatePath path) {
+void follow_rotations(const Character& character, uint32_t instances, uint32_t layer_count, UpdatePath path) {
     Random random(character.rig.joint_count());
     std::vector<JointMask> masks{
         {.name = "half", .items = {{.joint = character.rig.names[character.rig.joint_count() / 3], .ramp = 3}}},
@@ -184,15 +184,17 @@ void follow(const Character& character, uint32_t instances, uint32_t layer_count
 }
 
 TEST(ModelRotations, CrowdsFollowTheReference) {
-    follow(creature(60, 15), 70, 3, UpdatePath::kAuto);
-    follow(creature(120, 120), 9, 4, UpdatePath::kStaged);
-    follow(creature(120, 120, 0), 9, 2, UpdatePath::kStaged);
-    follow(creature(300, 60, 0), 5, 6, UpdatePath::kAuto);
-    follow(creature(1, 1), 3, 2, UpdatePath::kAuto);
+    follow_rotations(creature(60, 15), 70, 3, UpdatePath::kAuto);
+    follow_rotations(creature(120, 120), 9, 4, UpdatePath::kStaged);
+    follow_rotations(creature(120, 120, 0), 9, 2, UpdatePath::kStaged);
+    follow_rotations(creature(300, 60, 0), 5, 6, UpdatePath::kAuto);
+    follow_rotations(creature(1, 1), 3, 2, UpdatePath::kAuto);
 }
 
 // More joints than one dispatch of a software device can walk.
-TEST(ModelRotations, ManyJointsTakeSeveralDispatches) { follow(creature(8000, 60, 0), 2, 3, UpdatePath::kAuto); }
+TEST(ModelRotations, ManyJointsTakeSeveralDispatches) {
+    follow_rotations(creature(8000, 60, 0), 2, 3, UpdatePath::kAuto);
+}
 
 // Inertial transitions and poses of the application come after.
 TEST(ModelRotations, AStateMachineFollowsTheReference) {

@@ -17,8 +17,8 @@
 namespace throng {
 namespace {
 
-const test::InSubset kInSubsets({test::Subset::kGpuAssisted}, {"Morph.TwoClipsFollowTheReference"});
-const test::InSubset kNatively({test::Subset::kNative}, {"Morph.*"});
+const test::InSubset kMorphInSubsets({test::Subset::kGpuAssisted}, {"Morph.TwoClipsFollowTheReference"});
+const test::InSubset kMorphNatively({test::Subset::kNative}, {"Morph.*"});
 
 using namespace test;
 

@@ -18,11 +18,11 @@
 namespace throng::test {
 namespace {
 
-const InSubset kInSubsets({Subset::kNative}, {"NativePictures.*"});
+const InSubset kNativeDrawInSubsets({Subset::kNative}, {"NativePictures.*"});
 
 using bench::psnr;
 
-constexpr uint32_t kWidth = 240, kHeight = 160;
+constexpr uint32_t kNativeDrawWidth = 240, kNativeDrawHeight = 160;
 constexpr double kLeastDetail = 0.005;  // of the pixels (part_with_detail)
 
 double least_dB() { return bench::least_alike_db(test_gpu()->properties.limits.subPixelPrecisionBits); }
@@ -32,11 +32,13 @@ Renderer make_renderer(const RendererSettings& settings) {
     if (!made) throw std::runtime_error(made.error().text());
     return std::move(*made);
 }
-Renderer make_renderer(DrawPath path) { return make_renderer({.width = kWidth, .height = kHeight, .path = path}); }
+Renderer make_renderer(DrawPath path) {
+    return make_renderer({.width = kNativeDrawWidth, .height = kNativeDrawHeight, .path = path});
+}
 
 // Both renderers of the test device.
 struct Pair {
-    explicit Pair(uint32_t samples, uint32_t width = kWidth, uint32_t height = kHeight)
+    explicit Pair(uint32_t samples, uint32_t width = kNativeDrawWidth, uint32_t height = kNativeDrawHeight)
         : native(make_renderer({.width = width, .height = height, .samples = samples, .path = DrawPath::kNative})),
           device(make_renderer({.width = width, .height = height, .samples = samples, .path = DrawPath::kDevice})) {}
     Renderer native, device;
@@ -108,7 +110,7 @@ protected:
         expect_alike(what, crowd, whole(crowd), options, samples);
     }
     static Camera whole(const Crowd& crowd) {
-        return fit_camera(world_bounds(crowd), static_cast<float>(kWidth) / kHeight);
+        return fit_camera(world_bounds(crowd), static_cast<float>(kNativeDrawWidth) / kNativeDrawHeight);
     }
 };
 
@@ -126,7 +128,7 @@ std::vector<Affine> in_rows(const Character& character, uint32_t count, bool has
     return places;
 }
 
-Crowd crowd_of(const std::vector<CrowdGroup>& groups, CrowdSettings settings = {}, bool has_mirrored = false) {
+Crowd placed_crowd(const std::vector<CrowdGroup>& groups, CrowdSettings settings = {}, bool has_mirrored = false) {
     settings.groups = groups;
     Crowd crowd = create(settings);
     uint32_t first = 0;
@@ -143,17 +145,17 @@ Crowd crowd_of(const std::vector<CrowdGroup>& groups, CrowdSettings settings = {
     }
     return crowd;
 }
-Crowd crowd_of(const Character& character, uint32_t count, const CrowdSettings& settings = {},
-               bool has_mirrored = false) {
-    return crowd_of({{&character, count}}, settings, has_mirrored);
+Crowd placed_crowd(const Character& character, uint32_t count, const CrowdSettings& settings = {},
+                   bool has_mirrored = false) {
+    return placed_crowd({{&character, count}}, settings, has_mirrored);
 }
 
 TEST_F(NativeDraw, ControllersAndLevelsOfDetail) {
     const Character walker = compiled(*make_creature(creature_settings(CreatureKind::kWalker)), {});
     const Controller controller = example("walker");
     for (const bool reduces : {false, true}) {
-        Crowd crowd = crowd_of({{.character = &walker, .instance_count = 300, .controller = &controller}},
-                               {.culling = Culling{.reduces_joints = reduces}});
+        Crowd crowd = placed_crowd({{.character = &walker, .instance_count = 300, .controller = &controller}},
+                                   {.culling = Culling{.reduces_joints = reduces}});
         expect_alike(reduces ? "walkers with fewer joints" : "walkers", crowd);
     }
 }
@@ -166,11 +168,11 @@ TEST_F(NativeDraw, Files) {
         const Result<Character> character = load_character(entry.path());
         ASSERT_TRUE(character) << character.error().text();
         const std::string name = entry.path().stem().string();
-        Crowd one = crowd_of(*character, 1), many = crowd_of(*character, 100, {.culling = Culling{}});
+        Crowd one = placed_crowd(*character, 1), many = placed_crowd(*character, 100, {.culling = Culling{}});
         // Some clips walk far away from where the rest pose stands
         expect_alike(name, one,
                      fit_camera(bounds_of(std::array{&one.state()}, Strays::kIncluded).posed,
-                                static_cast<float>(kWidth) / kHeight));
+                                static_cast<float>(kNativeDrawWidth) / kNativeDrawHeight));
         expect_alike(name + " 100", many);
     }
 }
@@ -179,7 +181,7 @@ TEST_F(NativeDraw, Creatures) {
     for (const CreatureKind kind : {CreatureKind::kDragon, CreatureKind::kWillow, CreatureKind::kCentipede}) {
         const Character character = compiled(*make_creature(creature_settings(kind)), {});
         const std::string name = "creature " + std::to_string(static_cast<int>(kind));
-        Crowd one = crowd_of(character, 1), many = crowd_of(character, 30, {.culling = Culling{}});
+        Crowd one = placed_crowd(character, 1), many = placed_crowd(character, 30, {.culling = Culling{}});
         expect_alike(name, one);
         expect_alike(name + " 30", many);
     }
@@ -188,7 +190,7 @@ TEST_F(NativeDraw, Creatures) {
 TEST_F(NativeDraw, Lines) {
     const Character character = creature();
     for (const bool culls : {false, true}) {
-        Crowd crowd = crowd_of(
+        Crowd crowd = placed_crowd(
             character, 20, {.keep_model_matrices = true, .culling = culls ? std::optional(Culling{}) : std::nullopt});
         const std::string with = culls ? ", culled" : "";
         expect_alike("skeletons" + with, crowd, {.skeletons = true});
@@ -203,11 +205,11 @@ TEST_F(NativeDraw, EveryWayOfSkinning) {
         for (const SkinFormat format : {SkinFormat::kAffine, SkinFormat::kHalfAffine, SkinFormat::kSimilarity})
             for (const SkinBlend blend : {SkinBlend::kLinear, SkinBlend::kDualQuaternion})
                 for (const bool once : {false, true}) {
-                    Crowd crowd = crowd_of(ball, 9,
-                                           {.skin_format = format,
-                                            .culling = once ? std::optional(Culling{}) : std::nullopt,
-                                            .skin_blend = blend,
-                                            .skins_once = once});
+                    Crowd crowd = placed_crowd(ball, 9,
+                                               {.skin_format = format,
+                                                .culling = once ? std::optional(Culling{}) : std::nullopt,
+                                                .skin_blend = blend,
+                                                .skins_once = once});
                     expect_alike("format " + std::to_string(static_cast<int>(format)) + ", blend " +
                                      std::to_string(static_cast<int>(blend)) + ", " + std::to_string(influences) +
                                      (once ? ", once" : ""),
@@ -221,7 +223,7 @@ TEST_F(NativeDraw, AnyRig) {
         const Character character = make_character(
             {.scale_spread = spread, .vertex_count = 300, .morph_count = spread > 0 ? 3u : 0u});
         for (const bool once : {false, true}) {
-            Crowd crowd = crowd_of(character, 16, {.skins_once = once});
+            Crowd crowd = placed_crowd(character, 16, {.skins_once = once});
             expect_alike("spread " + std::to_string(spread) + (once ? ", once" : ""), crowd);
         }
     }
@@ -231,7 +233,7 @@ TEST_F(NativeDraw, Morphs) {
     const Character ball = compiled(make_ball({.has_morphs = true}), kExact);
     for (const SkinBlend blend : {SkinBlend::kLinear, SkinBlend::kDualQuaternion})
         for (const bool once : {false, true}) {
-            Crowd crowd = crowd_of(ball, 9, {.skin_blend = blend, .skins_once = once});
+            Crowd crowd = placed_crowd(ball, 9, {.skin_blend = blend, .skins_once = once});
             expect_alike("morphs " + std::to_string(static_cast<int>(blend)) + (once ? ", once" : ""), crowd);
         }
 }
@@ -245,14 +247,14 @@ TEST_F(NativeDraw, Materials) {
             asset.materials[0].alpha_cutoff = 0.3f;
             asset.materials[0].double_sided = is_double_sided;
             const Character ball = compiled(asset, kExact);
-            Crowd one = crowd_of(ball, 1), many = crowd_of(ball, 12);
+            Crowd one = placed_crowd(ball, 1), many = placed_crowd(ball, 12);
             const std::string name = "material " + std::to_string(static_cast<int>(mode)) +
                                      (is_double_sided ? ", both sides" : "");
             expect_alike(name, one);
             expect_alike(name + ", small", many);
             // lavapipe chooses mip levels by a linear approximation of log2, up to 0.043 below the exact ones. At the
             // edge of a mask an alpha close to the cutoff then falls on the other side: with one sample a whole pixel
-            const size_t left_out_pixels = mode == AlphaMode::kOpaque ? 0 : kWidth * kHeight / 1000;
+            const size_t left_out_pixels = mode == AlphaMode::kOpaque ? 0 : kNativeDrawWidth * kNativeDrawHeight / 1000;
             expect_alike(name + ", 1 sample", many, whole(many), {}, 1, left_out_pixels);
         }
 }
@@ -264,7 +266,7 @@ TEST_F(NativeDraw, MirroredAndStretched) {
         asset.materials[0].double_sided = is_double_sided;
         const Character ball = compiled(asset, kExact);
         for (const bool once : {false, true}) {
-            Crowd crowd = crowd_of(ball, 9, {.skins_once = once}, true);
+            Crowd crowd = placed_crowd(ball, 9, {.skins_once = once}, true);
             expect_alike(std::string("mirrored") + (is_double_sided ? ", both sides" : "") + (once ? ", once" : ""),
                          crowd);
         }
@@ -277,18 +279,19 @@ TEST_F(NativeDraw, Groups) {
     textured.materials[0].alpha_mode = AlphaMode::kMask;
     const Character ball = compiled(textured, kExact), small = small_character(), dragon = creature();
     const Controller controller = example("dragon");
-    Crowd crowd = crowd_of({{&ball, 12},
-                            {&small, 9},
-                            {.character = &dragon, .instance_count = 4, .controller = &controller, .pose_capacity = 2},
-                            {&ball, 3}},
-                           {.keep_model_matrices = true, .culling = Culling{.skips_updates = true}});
+    Crowd crowd = placed_crowd(
+        {{&ball, 12},
+         {&small, 9},
+         {.character = &dragon, .instance_count = 4, .controller = &controller, .pose_capacity = 2},
+         {&ball, 3}},
+        {.keep_model_matrices = true, .culling = Culling{.skips_updates = true}});
     expect_alike("groups", crowd);
     expect_alike("groups, all lines", crowd, {.skeletons = true, .bounds = true});
 }
 
 TEST_F(NativeDraw, Options) {
     const Character character = creature();
-    Crowd crowd = crowd_of(character, 20, {.culling = Culling{}});
+    Crowd crowd = placed_crowd(character, 20, {.culling = Culling{}});
     expect_alike("no shadows", crowd, {.shadows = false});
     expect_alike("no fog", crowd, {.fog = false});
     expect_alike("dark", crowd, {.exposure = 0.4f});
@@ -302,7 +305,7 @@ TEST_F(NativeDraw, Options) {
 TEST_F(NativeDraw, Cameras) {
     const Character character = creature();
     for (const bool culls : {false, true}) {
-        Crowd crowd = crowd_of(
+        Crowd crowd = placed_crowd(
             character, 25, {.keep_model_matrices = true, .culling = culls ? std::optional(Culling{}) : std::nullopt});
         const Bounds bounds = world_bounds(crowd);
         const Vec3<float> middle = (bounds.min + bounds.max) * 0.5f, extent = bounds.max - bounds.min;
@@ -327,7 +330,7 @@ TEST_F(NativeDraw, Cameras) {
 // Tiles at the right and at the bottom are smaller than the others here; the larger picture has more than sixteen.
 TEST_F(NativeDraw, LargePictures) {
     const Character character = creature();
-    Crowd crowd = crowd_of(character, 40, {.culling = Culling{}});
+    Crowd crowd = placed_crowd(character, 40, {.culling = Culling{}});
     for (const auto& [width, height] : {std::pair(1000u, 600u), {2003u, 1111u}}) {
         Pair pair(4, width, height);
         const Camera camera = fit_camera(world_bounds(crowd), static_cast<float>(width) / static_cast<float>(height));
@@ -340,7 +343,7 @@ TEST_F(NativeDraw, LargePictures) {
 // A picture that the recorded commands copy.
 class Copy {
 public:
-    explicit Copy(uint32_t width = kWidth, uint32_t height = kHeight)
+    explicit Copy(uint32_t width = kNativeDrawWidth, uint32_t height = kNativeDrawHeight)
         : width_(width),
           height_(height),
           buffer_(test_gpu(), "copy", uint64_t{4} * width * height, 0, MemoryKind::kReadback) {}
@@ -364,7 +367,7 @@ private:
 // Two frames in each command buffer, and more of both than are under way at a time.
 TEST_F(NativeDraw, RecordedDrawingIsThatOfTheCall) {
     const Character character = creature();
-    Crowd crowd = crowd_of(character, 9, {.culling = Culling{}});
+    Crowd crowd = placed_crowd(character, 9, {.culling = Culling{}});
     const Camera camera = whole(crowd);
     Renderer renderer = make_renderer(DrawPath::kNative);
     for (int submission = 0; submission < 3; ++submission) {
@@ -387,12 +390,13 @@ TEST_F(NativeDraw, RecordedDrawingIsThatOfTheCall) {
 // As displays take it, whoever draws; a picture that is returned has red first all the same.
 TEST_F(NativeDraw, ARecordedPictureMayHaveBlueFirst) {
     const Character character = creature();
-    Crowd crowd = crowd_of(character, 9, {.culling = Culling{}});
+    Crowd crowd = placed_crowd(character, 9, {.culling = Culling{}});
     const Camera camera = whole(crowd);
     ASSERT_TRUE(crowd.update(0.3f));
     for (const DrawPath path : {DrawPath::kNative, DrawPath::kDevice}) {
         const Picture wanted = make_renderer(path).render(crowd, camera)->picture;
-        Renderer renderer = make_renderer({.width = kWidth, .height = kHeight, .path = path, .blue_first = true});
+        Renderer renderer = make_renderer(
+            {.width = kNativeDrawWidth, .height = kNativeDrawHeight, .path = path, .blue_first = true});
         EXPECT_EQ(renderer.render(crowd, camera)->picture.rgba, wanted.rgba);
         const Copy copy;
         test_gpu()->submit_and_wait([&](VkCommandBuffer commands) {
@@ -411,14 +415,14 @@ TEST_F(NativeDraw, TheDeviceDrawsWhatItUpdates) {
     const Character character = creature();
     Renderer renderer = make_renderer(DrawPath::kNative);
     for (const bool in_one : {false, true}) {
-        Crowd crowd = crowd_of(character, 9, {.path = UpdatePath::kDevice, .culling = Culling{}});
+        Crowd crowd = placed_crowd(character, 9, {.path = UpdatePath::kDevice, .culling = Culling{}});
         const Camera camera = whole(crowd);
         const Copy copy;
         test_gpu()->submit_and_wait([&](VkCommandBuffer commands) {
             if (in_one) {
                 ASSERT_TRUE(renderer.record(commands, crowd, 0.3f, camera));
             } else {
-                const CrowdView view = *view_of(camera, kWidth, kHeight, world_bounds(crowd));
+                const CrowdView view = *view_of(camera, kNativeDrawWidth, kNativeDrawHeight, world_bounds(crowd));
                 ASSERT_TRUE(crowd.record(commands, 0.3f, &view));
                 ASSERT_TRUE(renderer.record_drawing(commands, crowd, camera));
             }
@@ -435,10 +439,10 @@ TEST_F(NativeDraw, TheDeviceDrawsWhatItUpdates) {
 // The commands of the update before have not run either, so that there are no poses yet that could be drawn natively.
 TEST_F(NativeDraw, TheDeviceDrawsAlsoWhenTheLastUpdateIsDiscarded) {
     const Character character = creature();
-    Crowd crowd = crowd_of(character, 9, {.path = UpdatePath::kDevice, .culling = Culling{}});
+    Crowd crowd = placed_crowd(character, 9, {.path = UpdatePath::kDevice, .culling = Culling{}});
     const Camera camera = whole(crowd);
     Renderer renderer = make_renderer(DrawPath::kNative);
-    const CrowdView view = *view_of(camera, kWidth, kHeight, world_bounds(crowd));
+    const CrowdView view = *view_of(camera, kNativeDrawWidth, kNativeDrawHeight, world_bounds(crowd));
     const Copy copy;
     const auto record = [&](VkCommandBuffer commands) { return crowd.record(commands, 0.3f, &view); };
     Recorder recorder;
@@ -475,9 +479,11 @@ TEST_F(NativeDraw, OcclusionChangesNothing) {
     const Character character = creature();
     std::vector<Picture> pictures;
     for (const bool occlusion : {false, true}) {
-        Crowd crowd = crowd_of(character, 40, {.culling = Culling{}});
-        Renderer renderer = make_renderer(
-            {.width = kWidth, .height = kHeight, .options = {.occlusion = occlusion}, .path = DrawPath::kNative});
+        Crowd crowd = placed_crowd(character, 40, {.culling = Culling{}});
+        Renderer renderer = make_renderer({.width = kNativeDrawWidth,
+                                           .height = kNativeDrawHeight,
+                                           .options = {.occlusion = occlusion},
+                                           .path = DrawPath::kNative});
         for (int frame = 0; frame < 3; ++frame)  // the device would go by what the frame before hid
             pictures.push_back(renderer.render_frame(crowd, 0.1f, whole(crowd))->picture);
     }
@@ -488,11 +494,11 @@ TEST_F(NativeDraw, OcclusionChangesNothing) {
 // Larger and smaller than before; drawn at once, by recorded commands, and by the device.
 TEST_F(NativeDraw, Resizes) {
     const Character character = creature();
-    Crowd crowd = crowd_of(character, 9, {.culling = Culling{}}),
-          updated_by_device = crowd_of(character, 9, {.path = UpdatePath::kDevice, .culling = Culling{}});
+    Crowd crowd = placed_crowd(character, 9, {.culling = Culling{}}),
+          updated_by_device = placed_crowd(character, 9, {.path = UpdatePath::kDevice, .culling = Culling{}});
     const Camera camera = whole(crowd);
     Renderer renderer = make_renderer({.width = 50, .height = 30, .path = DrawPath::kNative});
-    for (const auto& [width, height] : {std::pair(800u, 500u), {kWidth, kHeight}}) {
+    for (const auto& [width, height] : {std::pair(800u, 500u), {kNativeDrawWidth, kNativeDrawHeight}}) {
         ASSERT_TRUE(renderer.resize(width, height));
         Renderer made = make_renderer({.width = width, .height = height, .path = DrawPath::kNative});
         const Copy copy(width, height), of_device(width, height);

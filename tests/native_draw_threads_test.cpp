@@ -9,7 +9,8 @@
 namespace throng::test {
 namespace {
 
-constexpr uint32_t kWidth = 200, kHeight = 140, kCount = 12, kFrames = 3;
+constexpr uint32_t kNativeDrawThreadsWidth = 200, kNativeDrawThreadsHeight = 140, kNativeDrawThreadsCount = 12,
+                   kFrames = 3;
 
 struct DrawnKind {
     Character character;
@@ -20,25 +21,29 @@ struct DrawnKind {
 
 std::vector<std::byte> pictures_of(const DrawnKind& kind, const Device& device) {
     CrowdSettings settings = kind.settings;
-    settings.groups = {{&kind.character, kCount}};
+    settings.groups = {{&kind.character, kNativeDrawThreadsCount}};
     settings.keep_model_matrices = true;
     Crowd crowd = *Crowd::create(device, settings);
     Random random(6);
     std::vector<Affine> places;
-    for (uint32_t i = 0; i < kCount; ++i)
+    for (uint32_t i = 0; i < kNativeDrawThreadsCount; ++i)
         places.push_back(
             to_affine(Trs<float>{.translation = Vec3<float>{float(i % 4), 0, float(i / 4)} * kind.character.size,
                                  .scale = Vec3<float>{i % 3 == 0 ? -1.0f : 1.0f, 1, 1}}));
     EXPECT_TRUE(crowd.set_placement(crowd.instances(), places));
-    EXPECT_TRUE(crowd.set_playback(crowd.instances(), random_playbacks(random, kind.character, kCount)));
-    Renderer renderer = *Renderer::create(
-        device, {.width = kWidth, .height = kHeight, .samples = kind.samples, .options = {.skeletons = true}});
+    EXPECT_TRUE(
+        crowd.set_playback(crowd.instances(), random_playbacks(random, kind.character, kNativeDrawThreadsCount)));
+    Renderer renderer = *Renderer::create(device, {.width = kNativeDrawThreadsWidth,
+                                                   .height = kNativeDrawThreadsHeight,
+                                                   .samples = kind.samples,
+                                                   .options = {.skeletons = true}});
     if (kind.decodes_ahead) {
         EXPECT_TRUE(decode_images(crowd));
     }
     UpdateBits bits;
     for (uint32_t frame = 0; frame < kFrames; ++frame) {
-        const Camera camera = fit_camera(world_bounds(crowd), static_cast<float>(kWidth) / kHeight);
+        const Camera camera = fit_camera(world_bounds(crowd),
+                                         static_cast<float>(kNativeDrawThreadsWidth) / kNativeDrawThreadsHeight);
         const Result<RenderResult> result = renderer.render_frame(crowd, 0.1f, camera);
         EXPECT_TRUE(result) << result.error().text();
         if (result) bits.add(result->picture.rgba);

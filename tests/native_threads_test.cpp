@@ -13,7 +13,7 @@
 namespace throng::test {
 namespace {
 
-constexpr uint32_t kUpdates = 6;
+constexpr uint32_t kUpdateCount = 6;
 
 Affine place_of(uint32_t i, float apart) {
     return to_affine(Trs<float>{.translation = Vec3<float>{float(i % 6), 0, float(i / 6)} * apart});
@@ -81,7 +81,7 @@ struct ManyKinds {
         EXPECT_TRUE(crowd.set_placement(crowd.instances(), places));
         Random random(3);
         UpdateBits bits;
-        for (uint32_t update = 0; update < kUpdates; ++update) {
+        for (uint32_t update = 0; update < kUpdateCount; ++update) {
             change(crowd, random);
             CrowdView view = view_in(update, apart);
             view.full_rate_pixels = 40;
@@ -109,7 +109,7 @@ std::vector<std::byte> run_far_away(const Device& device, const Character& chara
     EXPECT_TRUE(crowd.set_playback(crowd.instances(), random_playbacks(random, character, kCount)));
     UpdateBits bits;
     size_t drawn = 0, coarse = 0;
-    for (uint32_t update = 0; update < kUpdates; ++update) {
+    for (uint32_t update = 0; update < kUpdateCount; ++update) {
         CrowdView view = view_in(update, apart);
         view.lod_pixels = 4;
         EXPECT_TRUE(crowd.update(0.05f, update % 3 == 0 ? nullptr : &view));
@@ -120,7 +120,7 @@ std::vector<std::byte> run_far_away(const Device& device, const Character& chara
         bits.add_results(crowd);
     }
     EXPECT_GT(coarse, 0u);
-    EXPECT_LT(drawn, kUpdates * kCount);
+    EXPECT_LT(drawn, kUpdateCount * kCount);
     return bits.all;
 }
 
@@ -145,8 +145,8 @@ TEST(NativeThreads, EachUpdatesACrowdOfItsOwnOnOneDevice) {
     const JointSampler sampler = *JointSampler::create(kinds.character, joints);
     using Run = std::function<std::vector<std::byte>(const Device&)>;
     const std::vector<Run> runs{
-        [&](const Device& device) { return bits_of(lively, device, UpdatePath::kFused, kUpdates); },
-        [&](const Device& device) { return bits_of(lively, device, UpdatePath::kStaged, kUpdates); },
+        [&](const Device& device) { return bits_of(lively, device, UpdatePath::kFused, kUpdateCount); },
+        [&](const Device& device) { return bits_of(lively, device, UpdatePath::kStaged, kUpdateCount); },
         [&](const Device& device) { return kinds.run(device); },
         [&](const Device& device) { return run_far_away(device, far); },
         [&](const Device&) { return run_sampler(sampler, static_cast<uint32_t>(joints.size())); }};

@@ -15,8 +15,9 @@
 namespace throng::test {
 namespace {
 
-const InSubset kInSubsets({Subset::kGpuAssisted}, {"Population.MayBeEmpty", "Population.EventsAreOfWhoeverWasThere"});
-const InSubset kNatively({Subset::kNative}, {"Population.*", "-Population.DiscardedBirthsAndDeaths*"});
+const InSubset kPopulationInSubsets({Subset::kGpuAssisted},
+                                    {"Population.MayBeEmpty", "Population.EventsAreOfWhoeverWasThere"});
+const InSubset kPopulationNatively({Subset::kNative}, {"Population.*", "-Population.DiscardedBirthsAndDeaths*"});
 
 // A crowd, and for each set of instances that came at the same time one that was made then and has no others.
 class Lives {
@@ -209,11 +210,6 @@ TEST_P(PopulationOnPath, NewbornsAreAsNew) {
     EXPECT_GT(lives.compared_count, 500u);
     EXPECT_GT(lives.watched_count, 300u);
     EXPECT_GT(lives.reused_count, 30u);
-}
-
-std::string path_name(const testing::TestParamInfo<UpdatePath>& path) {
-    constexpr std::array kNames{"Auto", "Fused", "Staged", "Native", "Device"};
-    return kNames[static_cast<size_t>(path.param)];
 }
 
 INSTANTIATE_TEST_SUITE_P(Population, PopulationOnPath,

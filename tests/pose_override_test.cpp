@@ -14,8 +14,9 @@
 namespace throng::test {
 namespace {
 
-const InSubset kInSubsets({Subset::kGpuAssisted, Subset::kSubgroups}, {"PoseOverride.TwoClipsFollowTheReference"});
-const InSubset kNatively({Subset::kNative}, {"PoseOverride.*"});
+const InSubset kPoseOverrideInSubsets({Subset::kGpuAssisted, Subset::kSubgroups},
+                                      {"PoseOverride.TwoClipsFollowTheReference"});
+const InSubset kPoseOverrideNatively({Subset::kNative}, {"PoseOverride.*"});
 
 // The rest pose, bent at all joints; less than makes it unclear which way round is the shorter one.
 std::vector<Trs<float>> bent(Random& random, const Character& character) {
@@ -50,10 +51,10 @@ bool same_poses(Crowd& a, uint32_t of_a, Crowd& b, uint32_t of_b, double size) {
 }
 
 // Of the update path that the settings ask for, and the same without room for poses.
-struct Twins {
+struct WithAndWithoutOverrides {
     Crowd overridden, plain;
 
-    explicit Twins(CrowdSettings settings, uint32_t capacity)
+    explicit WithAndWithoutOverrides(CrowdSettings settings, uint32_t capacity)
         : overridden(create(with(settings, capacity))), plain(create(settings)) {}
     static CrowdSettings with(CrowdSettings settings, uint32_t capacity) {
         for (CrowdGroup& group : settings.groups) group.pose_capacity = capacity;
@@ -65,14 +66,15 @@ struct Twins {
 };
 
 // Set, replaced and cleared at random, with and without fades, among others that are never posed.
-void follow(UpdatePath path, const char* name, double error) {
+void follow_overrides(UpdatePath path, const char* name, double error) {
     constexpr uint32_t kInstances = 30, kOverridden = 12, kUpdates = 60;
     const Character character = creature(60, 15, error);
     const Controller controller = example(name);
-    Twins crowds({.groups = {{.character = &character, .instance_count = kInstances, .controller = &controller}},
-                  .path = path,
-                  .keep_model_matrices = true},
-                 kOverridden);
+    WithAndWithoutOverrides crowds(
+        {.groups = {{.character = &character, .instance_count = kInstances, .controller = &controller}},
+         .path = path,
+         .keep_model_matrices = true},
+        kOverridden);
     std::vector<ReferenceCharacter> wanted = references(character, controller, kInstances);
     Random random(23);
     double worst = 0;
@@ -110,13 +112,13 @@ void follow(UpdatePath path, const char* name, double error) {
 }
 
 TEST(PoseOverride, ControllersFollowTheReferenceFused) {
-    follow(UpdatePath::kFused, "walker", 1e-4);
-    follow(UpdatePath::kFused, "dragon", 0);
+    follow_overrides(UpdatePath::kFused, "walker", 1e-4);
+    follow_overrides(UpdatePath::kFused, "dragon", 0);
 }
 
 TEST(PoseOverride, ControllersFollowTheReferenceStaged) {
-    follow(UpdatePath::kStaged, "walker", 0);
-    follow(UpdatePath::kStaged, "dragon", 1e-4);
+    follow_overrides(UpdatePath::kStaged, "walker", 0);
+    follow_overrides(UpdatePath::kStaged, "dragon", 1e-4);
 }
 
 constexpr uint32_t kAnyNumber = ~0u;
@@ -201,10 +203,11 @@ TEST(PoseOverride, FullWeightIsThePoseAndNoneIsTheAnimation) {
     Random random(3);
     const std::vector<Trs<float>> pose = bent(random, character);
     for (const UpdatePath path : {UpdatePath::kFused, UpdatePath::kStaged}) {
-        Twins crowds({.groups = {{.character = &character, .instance_count = 4},
-                                 {.character = &character, .instance_count = 4, .controller = &controller}},
-                      .path = path},
-                     4);
+        WithAndWithoutOverrides crowds(
+            {.groups = {{.character = &character, .instance_count = 4},
+                        {.character = &character, .instance_count = 4, .controller = &controller}},
+             .path = path},
+            4);
         const std::vector<Playback> playbacks = random_playbacks(random, character, 4);
         for (Crowd* crowd : {&crowds.overridden, &crowds.plain}) {
             ASSERT_TRUE(crowd->set_playback(*crowd->instances(0), playbacks));
@@ -316,7 +319,6 @@ TEST(PoseOverride, WrongPosesAreRefusedAndChangeNothing) {
         change(pose[7]);
         return pose;
     };
-    constexpr float kInfinity = std::numeric_limits<float>::infinity();
     expect_refused({}, 0, "0 transforms for a character that has 20 joints");
     expect_refused(changed([](Trs<float>& t) { t.rotation = {0, 0, 0, 0}; }), 0, "joint 7: its rotation has length 0");
     expect_refused(changed([](Trs<float>& t) { t.translation.y = std::nanf(""); }), 0,

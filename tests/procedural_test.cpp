@@ -15,9 +15,11 @@
 namespace throng::test {
 namespace {
 
-const InSubset kInSubsets({Subset::kGpuAssisted}, {"Procedural.LimbsWithoutLengthAndTargetsWithoutWeightChangeNothing",
-                                                   "Procedural.WorksBelowAController"});
-const InSubset kNatively({Subset::kNative}, {"Procedural.*", "-Procedural.ChainsBeyondTheDevicesLoopsAreRefused"});
+const InSubset kProceduralInSubsets({Subset::kGpuAssisted},
+                                    {"Procedural.LimbsWithoutLengthAndTargetsWithoutWeightChangeNothing",
+                                     "Procedural.WorksBelowAController"});
+const InSubset kProceduralNatively({Subset::kNative},
+                                   {"Procedural.*", "-Procedural.ChainsBeyondTheDevicesLoopsAreRefused"});
 
 using Locals = std::vector<Trs<double>>;
 
@@ -144,7 +146,7 @@ std::vector<double> errors(const Character& character, const std::vector<Procedu
 }
 
 // Each rule alone, then all one after the other: rounding is what springs on springs with short bones make most of.
-void follow(double scale_spread, const std::string& scan) {
+void follow_rules(double scale_spread, const std::string& scan) {
     const Character character = make_character(
         {.joint_count = 70, .shape = RigShape::kRandom, .seed = 9, .scale_spread = scale_spread});
     const std::vector<std::string>& names = character.rig.names;
@@ -177,9 +179,9 @@ void follow(double scale_spread, const std::string& scan) {
     expect_few_beyond(errors(character, rules, scan), 1e-4, "all together");
 }
 
-TEST(Procedural, MovesJointsAsTheReferenceDoes) { follow(0.1, "auto"); }
+TEST(Procedural, MovesJointsAsTheReferenceDoes) { follow_rules(0.1, "auto"); }
 TEST(Procedural, MovesSimilaritiesAsTheReferenceDoes) {
-    follow(0, has_scan("subgroup_quaternion") ? "subgroup_quaternion" : "serial_quaternion");
+    follow_rules(0, has_scan("subgroup_quaternion") ? "subgroup_quaternion" : "serial_quaternion");
 }
 
 // Wind on a chain that is too long for the loops of a software device, or moved whole.

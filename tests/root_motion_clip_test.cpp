@@ -17,7 +17,7 @@
 namespace throng {
 namespace {
 
-const test::InSubset kInSubsets({test::Subset::kNative}, {"RootMotionOnTheGpu.*"});
+const test::InSubset kRootMotionClipInSubsets({test::Subset::kNative}, {"RootMotionOnTheGpu.*"});
 
 using namespace test;
 using std::numbers::pi;

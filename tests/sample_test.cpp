@@ -14,12 +14,13 @@ namespace throng {
 namespace {
 
 // Instrumented, those left out take too long.
-const test::InSubset kInSubsets({test::Subset::kGpuAssisted}, {"Sample.*", "-Sample.PackedClipsFollowTheReference"});
-const test::InSubset kNatively({test::Subset::kNative}, {"Sample.*"});
+const test::InSubset kSampleInSubsets({test::Subset::kGpuAssisted},
+                                      {"Sample.*", "-Sample.PackedClipsFollowTheReference"});
+const test::InSubset kSampleNatively({test::Subset::kNative}, {"Sample.*"});
 
 using namespace test;
 
-constexpr double kBound = 2e-6;  // of a component, relative where it exceeds 1
+constexpr double kSampleBound = 2e-6;  // of a component, relative where it exceeds 1
 
 std::vector<io::JointPose> run_sample(const Character& character, const std::vector<io::InstanceCursor>& cursors,
                                       uint32_t slot) {
@@ -65,7 +66,7 @@ void expect_reference(const Character& character) {
                 worst = std::max(worst, pose_error(poses[i * joint_count + joint], wanted[joint]));
         }
     }
-    EXPECT_LE(worst, kBound) << joint_count << " joints";
+    EXPECT_LE(worst, kSampleBound) << joint_count << " joints";
     std::printf("  %3u joints, 100 instances, both slots: largest error %.1e\n", joint_count, worst);
 }
 
@@ -78,6 +79,7 @@ TEST(Sample, CompiledClipsFollowTheReference) {
 TEST(Sample, PackedClipsFollowTheReference) {
     for (const uint32_t joint_count : {1u, 63u, 65u, 300u}) {
         for (const double error : {1e-2, 1e-4, 1e-6}) {
+            if (joint_count > 63 && error == 1e-6) continue;  // to pack them takes many seconds
             const Result<Character> packed = compile_character(
                 make_asset(
                     {.joint_count = joint_count, .seed = joint_count, .clip_count = 4, .cubic = joint_count == 65}),
@@ -106,7 +108,7 @@ TEST(Sample, SkipsClipsWithoutWeight) {
             EXPECT_EQ(same_bits(of_instance, untouched), !has_weight) << "slot " << slot << ", instance " << i;
             if (!has_weight) continue;
             for (size_t joint = 0; joint < 70; ++joint)
-                EXPECT_LE(pose_error(of_instance[joint], wanted[joint]), kBound);
+                EXPECT_LE(pose_error(of_instance[joint], wanted[joint]), kSampleBound);
         }
     }
 }
@@ -160,7 +162,7 @@ TEST(Sample, ArcsOfEverySize) {
         for (uint32_t joint = 0; joint < joint_count; ++joint) {
             const io::JointPose& pose = poses[i * joint_count + joint];
             const double error = pose_error(pose, wanted[joint]);
-            EXPECT_LE(error, kBound) << angles_rad[joint] << " rad at " << times_s[i];
+            EXPECT_LE(error, kSampleBound) << angles_rad[joint] << " rad at " << times_s[i];
             worst = std::max(worst, error);
             const io::vec4& q = pose.rotation;
             worst_length = std::max(

@@ -9,7 +9,7 @@
 namespace throng::test {
 namespace {
 
-const InSubset kNatively({Subset::kNative}, {"SavedState.*"});
+const InSubset kSavedStateNatively({Subset::kNative}, {"SavedState.*"});
 
 std::vector<InstanceHandle> there_in(const Crowd& crowd) {
     std::vector<InstanceHandle> there;
@@ -19,9 +19,9 @@ std::vector<InstanceHandle> there_in(const Crowd& crowd) {
 }
 
 // Whatever an application does, at random: the same in crowds that are in the same state.
-class Player {
+class Application {
 public:
-    Player(UpdatePath path, const Culling& culling) : settings_(kinds_.settings(path)) {
+    Application(UpdatePath path, const Culling& culling) : settings_(kinds_.settings(path)) {
         settings_.culling = culling;
         settings_.pose_request_capacity = 4;
         for (CrowdGroup& group : settings_.groups) {
@@ -131,7 +131,7 @@ class SavedStateOnPath : public testing::TestWithParam<Case> {};
 
 // Saved where changes wait for the next update, between two for views, so that some are on their way to a later pose.
 TEST_P(SavedStateOnPath, GoesOnBitForBit) {
-    const Player player(GetParam().path, GetParam().culling);
+    const Application player(GetParam().path, GetParam().culling);
     Crowd crowd = player.make();
     constexpr uint32_t kSaved = 8, kEnd = 15;
     player.go_on(crowd, 0, kSaved);

@@ -25,17 +25,18 @@ namespace {
 // scans make one for each skeleton.
 const test::InSubset kInBoth({test::Subset::kGpuAssisted, test::Subset::kSubgroups},
                              {"Scan.EveryOnChipVariantIsExact"});
-const test::InSubset kUnderValidation({test::Subset::kGpuAssisted}, {"Scan.EveryMethodIsExactWithNarrowWords"});
-const test::InSubset kWithOtherSubgroups({test::Subset::kSubgroups},
-                                         {"Scan.EveryNumberOfThreadsIsExact",
-                                          "Scan.EveryMethodIsExactWithinLowerLimits", "Scan.EveryMethodRoundsLittle"});
-const test::InSubset kNatively({test::Subset::kNative},
-                               {"Scan.EveryMethodIsExact", "Scan.EveryMethodIsExactForTheLargestRigs",
-                                "Scan.EveryMethodRoundsLittle"});
+const test::InSubset kScanUnderValidation({test::Subset::kGpuAssisted}, {"Scan.EveryMethodIsExactWithNarrowWords"});
+const test::InSubset kScanWithOtherSubgroups({test::Subset::kSubgroups}, {"Scan.EveryNumberOfThreadsIsExact",
+                                                                          "Scan.EveryMethodIsExactWithinLowerLimits",
+                                                                          "Scan.EveryMethodRoundsLittle"});
+const test::InSubset kScanNatively({test::Subset::kNative},
+                                   {"Scan.EveryMethodIsExact", "Scan.EveryMethodIsExactForTheLargestRigs",
+                                    "Scan.EveryMethodRoundsLittle"});
 
 using namespace test;
 
-constexpr std::array<uint32_t, 17> kJointCounts{1, 2, 7, 8, 9, 31, 32, 33, 63, 64, 65, 255, 256, 257, 300, 1024, 2000};
+constexpr std::array<uint32_t, 17> kScanJointCounts{1,  2,  7,   8,   9,   31,  32,   33,  63,
+                                                    64, 65, 255, 256, 257, 300, 1024, 2000};
 constexpr std::array<uint32_t, 3> kInstanceCounts{1, 3, 1000};
 constexpr uint32_t kMatrixLimit = 20'000;  // joints x instances, so that the suite stays fast
 
@@ -267,7 +268,7 @@ TEST(Scan, EveryMethodIsExact) {
     Tally tally;
     uint64_t seed = 0;
     const ScanLimits limits = device_limits();
-    for (const uint32_t joint_count : kJointCounts) {
+    for (const uint32_t joint_count : kScanJointCounts) {
         for (const RigShape shape : kRigShapes) {
             Random random(++seed);
             const uint32_t most = std::max(std::min(kInstanceCounts.back(), kMatrixLimit / joint_count),
@@ -282,7 +283,8 @@ TEST(Scan, EveryMethodIsExact) {
     }
     tally.print();
     for (const ScanMethod& method : methods())
-        EXPECT_EQ(tally.cases(method), kJointCounts.size() * kRigShapes.size() * kInstanceCounts.size()) << method.name;
+        EXPECT_EQ(tally.cases(method), kScanJointCounts.size() * kRigShapes.size() * kInstanceCounts.size())
+            << method.name;
 }
 
 TEST(Scan, EveryNumberOfThreadsIsExact) {

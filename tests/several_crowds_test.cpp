@@ -9,16 +9,18 @@
 namespace throng::test {
 namespace {
 
-const InSubset kInSubsets({Subset::kGpuAssisted}, {"*SeveralCrowds.LookAsOneCrowdOfAllGroups/ByShaders"}),
-    kNatively({Subset::kNative}, {"*SeveralCrowds.*"});
+const InSubset kSeveralCrowdsInSubsets({Subset::kGpuAssisted}, {"*SeveralCrowds.LookAsOneCrowdOfAllGroups/ByShaders"}),
+    kSeveralCrowdsNatively({Subset::kNative}, {"*SeveralCrowds.*"});
 
-constexpr uint32_t kCount = 6, kWidth = 200, kHeight = 120;
+constexpr uint32_t kSeveralCrowdsCount = 6, kSeveralCrowdsWidth = 200, kSeveralCrowdsHeight = 120;
 
 class SeveralCrowds : public testing::TestWithParam<DrawPath> {
 protected:
     void SetUp() override {
         if (const std::string reason = undrawable_reason(GetParam()); !reason.empty()) GTEST_SKIP() << reason;
-        renderer_ = Renderer::create(test_device(), {.width = kWidth, .height = kHeight, .path = GetParam()}).value();
+        renderer_ = Renderer::create(test_device(),
+                                     {.width = kSeveralCrowdsWidth, .height = kSeveralCrowdsHeight, .path = GetParam()})
+                        .value();
     }
 
     // Each group stands behind the one before; `first`: of the groups, where it is in the whole.
@@ -26,12 +28,14 @@ protected:
         CrowdSettings settings{.keep_model_matrices = true};
         if (culls) settings.culling.emplace();
         for (const Character* character : characters)
-            settings.groups.push_back({.character = character, .instance_count = kCount});
+            settings.groups.push_back({.character = character, .instance_count = kSeveralCrowdsCount});
         Crowd crowd = create(settings);
         for (uint32_t i = 0; i < crowd.instance_count(); ++i) {
-            const Vec3<float> place{static_cast<float>(i % kCount), 0, -static_cast<float>(first + i / kCount)};
+            const Vec3<float> place{static_cast<float>(i % kSeveralCrowdsCount), 0,
+                                    -static_cast<float>(first + i / kSeveralCrowdsCount)};
             EXPECT_TRUE(crowd.set_placement(InstanceHandle{i}, to_affine(Trs<float>{.translation = place})));
-            EXPECT_TRUE(crowd.set_playback(InstanceHandle{i}, {.first = {.clip = 0, .time_s = 0.1 * (i % kCount)}}));
+            EXPECT_TRUE(crowd.set_playback(InstanceHandle{i},
+                                           {.first = {.clip = 0, .time_s = 0.1 * (i % kSeveralCrowdsCount)}}));
         }
         return crowd;
     }
@@ -75,12 +79,13 @@ TEST_P(SeveralCrowds, AreRecordedTogether) {
     const Gpu& gpu = *test_gpu();
     Crowd front = crowd_of({&walker_}, 0), back = crowd_of({&worm_}, 1), whole = crowd_of({&walker_, &worm_}, 0);
     const auto together = std::array{&front, &back};
-    Buffer pixels(test_gpu(), "pixels", kWidth * kHeight * 4, VK_BUFFER_USAGE_TRANSFER_DST_BIT, MemoryKind::kReadback);
+    Buffer pixels(test_gpu(), "pixels", kSeveralCrowdsWidth * kSeveralCrowdsHeight * 4,
+                  VK_BUFFER_USAGE_TRANSFER_DST_BIT, MemoryKind::kReadback);
     const auto picture = [&](const auto& record) {
         gpu.submit_and_wait([&](VkCommandBuffer commands) {
             record(commands);
             const VkBufferImageCopy region{.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1},
-                                           .imageExtent = {kWidth, kHeight, 1}};
+                                           .imageExtent = {kSeveralCrowdsWidth, kSeveralCrowdsHeight, 1}};
             gpu.vk.vkCmdCopyImageToBuffer(commands, renderer_.picture(), VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL,
                                           pixels.handle(), 1, &region);
             memory_barrier(gpu, commands, kTransferWrite, kHostRead);

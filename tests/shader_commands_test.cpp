@@ -15,11 +15,11 @@
 namespace throng::test {
 namespace {
 
-const InSubset kInSubsets({Subset::kGpuAssisted},
-                          {"ShaderCommands.RandomBitsDoNoHarm", "ShaderCommands/*.DoWhatCallsDo/Device"}),
-    kNatively({Subset::kNative}, {"*ShaderCommands*"});
+const InSubset kShaderCommandsInSubsets({Subset::kGpuAssisted},
+                                        {"ShaderCommands.RandomBitsDoNoHarm", "ShaderCommands/*.DoWhatCallsDo/Device"}),
+    kShaderCommandsNatively({Subset::kNative}, {"*ShaderCommands*"});
 
-constexpr uint32_t kGroups = 6, kDirect = 5, kCapacity = 200;
+constexpr uint32_t kGroups = 6, kDirect = 5, kGroupCapacity = 200;
 constexpr uint32_t kHeadWords = sizeof(CommandHead) / sizeof(uint32_t);
 
 // As a shader would leave them, by block.
@@ -64,7 +64,7 @@ public:
         for (CrowdGroup& group : settings.groups) group.capacity = kRoom;
         called = create(settings);
         for (CrowdGroup& group : settings.groups) {
-            group.command_capacity = kCapacity;
+            group.command_capacity = kGroupCapacity;
             group.shaders_populate = true;
         }
         commanded = create(settings);
@@ -217,11 +217,6 @@ TEST_P(ShaderCommandsOnPath, DoWhatCallsDo) {
     EXPECT_GT(both.compared_bytes, 1'000'000u);
 }
 
-std::string path_name(const testing::TestParamInfo<UpdatePath>& of) {
-    if (of.param == UpdatePath::kAuto) return "Auto";
-    return of.param == UpdatePath::kDevice ? "Device" : "Staged";
-}
-
 INSTANTIATE_TEST_SUITE_P(ShaderCommands, ShaderCommandsOnPath,
                          testing::Values(UpdatePath::kAuto, UpdatePath::kDevice, UpdatePath::kStaged), path_name);
 
@@ -345,7 +340,7 @@ TEST_F(ShaderCommands, RandomBitsDoNoHarm) {
     for (CrowdGroup& group : of.groups) {
         group.pose_capacity = 0;
         group.capacity = 8;
-        group.command_capacity = kCapacity;
+        group.command_capacity = kGroupCapacity;
         group.shaders_populate = true;
         group.outfits = {{}};
     }
@@ -354,7 +349,7 @@ TEST_F(ShaderCommands, RandomBitsDoNoHarm) {
     uint64_t ignored = 0;
     for (int update = 0; update < 20; ++update) {
         for (uint32_t block = 0; block < crowd.outputs().size(); ++block) {
-            std::vector<InstanceCommand> commands(kCapacity);
+            std::vector<InstanceCommand> commands(kGroupCapacity);
             for (InstanceCommand& command : commands) {
                 command.instance = random.below(10);
                 command.kind = static_cast<CommandKind>(random.below(10));
@@ -368,7 +363,7 @@ TEST_F(ShaderCommands, RandomBitsDoNoHarm) {
         for (uint32_t block = 0; block < crowd.outputs().size(); ++block) ignored += head_of(crowd, block).ignored;
     }
     EXPECT_GT(ignored, 1000u);
-    EXPECT_LT(ignored, 20u * 5 * kCapacity);
+    EXPECT_LT(ignored, 20u * 5 * kGroupCapacity);
 }
 
 // The CPU's population may be commanded, but not spawned.

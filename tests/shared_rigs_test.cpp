@@ -12,7 +12,7 @@
 namespace throng::test {
 namespace {
 
-const InSubset kNatively({Subset::kNative}, {"SharedRigs.*"});
+const InSubset kSharedRigsNatively({Subset::kNative}, {"SharedRigs.*"});
 
 class SharedRigs : public testing::Test {
 protected:

@@ -11,7 +11,7 @@
 namespace throng::test {
 namespace {
 
-const InSubset kNatively({Subset::kNative}, {"*SharedTextures.*", "SharedImages.*"});
+const InSubset kSharedTexturesNatively({Subset::kNative}, {"*SharedTextures.*", "SharedImages.*"});
 
 Character ball_of(const Asset& asset) { return compile_character(asset, kExact).expect(); }
 

@@ -7,7 +7,7 @@
 namespace throng::test {
 namespace {
 
-const InSubset kInSubsets({Subset::kNative}, {"ShownPose.*"});
+const InSubset kShownPoseInSubsets({Subset::kNative}, {"ShownPose.*"});
 
 double furthest(const std::vector<Vec3<float>>& a, const std::vector<Vec3<float>>& b) {
     double most = a.size() == b.size() ? 0 : 1e9;

@@ -19,15 +19,11 @@
 namespace throng::test {
 namespace {
 
-const InSubset kInSubsets({Subset::kGpuAssisted}, {"SkinPool.WhatHasNoRowSharesAPose"}),
-    kWithOtherSubgroups({Subset::kSubgroups}, {"SkinPool.OnTheDeviceToo"});
-const InSubset kNatively({Subset::kNative}, {"SkinPool.*"});
+const InSubset kSkinPoolInSubsets({Subset::kGpuAssisted}, {"SkinPool.WhatHasNoRowSharesAPose"}),
+    kSkinPoolWithOtherSubgroups({Subset::kSubgroups}, {"SkinPool.OnTheDeviceToo"});
+const InSubset kSkinPoolNatively({Subset::kNative}, {"SkinPool.*"});
 
-constexpr uint32_t kWidth = 320, kHeight = 240;
-
-Character creature_with_lods() {
-    return *compile_character(*make_creature({.joint_count = 40, .level_count = 12, .face_count = 800}));
-}
+constexpr uint32_t kSkinPoolWidth = 320, kSkinPoolHeight = 240;
 
 // In a square before the camera that view() has.
 std::vector<Affine> places(uint32_t count, double extent) {
@@ -42,7 +38,8 @@ std::vector<Affine> places(uint32_t count, double extent) {
 }
 
 CrowdView view(double extent) {
-    return *view_of({.eye = {0, 3, static_cast<float>(extent)}, .target = {0, 0, 0}}, kWidth, kHeight, {});
+    return *view_of({.eye = {0, 3, static_cast<float>(extent)}, .target = {0, 0, 0}}, kSkinPoolWidth, kSkinPoolHeight,
+                    {});
 }
 
 struct Counts {
@@ -230,9 +227,9 @@ TEST(SkinPool, PicturesAreThoseOfEverything) {
             {.groups = {{.character = &character, .instance_count = kCount, .skin_pool = pool}}, .culling = Culling{}});
         ASSERT_TRUE(crowd.set_placement(crowd.instances(), placements) &&
                     crowd.set_playback(crowd.instances(), playbacks));
-        Renderer renderer = *Renderer::create(test_device(), {.width = kWidth, .height = kHeight});
+        Renderer renderer = *Renderer::create(test_device(), {.width = kSkinPoolWidth, .height = kSkinPoolHeight});
         const Camera camera{.eye = {0, 3, 25}, .target = {0, 0, 0}};
-        CrowdView seen = *view_of(camera, kWidth, kHeight, {});
+        CrowdView seen = *view_of(camera, kSkinPoolWidth, kSkinPoolHeight, {});
         seen.shared_pose_pixels = pixels;
         ASSERT_TRUE(crowd.update(0.1f, &seen));
         Result<RenderResult> rendered = renderer.render(crowd, camera);

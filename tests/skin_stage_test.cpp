@@ -16,11 +16,11 @@
 namespace throng::test {
 namespace {
 
-const InSubset kInSubsets({Subset::kGpuAssisted},
-                          {"SkinStage.WithAViewWhatItListsIsSkinned", "SkinStage.DualQuaternionsFollowTheReference"});
-const InSubset kNatively({Subset::kNative}, {"SkinStage.*"});
+const InSubset kSkinStageInSubsets({Subset::kGpuAssisted}, {"SkinStage.WithAViewWhatItListsIsSkinned",
+                                                            "SkinStage.DualQuaternionsFollowTheReference"});
+const InSubset kSkinStageNatively({Subset::kNative}, {"SkinStage.*"});
 
-constexpr uint32_t kWidth = 160, kHeight = 120;
+constexpr uint32_t kSkinStageWidth = 160, kSkinStageHeight = 120;
 
 std::vector<SkinnedVertex> skinned_of(Crowd& crowd, uint32_t instance) {
     for (const OutputBlock& block : crowd.outputs()) {
@@ -83,8 +83,8 @@ TEST(SkinStage, WithAViewWhatItListsIsSkinned) {
                              .as<float>());
     ASSERT_TRUE(crowd.set_placement(crowd.instances(), places));
     ASSERT_TRUE(crowd.set_playback(crowd.instances(), random_playbacks(random, character, kCount)));
-    CrowdView view = *view_of({.eye = {0, character.size, 0}, .target = {0, 0, -10 * character.size}}, kWidth, kHeight,
-                              {});
+    CrowdView view = *view_of({.eye = {0, character.size, 0}, .target = {0, 0, -10 * character.size}}, kSkinStageWidth,
+                              kSkinStageHeight, {});
     view.lod_pixels = 0.5f;
     ASSERT_TRUE(crowd.update(0.1f, &view));
     std::vector<std::vector<SkinnedVertex>> before;
@@ -149,7 +149,7 @@ TEST(SkinStage, PicturesAreThoseThatTheDrawSkins) {
                                                {i % 3 ? 1.0 : -1.5, 1, 1}})
                              .as<float>());
     const std::vector<Playback> playbacks = random_playbacks(random, character, 12);
-    Result<Renderer> renderer = Renderer::create(test_device(), {.width = kWidth, .height = kHeight});
+    Result<Renderer> renderer = Renderer::create(test_device(), {.width = kSkinStageWidth, .height = kSkinStageHeight});
     ASSERT_TRUE(renderer);
     for (const SkinBlend blend : {SkinBlend::kLinear, SkinBlend::kDualQuaternion}) {
         std::vector<Picture> pictures;

@@ -15,8 +15,8 @@
 namespace throng {
 namespace {
 
-const test::InSubset kInSubsets({test::Subset::kGpuAssisted}, {"Skin.*"});
-const test::InSubset kNatively({test::Subset::kNative}, {"Skin.*"});
+const test::InSubset kSkinInSubsets({test::Subset::kGpuAssisted}, {"Skin.*"});
+const test::InSubset kSkinNatively({test::Subset::kNative}, {"Skin.*"});
 
 using namespace test;
 

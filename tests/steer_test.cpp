@@ -16,8 +16,8 @@
 namespace throng::test {
 namespace {
 
-const InSubset kInSubsets({Subset::kGpuAssisted, Subset::kSubgroups}, {"Steer.CrowdsThatCrossGetThrough"});
-const InSubset kNatively({Subset::kNative}, {"Steer.*"});
+const InSubset kSteerInSubsets({Subset::kGpuAssisted, Subset::kSubgroups}, {"Steer.CrowdsThatCrossGetThrough"});
+const InSubset kSteerNatively({Subset::kNative}, {"Steer.*"});
 
 constexpr float kWalk = 1.3f;  // units a second, of the clip
 
@@ -56,7 +56,7 @@ std::vector<T> all_of(Crowd& crowd, BufferView OutputBlock::*member, uint32_t pe
 }
 std::vector<Affine> placements_of(Crowd& crowd) { return all_of<Affine>(crowd, &OutputBlock::placement); }
 
-Affine at(double x, double z, double yaw = 0, double scale = 1) {
+Affine turned_at(double x, double z, double yaw = 0, double scale = 1) {
     return to_affine(Trs<double>{axis_angle(Vec3<double>{0, 1, 0}, yaw), {x, 0, z}, {scale, scale, scale}}).as<float>();
 }
 
@@ -177,8 +177,8 @@ private:
     uint64_t standing_ = 0, impatient_ = 0;
 };
 
-// Agents of several kinds and sizes, close together; some on the borders of cells, at the same place, at their
-// destination or without one, mirrored or leaning.
+// Agents of several kinds and sizes, close together; some on the borders of cells, turned_at the same place, turned_at
+// their destination or without one, mirrored or leaning.
 struct Mixture {
     static constexpr uint32_t kCounts[] = {90, 5, 40, 60};
     Character still = body(false), walking = body(true);
@@ -227,7 +227,7 @@ struct Mixture {
     }
 };
 
-void follow(double x, double z, uint64_t seed) {
+void follow_steering(double x, double z, uint64_t seed) {
     const Mixture mixture(x, z, seed);
     Followed followed(mixture.settings, mixture.places, mixture.destinations);
     for (int update = 0; update < 14 && !::testing::Test::HasFailure(); ++update) {
@@ -239,8 +239,8 @@ void follow(double x, double z, uint64_t seed) {
     EXPECT_GT(followed.impatient(), 50u);
 }
 
-TEST(Steer, FollowsTheReference) { follow(0, 0, 1); }
-TEST(Steer, FollowsTheReferenceFarFromTheOrigin) { follow(400, -1000, 2); }
+TEST(Steer, FollowsTheReference) { follow_steering(0, 0, 1); }
+TEST(Steer, FollowsTheReferenceFarFromTheOrigin) { follow_steering(400, -1000, 2); }
 
 TEST(Steer, RunsAndBatchesGiveTheSameBytes) {
     const Mixture mixture(-3, 7, 3);
@@ -265,7 +265,7 @@ TEST(Steer, NumbersChangeNoByte) {
     std::vector<Affine> places;
     std::vector<Vec3<float>> destinations;
     for (uint32_t i = 0; i < kCount; ++i) {
-        places.push_back(at(random.between(-3, 3), random.between(-3, 3), random.between(-3, 3)));
+        places.push_back(turned_at(random.between(-3, 3), random.between(-3, 3), random.between(-3, 3)));
         destinations.push_back(Vec3<double>{random.between(-9, 9), 0, random.between(-9, 9)}.as<float>());
     }
     const auto walked = [&] {
@@ -283,8 +283,8 @@ TEST(Steer, NumbersChangeNoByte) {
     EXPECT_TRUE(same_bits(forwards, backwards));
 }
 
-// Until all stand at their destinations, or so many seconds have passed. Gives how much nearer than the sum of their
-// radii two have come, as a part of it.
+// Until all stand turned_at their destinations, or so many seconds have passed. Gives how much nearer than the sum of
+// their radii two have come, as a part of it.
 double walk_home(Crowd& crowd, std::span<const Vec3<float>> destinations, float radius, double seconds,
                  bool begins_apart = true) {
     double worst = 0;
@@ -315,7 +315,7 @@ TEST(Steer, CrowdsThatCrossGetThrough) {
             for (const bool north : {false, true}) {  // two groups, one towards +z, the other towards +x
                 const double along = 4 + 1.4 * row + random.between(-0.2, 0.2),
                              across = 1.4 * column - 2.8 + random.between(-0.2, 0.2);
-                places.push_back(north ? at(across, -along) : at(-along, across));
+                places.push_back(north ? turned_at(across, -along) : turned_at(-along, across));
                 destinations.push_back(
                     Vec3<double>{north ? across : 12 - along, 0, north ? 12 - along : across}.as<float>());
             }
@@ -346,7 +346,7 @@ TEST(Steer, EveryoneAtOnePlacePartsAndArrives) {
 TEST(Steer, ClipsCarryThoseThatHaveRootMotion) {
     const Character character = body(true);
     const Controller controller = walker(character);
-    const std::vector<Affine> places{at(0, 0, 3), at(5, 0, 1, 2)};
+    const std::vector<Affine> places{turned_at(0, 0, 3), turned_at(5, 0, 1, 2)};
     const std::vector<Vec3<float>> destinations{{0.2f, 0, 6}, {-1, 0, 0.3f}};  // each in the other's way
     Crowd crowd = create({.groups = {{.character = &character,
                                       .instance_count = 2,
@@ -391,7 +391,7 @@ TEST(Steer, ADestinationIsTakenAwayOrWrittenOnTheGpu) {
                                       .controller = &controller,
                                       .moves_placements = false,
                                       .steering = Steering{.speed_parameter = kSpeed}}}});
-    const std::vector<Affine> places{at(0, 0), at(9, 0)};
+    const std::vector<Affine> places{turned_at(0, 0), turned_at(9, 0)};
     ASSERT_TRUE(crowd.set_placement(crowd.instances(), places) &&
                 crowd.set_destination(InstanceHandle{0}, Vec3<float>{0, 0, 9}));
     const auto walk = [&] {
@@ -423,7 +423,7 @@ TEST(Steer, WhatAViewSeesIsWhereTheyStandNow) {
     Crowd crowd = create(
         {.groups = {{.character = &character, .instance_count = 2, .steering = Steering{.radius = 2, .speed = 100}}},
          .culling = Culling{}});
-    const std::vector<Affine> places{at(0, -400), at(0, 0)};
+    const std::vector<Affine> places{turned_at(0, -400), turned_at(0, 0)};
     ASSERT_TRUE(crowd.set_placement(crowd.instances(), places));
     ASSERT_TRUE(crowd.set_destination(crowd.instances(), std::array{Vec3<float>{0, 0, 0}, Vec3<float>{0, 0, 400}}));
     const CrowdView view = *view_of({.eye = {0, 60, 0.1f}, .target = {0, 0, 0}}, 64, 64, {});
@@ -444,7 +444,6 @@ TEST(Steer, MistakesAreNamed) {
         return refusal(Crowd::create(
             test_device(), {.groups = {{.character = &character, .instance_count = 1, .steering = steering}}}));
     };
-    constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
     EXPECT_NE(refused({.radius = 0}).find("radius 0.0"), std::string::npos);
     EXPECT_NE(refused({.radius = kNan}).find("radius"), std::string::npos);
     EXPECT_NE(refused({.speed = -1}).find("speed -1"), std::string::npos);

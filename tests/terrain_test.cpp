@@ -10,8 +10,8 @@
 namespace throng::test {
 namespace {
 
-const InSubset kInSubsets({Subset::kGpuAssisted}, {"Terrain.*"});
-const InSubset kNatively({Subset::kNative}, {"Terrain.*"});
+const InSubset kTerrainInSubsets({Subset::kGpuAssisted}, {"Terrain.*"});
+const InSubset kTerrainNatively({Subset::kNative}, {"Terrain.*"});
 
 float between(Random& random, double least, double most) {
     return static_cast<float>(least + (most - least) * random.unit());

@@ -4,12 +4,17 @@
 #include <throng/throng.h>
 
 #include <array>
+#include <compare>
 #include <cstdint>
+#include <limits>
 #include <string>
 #include <string_view>
 #include <vector>
 
 namespace throng::test {
+
+inline constexpr float kInfinity = std::numeric_limits<float>::infinity(),
+                       kNan = std::numeric_limits<float>::quiet_NaN();
 
 // SplitMix64 (Steele, Lea, Flood, OOPSLA 2014). The standard's distributions differ between libraries.
 class Random {
@@ -67,6 +72,8 @@ struct AssetSettings {
     uint32_t vertex_count = 30;  // of each of the two meshes: the first with 4 influences, the second with 8
     // Targets of each mesh, with weights in most clips; the second mesh is then node 1's
     uint32_t morph_count = 0;
+
+    friend auto operator<=>(const AssetSettings&, const AssetSettings&) = default;
 };
 // Every node a joint of the one skin, node k below make_parents()[k].
 Asset make_asset(const AssetSettings& settings);

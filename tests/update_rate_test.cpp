@@ -19,10 +19,10 @@
 namespace throng::test {
 namespace {
 
-const InSubset kUnderValidation({Subset::kGpuAssisted}, {"UpdateRate.AFinerLevelIsAnimatedAtOnce"});
-const InSubset kInSubsets({Subset::kNative}, {"UpdateRate.*", "-UpdateRate.TimesComeLateAndOnce"});
+const InSubset kUpdateRateUnderValidation({Subset::kGpuAssisted}, {"UpdateRate.AFinerLevelIsAnimatedAtOnce"});
+const InSubset kUpdateRateInSubsets({Subset::kNative}, {"UpdateRate.*", "-UpdateRate.TimesComeLateAndOnce"});
 
-constexpr uint32_t kWidth = 160, kHeight = 120;
+constexpr uint32_t kUpdateRateWidth = 160, kUpdateRateHeight = 120;
 
 // In rows behind one another, all in view.
 std::vector<Affine> rows_of(uint32_t count, double size) {
@@ -34,8 +34,8 @@ std::vector<Affine> rows_of(uint32_t count, double size) {
 }
 
 CrowdView view_along(float full_rate_pixels) {
-    CrowdView view = *view_of({.eye = {0, 0, 0}, .target = {0, 0, -1}, .vertical_field_of_view_rad = 1.5f}, kWidth,
-                              kHeight, {});
+    CrowdView view = *view_of({.eye = {0, 0, 0}, .target = {0, 0, -1}, .vertical_field_of_view_rad = 1.5f},
+                              kUpdateRateWidth, kUpdateRateHeight, {});
     view.lod_pixels = 1e-20f;
     view.full_rate_pixels = full_rate_pixels;
     return view;
@@ -89,7 +89,7 @@ void expect_interpolated(const CrowdGroup& group, SkinFormat format, bool keeps_
         ASSERT_TRUE(crowd->set_placement(crowd->instances(), places) &&
                     (group.controller || crowd->set_playback(crowd->instances(), playbacks)));
     const CrowdView near = view_along(40),
-                    away = *view_of({.eye = {0, 0, 10}, .target = {0, 0, 90}}, kWidth, kHeight, {});
+                    away = *view_of({.eye = {0, 0, 10}, .target = {0, 0, 90}}, kUpdateRateWidth, kUpdateRateHeight, {});
     struct Way {
         std::vector<Affine> shown, target;
         uint32_t left = 0;

@@ -13,17 +13,17 @@ namespace {
 
 using Json = nlohmann::json;
 
-constexpr uint32_t kCharacters = 60, kJoints = 60;
+constexpr uint32_t kViewBenchCharacters = 60, kViewBenchJoints = 60;
 
 // In a row that begins at the camera and leads away from it, every third behind it. Levels of detail say that they are
 // off by so many times what they are.
 std::map<std::string, Json> measure(float times_error, const Vec3<float>& target = {0, 0, -1}) {
     Character character = *compile_character(
-        *make_creature({.joint_count = kJoints, .level_count = 15, .face_count = 600}));
+        *make_creature({.joint_count = kViewBenchJoints, .level_count = 15, .face_count = 600}));
     for (Lod& level : character.lods) level.error *= times_error;
     std::vector<Playback> playback;
-    std::vector<Affine> placement(kCharacters);
-    for (uint32_t i = 0; i < kCharacters; ++i) {
+    std::vector<Affine> placement(kViewBenchCharacters);
+    for (uint32_t i = 0; i < kViewBenchCharacters; ++i) {
         playback.push_back({.first = {.clip = i % 3, .time_s = 0.1 * i},
                             .second = {.clip = (i + 1) % 3, .time_s = 0.07 * i},
                             .weight = 0.1f + 0.01f * static_cast<float>(i)});
@@ -52,8 +52,8 @@ TEST(ViewBench, EveryVariantIsMeasured) {
     for (const auto& [variant, record] : records) {
         EXPECT_EQ(record["bench"], "view");
         EXPECT_EQ(record["configuration"], "a row");
-        EXPECT_EQ(record["characters"], kCharacters);
-        EXPECT_EQ(record["joints"], kJoints);
+        EXPECT_EQ(record["characters"], kViewBenchCharacters);
+        EXPECT_EQ(record["joints"], kViewBenchJoints);
         EXPECT_EQ(record["samples"], 2);
         EXPECT_FALSE(record.contains("wrong")) << record;
         EXPECT_EQ(record.contains("lod_pixels"), variant != "everything");
@@ -63,7 +63,7 @@ TEST(ViewBench, EveryVariantIsMeasured) {
         EXPECT_EQ(record["stages"].contains("update_rate"), variant == "and fewer updates") << record;
         const std::vector<uint32_t> drawn = record["drawn"];
         EXPECT_EQ(std::accumulate(drawn.begin(), drawn.end(), 0u),
-                  variant == "everything" ? kCharacters : kCharacters * 2 / 3);
+                  variant == "everything" ? kViewBenchCharacters : kViewBenchCharacters * 2 / 3);
         EXPECT_GT(drawn[0], 0u);
         EXPECT_GT(drawn.size(), variant == "everything" ? 0u : 1u);
         EXPECT_NEAR(record["times_faster"].get<double>(),

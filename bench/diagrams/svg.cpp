@@ -9,27 +9,27 @@ namespace throng::bench {
 namespace {
 
 // Threads: the palette of Okabe and Ito (Color Universal Design, 2008) without its yellow and black.
-constexpr std::string_view kStyle = R"(<style>
+constexpr std::string_view kSvgStyle = R"(<style>
 svg{--paper:#fff;--edge:#d0d7de;--ink:#1f2328;--soft:#656d76;--faint:#eef1f4;--cell:#dfe4ea;--own:#9aa4b0}
 @media(prefers-color-scheme:dark){svg{--paper:#0d1117;--edge:#30363d;--ink:#e6edf3;--soft:#9198a1;--faint:#1a2028;)"
-                                    R"(--cell:#2b323b;--own:#6e7884}.t0.t0{--t:#2a86d1}}
+                                       R"(--cell:#2b323b;--own:#6e7884}.t0.t0{--t:#2a86d1}}
 .t0{--t:#0072b2}.t1{--t:#e69f00}.t2{--t:#009e73}.t3{--t:#cc79a7}.t4{--t:#56b4e9}.t5{--t:#d55e00}
 text{font-family:Inter,system-ui,Helvetica,Arial,sans-serif;font-size:11px;fill:var(--ink)}
 .paper{fill:var(--paper);stroke:var(--edge)}
 .name{font-size:16px;font-weight:600}.soft{fill:var(--soft)}.small{font-size:9.5px}.mid{text-anchor:middle})"
-                                    R"(.end{text-anchor:end}.bold{font-weight:600}
+                                       R"(.end{text-anchor:end}.bold{font-weight:600}
 .joint{fill:var(--t);stroke:none}.number{font-size:9.5px;font-weight:600;fill:#fff;text-anchor:middle}
 .bone{stroke:var(--soft);stroke-width:1.4;fill:none}.cut{stroke-dasharray:2 3;opacity:.6}
 .guide{stroke:var(--faint);stroke-width:1}.block{stroke:var(--soft);stroke-dasharray:3 4;opacity:.6}
 .cell{fill:var(--cell)}.own{fill:var(--own)}.known{fill:var(--t)}.done{fill:none;stroke:var(--ink);stroke-width:1.2}
 .carry{stroke:var(--t);stroke-width:1;opacity:.6}.kept{stroke:var(--own);stroke-width:1}
 .move{stroke:var(--t);stroke-width:1.5;fill:none}.from{fill:var(--t);stroke:var(--t);stroke-width:1.2})"
-                                    R"(.hollow{fill:var(--paper)}
+                                       R"(.hollow{fill:var(--paper)}
 .wait{stroke:var(--ink);stroke-width:1.2}.shuffle{stroke:var(--ink);stroke-width:1.2;stroke-dasharray:5 4})"
-                                    R"(.next{stroke:var(--edge)}
+                                       R"(.next{stroke:var(--edge)}
 </style>)";
 
-std::string number(double value) {
+std::string svg_number(double value) {
     char text[32];
     std::snprintf(text, sizeof text, "%.1f", value);
     std::string out = text;
@@ -41,7 +41,7 @@ using Attributes = std::initializer_list<std::pair<const char*, double>>;
 
 std::string attributes(Attributes numbers) {
     std::string all;
-    for (const auto& [name, value] : numbers) all += std::string(" ") + name + "=\"" + number(value) + "\"";
+    for (const auto& [name, value] : numbers) all += std::string(" ") + name + "=\"" + svg_number(value) + "\"";
     return all;
 }
 
@@ -62,9 +62,9 @@ void Svg::line(Point from, Point to, std::string_view style) {
 }
 
 void Svg::curve(Point from, Point to, std::string_view style) {
-    const std::string middle = number((from.y + to.y) / 2);
-    element("path d=\"M" + number(from.x) + " " + number(from.y) + "C" + number(from.x) + " " + middle + " " +
-                number(to.x) + " " + middle + " " + number(to.x) + " " + number(to.y) + "\"",
+    const std::string middle = svg_number((from.y + to.y) / 2);
+    element("path d=\"M" + svg_number(from.x) + " " + svg_number(from.y) + "C" + svg_number(from.x) + " " + middle +
+                " " + svg_number(to.x) + " " + middle + " " + svg_number(to.x) + " " + svg_number(to.y) + "\"",
             style);
 }
 
@@ -84,8 +84,8 @@ void Svg::text(Point at, std::string_view text, std::string_view style) {
 
 std::string Svg::document(double width, double height, std::string_view title) const {
     return "<svg xmlns=\"http://www.w3.org/2000/svg\"" + attributes({{"width", width}, {"height", height}}) +
-           " viewBox=\"0 0 " + number(width) + " " + number(height) + "\" role=\"img\">\n<title>" + escape(title) +
-           "</title>\n" + std::string(kStyle) + "\n<rect x=\"0.5\" y=\"0.5\"" +
+           " viewBox=\"0 0 " + svg_number(width) + " " + svg_number(height) + "\" role=\"img\">\n<title>" +
+           escape(title) + "</title>\n" + std::string(kSvgStyle) + "\n<rect x=\"0.5\" y=\"0.5\"" +
            attributes({{"width", width - 1}, {"height", height - 1}}) + " rx=\"8\" class=\"paper\"/>\n" + body_ +
            "</svg>\n";
 }

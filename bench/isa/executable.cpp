@@ -44,7 +44,7 @@ std::string assembly_of(const Gpu& gpu, const VkPipelineExecutableInfoKHR& which
     throw Failure(ErrorCode::kUnsupported, gpu.info.driver, "it does not hand out machine code");
 }
 
-uint32_t value_of(const std::map<std::string, uint64_t>& values, const char* name) {
+uint32_t statistic(const std::map<std::string, uint64_t>& values, const char* name) {
     const auto found = values.find(name);
     if (found == values.end())
         throw Failure(ErrorCode::kUnsupported, "statistics of a pipeline",
@@ -72,12 +72,12 @@ std::vector<Executable> executables_of(const Gpu& gpu, const MadePipeline& made)
         executables.push_back({.name = std::string(made.name) + stage,
                                .workgroup_size = made.workgroup_size,
                                .subgroup_size = properties[i].subgroupSize,
-                               .vgprs = value_of(values, "VGPRs"),
-                               .sgprs = value_of(values, "SGPRs"),
-                               .spilled_vgprs = value_of(values, "Spilled VGPRs"),
-                               .spilled_sgprs = value_of(values, "Spilled SGPRs"),
-                               .scratch_bytes = value_of(values, "Scratch size"),
-                               .shared_bytes = value_of(values, "LDS size"),
+                               .vgprs = statistic(values, "VGPRs"),
+                               .sgprs = statistic(values, "SGPRs"),
+                               .spilled_vgprs = statistic(values, "Spilled VGPRs"),
+                               .spilled_sgprs = statistic(values, "Spilled SGPRs"),
+                               .scratch_bytes = statistic(values, "Scratch size"),
+                               .shared_bytes = statistic(values, "LDS size"),
                                .code = read_machine_code(assembly_of(gpu, which))});
     }
     return executables;

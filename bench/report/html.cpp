@@ -7,19 +7,19 @@
 namespace throng::bench {
 namespace {
 
-constexpr std::string_view kStyle = R"(
+constexpr std::string_view kHtmlStyle = R"(
 :root { color-scheme: light dark; --ink: #1f2328; --soft: #59636e; --line: #d8dee4; --page: #ffffff; --raised: )"
-                                    R"(#f6f8fa; --best: #0550ae; --bad: #b3261e; }
+                                        R"(#f6f8fa; --best: #0550ae; --bad: #b3261e; }
 @media (prefers-color-scheme: dark) {
   :root { --ink: #e6edf3; --soft: #9da7b1; --line: #30363d; --page: #0d1117; --raised: #161b22; --best: #79c0ff; )"
-                                    R"(--bad: #ff8a80; }
+                                        R"(--bad: #ff8a80; }
 }
 * { box-sizing: border-box; }
 body { margin: 0 auto; padding: 2.5rem 1.5rem 5rem; max-width: 64rem; background: var(--page); color: var(--ink);
   font: 16px/1.55 Inter, system-ui, -apple-system, "Segoe UI", "Helvetica Neue", Arial, sans-serif; }
 h1 { font-size: 2rem; line-height: 1.2; letter-spacing: -0.02em; margin: 0 0 0.75rem; }
 h2 { font-size: 1.4rem; letter-spacing: -0.01em; margin: 3.5rem 0 0.75rem; padding-top: 1rem; border-top: 1px solid )"
-                                    R"(var(--line); }
+                                        R"(var(--line); }
 section:first-of-type h2 { margin-top: 1rem; }
 h3 { font-size: 1.08rem; margin: 2.5rem 0 0.25rem; }
 p, figcaption { max-width: 46rem; }
@@ -27,18 +27,18 @@ p { margin: 0.4rem 0 1rem; }
 code { font: 0.88em ui-monospace, "SF Mono", Menlo, Consolas, monospace; }
 .facts { display: flex; flex-wrap: wrap; gap: 0.2rem 1.6rem; margin: 0; color: var(--soft); font-size: 0.9rem; }
 .facts div { display: flex; gap: 0.4rem; } .facts dt { white-space: nowrap; } .facts dd { margin: 0; color: )"
-                                    R"(var(--ink); overflow-wrap: anywhere; }
+                                        R"(var(--ink); overflow-wrap: anywhere; }
 figure { margin: 0.75rem 0 1.5rem; }
 .plot svg { display: block; width: 100%; height: auto; }
 figcaption, .soft { color: var(--soft); font-size: 0.9rem; }
 [data-series] { transition: opacity 0.12s; }
 .legend { display: flex; flex-wrap: wrap; gap: 0.4rem; padding: 0.6rem 0; background: var(--page); }
 .legend button { display: inline-flex; align-items: center; gap: 0.4rem; padding: 0.1rem 0.6rem; border: 1px solid )"
-                                    R"(var(--line); border-radius: 1rem;
+                                        R"(var(--line); border-radius: 1rem;
   background: none; color: inherit; font: inherit; font-size: 0.8rem; cursor: pointer; }
 .legend button[aria-pressed=false] { opacity: 0.45; text-decoration: line-through; }
 .swatch { display: inline-block; width: 0.65rem; height: 0.65rem; border-radius: 50%; background: var(--light); )"
-                                    R"(flex: none; }
+                                        R"(flex: none; }
 @media (prefers-color-scheme: dark) { .swatch { background: var(--dark); } }
 @media (min-width: 60rem) and (min-height: 40rem) { .legend { position: sticky; top: 0; z-index: 1; } }
 .scroll { overflow-x: auto; margin: 0.5rem 0 1rem; }
@@ -47,7 +47,7 @@ th, td { padding: 0.28rem 0.7rem; text-align: right; white-space: nowrap; border
 th { color: var(--soft); font-weight: 500; vertical-align: bottom; }
 td:first-child, th:first-child { text-align: left; padding-left: 0; }
 .note, .wide, .cell { text-align: left; } .note, .wide { white-space: normal; } td.note { color: var(--soft); )"
-                                    R"(min-width: 14rem; }
+                                        R"(min-width: 14rem; }
 .bad { color: var(--bad); }
 tr:hover td { background: var(--raised); }
 td b { color: var(--best); font-weight: 650; }
@@ -59,7 +59,7 @@ summary { cursor: pointer; padding: 0.25rem 0; }
 summary small { color: var(--soft); font-size: 0.9em; margin-left: 0.4rem; }
 .pair { display: grid; grid-template-columns: repeat(auto-fit, minmax(min(100%, 27rem), 1fr)); gap: 0 2rem; }
 @media (max-width: 40rem) { body { padding: 1.25rem 1rem 3rem; } h1 { font-size: 1.6rem; } figure > .plot:not(.pair )"
-                                    R"(*) text { font-size: 16px; } }
+                                        R"(*) text { font-size: 16px; } }
 @media print { .legend { display: none; } }
 )";
 
@@ -120,7 +120,7 @@ std::string details(const std::string& summary, const std::string& content, bool
 std::string html_page(const std::string& title, const std::string& body) {
     return "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<meta name=\"viewport\" "
            "content=\"width=device-width, initial-scale=1\">\n<title>" +
-           escape(title) + "</title>\n<style>" + std::string(kStyle) + "</style>\n</head>\n<body>\n" + body +
+           escape(title) + "</title>\n<style>" + std::string(kHtmlStyle) + "</style>\n</head>\n<body>\n" + body +
            "<script>" + std::string(kScript) + "</script>\n</body>\n</html>\n";
 }
 

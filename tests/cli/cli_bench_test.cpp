@@ -36,11 +36,11 @@ TEST_F(CliBench, BenchHasARecordForEachScanMethod) {
         EXPECT_EQ(record["stages"]["fused"]["median_ms"], 0);
         EXPECT_GT(record["stages"]["sample"]["median_ms"], 0);
         EXPECT_EQ(record["characters"], 50);
-        EXPECT_EQ(record["joints"], 50 * kJoints);
+        EXPECT_EQ(record["joints"], 50 * kCreatureJoints);
         EXPECT_EQ(record["samples"], 2);
         EXPECT_EQ(record["commit"], "abc1234");
         EXPECT_LT(record["max_error"], 1e-4);
-        EXPECT_GE(record["memory_bytes"], 50 * kJoints * 48);
+        EXPECT_GE(record["memory_bytes"], 50 * kCreatureJoints * 48);
         EXPECT_EQ(keys(record["stages"]), std::set<std::string>(kStageNames.begin(), kStageNames.end()));
         for (const Json& spread : {record["stages"]["scan"], record["total"]}) {
             EXPECT_EQ(keys(spread), set_of("median_ms p5_ms p95_ms"));
@@ -78,7 +78,7 @@ TEST_F(CliBench, TuneKeepsWhatInfoChoosesBy) {
         const Outcome info = succeed("info creature.glb --count 500", {.environment = environment});
         return info.out.substr(info.out.find("  scan "));
     };
-    EXPECT_TRUE(contains(scan_line(), "500 x " + std::to_string(kJoints) + " joints"));
+    EXPECT_TRUE(contains(scan_line(), "500 x " + std::to_string(kCreatureJoints) + " joints"));
     EXPECT_TRUE(contains(scan_line(), "costs: built in")) << scan_line();
 
     const Outcome dry = succeed("tune --quick --dry-run --json", {.environment = environment});
@@ -336,7 +336,7 @@ TEST_F(CliBench, BenchBaselinesComparesAllThree) {
     std::map<std::string, Json> records;
     for (const Json& record : records_of(read_file("baselines.jsonl"))) {
         EXPECT_EQ(record["bench"], "baseline");
-        EXPECT_EQ(record["joints"], kJoints);
+        EXPECT_EQ(record["joints"], kCreatureJoints);
         EXPECT_EQ(record["characters"], 50);
         EXPECT_EQ(record["commit"], "abc1234");
         EXPECT_LT(record["max_error"], 1e-4);

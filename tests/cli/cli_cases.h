@@ -12,14 +12,14 @@
 
 namespace throng::test {
 
-inline constexpr int kJoints = 40, kLevels = 12;  // of creature.glb
+inline constexpr int kCreatureJoints = 40, kCreatureLevels = 12;  // of creature.glb
 
 class ToolTestWithCreature : public ToolTest {
 protected:
     static void SetUpTestSuite() {
         ToolTest::SetUpTestSuite();
-        generate("creature.glb",
-                 "--joints " + std::to_string(kJoints) + " --levels " + std::to_string(kLevels) + " --faces 600");
+        generate("creature.glb", "--joints " + std::to_string(kCreatureJoints) + " --levels " +
+                                     std::to_string(kCreatureLevels) + " --faces 600");
     }
 };
 

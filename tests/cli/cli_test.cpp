@@ -73,11 +73,11 @@ TEST_F(Cli, HelpHasExamples) {
 TEST_F(Cli, InfoCountsExactly) {
     const Json info = json_of("info creature.glb --lods");
     EXPECT_EQ(info["file"], "creature.glb");
-    EXPECT_EQ(info["joints"], kJoints);
-    EXPECT_EQ(info["levels"], kLevels);
-    EXPECT_EQ(info["palette_entries"], kJoints);
+    EXPECT_EQ(info["joints"], kCreatureJoints);
+    EXPECT_EQ(info["levels"], kCreatureLevels);
+    EXPECT_EQ(info["palette_entries"], kCreatureJoints);
     ASSERT_EQ(info["skins"].size(), 1u);
-    EXPECT_EQ(info["skins"][0]["joints"], kJoints);
+    EXPECT_EQ(info["skins"][0]["joints"], kCreatureJoints);
     ASSERT_EQ(info["clips"].size(), 5u);
     const char* names[] = {"idle", "walk", "fly", "glide", "roar"};
     uint64_t clip_bytes = 0, raw_bytes = 0;
@@ -85,7 +85,7 @@ TEST_F(Cli, InfoCountsExactly) {
         const Json& clip = info["clips"][i];
         EXPECT_EQ(clip["name"], names[i]);
         EXPECT_GT(clip["duration_s"], 0);
-        EXPECT_EQ(clip["channels"], kJoints + 1);
+        EXPECT_EQ(clip["channels"], kCreatureJoints + 1);
         EXPECT_GT(clip["error_percent"], 0);
         EXPECT_LE(clip["error_percent"], 0.01);
         EXPECT_GT(clip["raw_bytes"], clip["bytes"]);
@@ -93,7 +93,7 @@ TEST_F(Cli, InfoCountsExactly) {
         raw_bytes += clip["raw_bytes"].get<uint64_t>();
     }
     ASSERT_GE(info["lods"].size(), 2u);
-    Json finer{{"faces", info["faces"]}, {"joints", kJoints}, {"error_percent", 0}};
+    Json finer{{"faces", info["faces"]}, {"joints", kCreatureJoints}, {"error_percent", 0}};
     for (const Json& lod : info["lods"]) {
         EXPECT_LT(lod["faces"], finer["faces"]);
         EXPECT_LE(lod["joints"], finer["joints"]);
@@ -105,8 +105,8 @@ TEST_F(Cli, InfoCountsExactly) {
     EXPECT_EQ(info["clip_bytes"], clip_bytes);
     EXPECT_EQ(info["clip_raw_bytes"], raw_bytes);
     EXPECT_GE(info["bytes_per_character"], clip_bytes);
-    EXPECT_GE(info["bytes_per_instance"], kJoints * 48);
-    EXPECT_LE(info["bytes_per_instance"], kJoints * 48 + 256);
+    EXPECT_GE(info["bytes_per_instance"], kCreatureJoints * 48);
+    EXPECT_LE(info["bytes_per_instance"], kCreatureJoints * 48 + 256);
     EXPECT_TRUE(info["warnings"].empty());
 
     const Json exact = json_of("info creature.glb --error exact"), coarse = json_of("info creature.glb --error 1");
@@ -166,9 +166,9 @@ TEST_F(Cli, PoseHasItsDocumentedShape) {
     ASSERT_EQ(all["skins"].size(), 1u);
     const Json& skin = all["skins"][0];
     EXPECT_EQ(keys(skin), set_of("skin joints jointWorld skinMatrix"));
-    EXPECT_EQ(skin["joints"].size(), size_t{kJoints});
+    EXPECT_EQ(skin["joints"].size(), size_t{kCreatureJoints});
     for (const char* key : {"jointWorld", "skinMatrix"}) {
-        ASSERT_EQ(skin[key].size(), size_t{kJoints});
+        ASSERT_EQ(skin[key].size(), size_t{kCreatureJoints});
         for (const Json& matrix : skin[key]) {
             ASSERT_EQ(matrix.size(), 16u);
             EXPECT_EQ((Json{matrix[3], matrix[7], matrix[11], matrix[15]}), (Json{0, 0, 0, 1}));
@@ -222,7 +222,7 @@ TEST_F(Cli, PoseTakesClipsTimesAndWeightsAsItSays) {
 
 TEST_F(Cli, PosePrintsAJointALine) {
     const Outcome run = succeed("pose creature.glb --reference");
-    EXPECT_EQ(std::count(run.out.begin(), run.out.end(), '\n'), kJoints + 1);
+    EXPECT_EQ(std::count(run.out.begin(), run.out.end(), '\n'), kCreatureJoints + 1);
 }
 
 TEST_F(Cli, RenderWritesAPictureOfTheAskedSize) {

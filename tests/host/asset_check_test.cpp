@@ -1,4 +1,5 @@
 // Assets that an engine fills itself: what is wrong with them is named, whatever it is, and nothing crashes.
+#include "tests/test_rig.h"
 #include "tests/text.h"
 
 #include <throng/character.h>
@@ -6,7 +7,6 @@
 #include <gtest/gtest.h>
 
 #include <functional>
-#include <limits>
 #include <random>
 
 namespace throng {
@@ -44,7 +44,6 @@ Asset filled() {
 
 TEST(AssetCheck, WhatIsWrongIsNamed) {
     ASSERT_TRUE(compile_character(filled()));
-    constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
     struct Case {
         const char* message;
         std::function<void(Asset&)> spoil;
@@ -120,7 +119,7 @@ TEST(AssetCheck, SpoiledAtRandomNothingCrashes) {
     const auto below = [&](size_t count) { return count == 0 ? 0 : random() % count; };
     const auto index = [&](uint32_t& of) { of = below(3) == 0 ? kNone : static_cast<uint32_t>(below(5)); };
     const auto number = [&](auto& of) {
-        constexpr std::array<float, 6> kAny{0, -1, 1e30f, 3, std::numeric_limits<float>::infinity(), 1e-30f};
+        constexpr std::array<float, 6> kAny{0, -1, 1e30f, 3, kInfinity, 1e-30f};
         of = kAny[below(kAny.size())];
     };
     const auto length = [&](auto& items) { items.resize(below(items.size() + 2)); };

@@ -454,9 +454,8 @@ void expect_refused(double error, const std::vector<Crafted>& cases) {
     }
 }
 
-constexpr uint32_t kMost = 0xFFFFFFFFu;
+constexpr uint32_t kAllOnes = 0xFFFFFFFFu;
 constexpr uint64_t kMost64 = ~uint64_t{0};
-constexpr float kInfinity = std::numeric_limits<float>::infinity(), kNan = std::numeric_limits<float>::quiet_NaN();
 
 TEST(CharacterFile, ACraftedTableIsRefused) {
     using S = SectionId;
@@ -465,7 +464,7 @@ TEST(CharacterFile, ACraftedTableIsRefused) {
             error,
             {
                 {"no sections", [](Forged& f) { f.header().section_count = 0; }, "sections"},
-                {"too many sections", [](Forged& f) { f.header().section_count = kMost; }, "sections"},
+                {"too many sections", [](Forged& f) { f.header().section_count = kAllOnes; }, "sections"},
                 {"a section's id twice", [](Forged& f) { f.entry(S::kKeys).id = static_cast<uint32_t>(S::kTimes); },
                  "keys"},
                 {"an unknown id", [](Forged& f) { f.entry(S::kMeshSections).id = 29; }, "mesh sections"},
@@ -532,14 +531,14 @@ TEST(CharacterFile, CraftedContentIsRefused) {
             error,
             {
                 {"more warnings than strings",
-                 [](Forged& f) { f.at<ScalarsRecord>(S::kScalars).warning_count = kMost; }, "strings"},
+                 [](Forged& f) { f.at<ScalarsRecord>(S::kScalars).warning_count = kAllOnes; }, "strings"},
                 {"fewer warnings than strings", [](Forged& f) { f.at<ScalarsRecord>(S::kScalars).warning_count = 0; },
                  "strings"},
                 {"a truth value of 2", [](Forged& f) { f.at<ScalarsRecord>(S::kScalars).packed = 2; }, "packed"},
-                {"a truth value of all bits", [](Forged& f) { f.at<ScalarsRecord>(S::kScalars).uniform_scale = kMost; },
-                 "uniform_scale"},
+                {"a truth value of all bits",
+                 [](Forged& f) { f.at<ScalarsRecord>(S::kScalars).uniform_scale = kAllOnes; }, "uniform_scale"},
                 {"what is reserved", [](Forged& f) { f.at<ScalarsRecord>(S::kScalars).reserved[1] = 1; }, "reserved"},
-                {"more levels than joints", [](Forged& f) { f.at<ScalarsRecord>(S::kScalars).level_count = kMost; },
+                {"more levels than joints", [](Forged& f) { f.at<ScalarsRecord>(S::kScalars).level_count = kAllOnes; },
                  "levels"},
                 {"no leaves", [](Forged& f) { f.at<ScalarsRecord>(S::kScalars).leaf_count = 0; }, "leaves"},
                 {"a mean depth that is no number",
@@ -562,23 +561,25 @@ TEST(CharacterFile, CraftedContentIsRefused) {
 
                 {"a joint its own parent", [](Forged& f) { f.at<uint32_t>(S::kParents, 2) = 2; }, "parents[2]"},
                 {"a parent after its child", [](Forged& f) { f.at<uint32_t>(S::kParents, 1) = 3; }, "parents[1]"},
-                {"a parent beyond the joints", [](Forged& f) { f.at<uint32_t>(S::kParents, -1) = kMost - 1; },
+                {"a parent beyond the joints", [](Forged& f) { f.at<uint32_t>(S::kParents, -1) = kAllOnes - 1; },
                  "parents[3]"},
                 {"a rest pose that is not finite", [](Forged& f) { f.at<Trs<float>>(S::kRest, 1).scale.z = kNan; },
                  "rest[1]"},
 
                 {"a clip without rows", [](Forged& f) { f.at<ClipRecord>(S::kClips).row_count = 0; }, "clips[0]"},
-                {"a clip of most rows", [](Forged& f) { f.at<ClipRecord>(S::kClips).row_count = kMost; }, "clips[0]"},
+                {"a clip of most rows", [](Forged& f) { f.at<ClipRecord>(S::kClips).row_count = kAllOnes; },
+                 "clips[0]"},
                 {"a clip of one more row", [](Forged& f) { f.at<ClipRecord>(S::kClips, -1).row_count += 1; },
                  "clips[1]"},
                 {"a clip whose times are another's", [](Forged& f) { f.at<ClipRecord>(S::kClips, 1).first_time = 0; },
                  "clips[1]"},
                 {"a clip whose times begin behind all",
-                 [](Forged& f) { f.at<ClipRecord>(S::kClips, 1).first_time = kMost; }, "clips[1]"},
-                {"the largest stride", [](Forged& f) { f.at<ClipRecord>(S::kClips).row_stride = kMost; }, "clips[0]"},
+                 [](Forged& f) { f.at<ClipRecord>(S::kClips, 1).first_time = kAllOnes; }, "clips[1]"},
+                {"the largest stride", [](Forged& f) { f.at<ClipRecord>(S::kClips).row_stride = kAllOnes; },
+                 "clips[0]"},
                 {"a stride that wraps around", [](Forged& f) { f.at<ClipRecord>(S::kClips).row_stride = 0x80000000u; },
                  "clips[0]"},
-                {"rows that begin behind all", [](Forged& f) { f.at<ClipRecord>(S::kClips).first_row = kMost; },
+                {"rows that begin behind all", [](Forged& f) { f.at<ClipRecord>(S::kClips).first_row = kAllOnes; },
                  "clips[0]"},
                 {"a negative duration", [](Forged& f) { f.at<ClipRecord>(S::kClips).duration_s = -1; }, "duration"},
                 {"a duration without end", [](Forged& f) { f.at<ClipRecord>(S::kClips).duration_s = kInfinity; },
@@ -600,7 +601,7 @@ TEST(CharacterFile, CraftedContentIsRefused) {
 
                 {"root motion behind its rows", [](Forged& f) { f.at<ClipRecord>(S::kClips, 1).root_row_count += 1; },
                  "clips[1]"},
-                {"root motion of most rows", [](Forged& f) { f.at<ClipRecord>(S::kClips).root_row_count = kMost; },
+                {"root motion of most rows", [](Forged& f) { f.at<ClipRecord>(S::kClips).root_row_count = kAllOnes; },
                  "clips[0]"},
                 {"root motion of one row", [](Forged& f) { f.at<ClipRecord>(S::kClips).root_row_count = 1; },
                  "clips[0]"},
@@ -612,7 +613,7 @@ TEST(CharacterFile, CraftedContentIsRefused) {
                 {"root motion of another clip", [](Forged& f) { f.at<ClipRecord>(S::kClips, 1).first_root_row = 0; },
                  "clips[1]"},
                 {"the largest row of root motion",
-                 [](Forged& f) { f.at<ClipRecord>(S::kClips, 1).first_root_row = kMost; }, "clips[1]"},
+                 [](Forged& f) { f.at<ClipRecord>(S::kClips, 1).first_root_row = kAllOnes; }, "clips[1]"},
                 {"a place that is not finite",
                  [](Forged& f) { f.at<std::array<float, 4>>(S::kRootRows, 1)[0] = kInfinity; }, "root rows[1]"},
                 {"a turn that is no number", [](Forged& f) { f.at<std::array<float, 4>>(S::kRootRows, 4)[3] = kNan; },
@@ -628,7 +629,7 @@ TEST(CharacterFile, CraftedContentIsRefused) {
                  "tracks[11]"},
                 {"the largest position", [](Forged& f) { f.at<JointTracks>(S::kTracks, 0).rotation = kTrackPosition; },
                  "tracks[0]"},
-                {"all bits of a track", [](Forged& f) { f.at<JointTracks>(S::kTracks, 5).translation = kMost; },
+                {"all bits of a track", [](Forged& f) { f.at<JointTracks>(S::kTracks, 5).translation = kAllOnes; },
                  "tracks[5]"},
                 {"a scale behind the keys",
                  [](Forged& f) {
@@ -641,22 +642,22 @@ TEST(CharacterFile, CraftedContentIsRefused) {
                 {"a palette entry of no joint", [](Forged& f) { f.at<PaletteEntry>(S::kPalette, 1).joint = 4; },
                  "palette[1]"},
                 {"a palette entry of the largest joint",
-                 [](Forged& f) { f.at<PaletteEntry>(S::kPalette, 0).joint = kMost; }, "palette[0]"},
+                 [](Forged& f) { f.at<PaletteEntry>(S::kPalette, 0).joint = kAllOnes; }, "palette[0]"},
                 {"an inverse bind that is not finite",
                  [](Forged& f) { f.at<PaletteEntry>(S::kPalette, 0).joint_from_bind.row[1][2] = kInfinity; },
                  "palette[0]"},
-                {"a skin behind the palette", [](Forged& f) { f.at<SkinRecord>(S::kSkins).first_entry = kMost; },
+                {"a skin behind the palette", [](Forged& f) { f.at<SkinRecord>(S::kSkins).first_entry = kAllOnes; },
                  "skins[0]"},
                 {"a skin larger than the palette", [](Forged& f) { f.at<SkinRecord>(S::kSkins).joint_count = 5; },
                  "skins[0]"},
                 {"a skin whose end wraps around",
                  [](Forged& f) {
-                     f.at<SkinRecord>(S::kSkins).first_entry = 2, f.at<SkinRecord>(S::kSkins).joint_count = kMost;
+                     f.at<SkinRecord>(S::kSkins).first_entry = 2, f.at<SkinRecord>(S::kSkins).joint_count = kAllOnes;
                  },
                  "skins[0]"},
 
                 {"an index of no vertex", [](Forged& f) { f.at<uint32_t>(S::kIndices, 0) = 6; }, "indices[0]"},
-                {"the largest index", [](Forged& f) { f.at<uint32_t>(S::kIndices, -1) = kMost; }, "indices["},
+                {"the largest index", [](Forged& f) { f.at<uint32_t>(S::kIndices, -1) = kAllOnes; }, "indices["},
                 {"an influence of no palette entry",
                  [](Forged& f) { f.at<Influences>(S::kInfluences, 3).entries[2] = 4; }, "influences[3]"},
                 {"the largest palette entry",
@@ -668,20 +669,20 @@ TEST(CharacterFile, CraftedContentIsRefused) {
                 {"a section of another's vertices",
                  [](Forged& f) { f.at<MeshSection>(S::kMeshSections, 1).first_vertex = 0; }, "sections[1]"},
                 {"a section of most vertices",
-                 [](Forged& f) { f.at<MeshSection>(S::kMeshSections, 0).vertex_count = kMost; }, "sections[0]"},
+                 [](Forged& f) { f.at<MeshSection>(S::kMeshSections, 0).vertex_count = kAllOnes; }, "sections[0]"},
                 {"a section of one vertex fewer",
                  [](Forged& f) { f.at<MeshSection>(S::kMeshSections, 1).vertex_count -= 1; }, "indices"},
                 {"a section of another's influences",
-                 [](Forged& f) { f.at<MeshSection>(S::kMeshSections, 1).first_influences = kMost; }, "sections[1]"},
+                 [](Forged& f) { f.at<MeshSection>(S::kMeshSections, 1).first_influences = kAllOnes; }, "sections[1]"},
                 {"a section without influences",
                  [](Forged& f) { f.at<MeshSection>(S::kMeshSections, 0).influence_sets = 0; }, "sections[0]"},
                 {"most sets of influences",
-                 [](Forged& f) { f.at<MeshSection>(S::kMeshSections, 0).influence_sets = kMost; }, "sections[0]"},
+                 [](Forged& f) { f.at<MeshSection>(S::kMeshSections, 0).influence_sets = kAllOnes; }, "sections[0]"},
                 {"one set of influences more",
                  [](Forged& f) { f.at<MeshSection>(S::kMeshSections, 1).influence_sets += 1; }, "sections[1]"},
                 {"a section of another's indices",
                  [](Forged& f) { f.at<MeshSection>(S::kMeshSections, 1).first_index = 0; }, "sections[1]"},
-                {"most indices", [](Forged& f) { f.at<MeshSection>(S::kMeshSections, 0).index_count = kMost; },
+                {"most indices", [](Forged& f) { f.at<MeshSection>(S::kMeshSections, 0).index_count = kAllOnes; },
                  "sections[0]"},
                 {"indices that make no triangles",
                  [](Forged& f) { f.at<MeshSection>(S::kMeshSections, 1).index_count -= 1; }, "sections[1]"},
@@ -694,7 +695,7 @@ TEST(CharacterFile, CraftedContentIsRefused) {
                 {"a section of no morph", [](Forged& f) { f.at<MeshSection>(S::kMeshSections, 1).morph_count += 1; },
                  "sections[1]"},
                 {"morphs whose end wraps around",
-                 [](Forged& f) { f.at<MeshSection>(S::kMeshSections, 0).first_morph = kMost; }, "sections[0]"},
+                 [](Forged& f) { f.at<MeshSection>(S::kMeshSections, 0).first_morph = kAllOnes; }, "sections[0]"},
                 {"a section whose morphs are gone",
                  [](Forged& f) { f.at<MeshSection>(S::kMeshSections, 0).morph_count = 0; }, "its section has none"},
                 {"a default weight that is no number",
@@ -705,7 +706,7 @@ TEST(CharacterFile, CraftedContentIsRefused) {
                          f.entry(S::kMorphDeltas).element_count);
                  },
                  "vertices[0]"},
-                {"the largest difference", [](Forged& f) { f.at<Vertex>(S::kVertices, -1).first_delta = kMost; },
+                {"the largest difference", [](Forged& f) { f.at<Vertex>(S::kVertices, -1).first_delta = kAllOnes; },
                  "vertices[11]"},
                 {"a difference that is not finite",
                  [](Forged& f) { f.at<MorphDelta>(S::kMorphDeltas, 1).position.y = kInfinity; }, "morph deltas[1]"},
@@ -723,9 +724,9 @@ TEST(CharacterFile, CraftedContentIsRefused) {
                  },
                  "morph tracks[0]"},
                 {"the largest stride of weights",
-                 [](Forged& f) { f.at<ClipRecord>(S::kClips).morph_row_stride = kMost; }, "morph tracks["},
+                 [](Forged& f) { f.at<ClipRecord>(S::kClips).morph_row_stride = kAllOnes; }, "morph tracks["},
                 {"rows of weights of another clip",
-                 [](Forged& f) { f.at<ClipRecord>(S::kClips, 1).first_morph_time = kMost; }, "clips[1]"},
+                 [](Forged& f) { f.at<ClipRecord>(S::kClips, 1).first_morph_time = kAllOnes; }, "clips[1]"},
                 {"one row of weights more", [](Forged& f) { f.at<ClipRecord>(S::kClips, 1).morph_row_count += 1; },
                  "clips[1]"},
                 {"a weight without end", [](Forged& f) { f.at<float>(S::kMorphValues, -1) = kInfinity; },
@@ -818,8 +819,8 @@ TEST(CharacterFile, CraftedPackedTracksAreRefused) {
             {"the highest bit of a layout", [](Forged& f) { FirstTrack::head(f)[3] |= 1u << 31; }, "unknown bits"},
             {"a track behind its row",
              [](Forged& f) { FirstTrack::tail(f)[3] = 32 * f.at<ClipRecord>(S::kClips, 0).row_stride; }, "a row"},
-            {"the largest first bit", [](Forged& f) { FirstTrack::tail(f)[3] = kMost; }, ""},
-            {"the largest first bit of a word", [](Forged& f) { FirstTrack::tail(f)[3] = kMost & ~31u; }, "a row"},
+            {"the largest first bit", [](Forged& f) { FirstTrack::tail(f)[3] = kAllOnes; }, ""},
+            {"the largest first bit of a word", [](Forged& f) { FirstTrack::tail(f)[3] = kAllOnes & ~31u; }, "a row"},
             {"a minimum that is not finite",
              [](Forged& f) { f.at<std::array<float, 4>>(S::kKeys, FirstTrack::tracks(f).rotation)[0] = kInfinity; },
              "finite"},
@@ -909,7 +910,7 @@ TEST(CharacterFile, NoChangedWordLeadsAStageOutOfItsBuffers) {
             uint32_t before = 0;
             std::memcpy(&before, bytes.data() + at, 4);
             for (const uint32_t word : {0u, 1u, 2u, before + 1, before - 1, before ^ 0x80000000u, before ^ 0x40000000u,
-                                        before << 8, 0x7FFFFFFFu, 0x7F800000u, 0xFFFFFFFEu, kMost}) {
+                                        before << 8, 0x7FFFFFFFu, 0x7F800000u, 0xFFFFFFFEu, kAllOnes}) {
                 if (word == before) continue;
                 Forged forged(bytes);
                 std::memcpy(forged.bytes().data() + at, &word, 4);

@@ -1,6 +1,7 @@
 #include "tests/glb_builder.h"
 #include "tests/files.h"
 #include "tests/shared.h"
+#include "tests/test_rig.h"
 
 #include <throng/throng.h>
 
@@ -15,7 +16,6 @@
 #include <cmath>
 #include <cstdlib>
 #include <fstream>
-#include <limits>
 #include <set>
 
 #include <sys/stat.h>
@@ -24,9 +24,6 @@ namespace throng::test {
 namespace {
 
 namespace fs = std::filesystem;
-
-constexpr float kInfinity = std::numeric_limits<float>::infinity();
-constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 
 Result<Asset> load(const std::string& content, const std::string& name = "file.glb") {
     const TemporaryFolder folder;
@@ -60,10 +57,10 @@ void expect_refused(const GlbBuilder& b, const std::string& place, const std::st
 }
 void expect_limit(const GlbBuilder& b, const std::string& place) { expect_refused(load(b), ErrorCode::kLimit, place); }
 
-Json& primitive(GlbBuilder& b) { return b.json["meshes"][0]["primitives"][0]; }
-Json& attributes(GlbBuilder& b) { return primitive(b)["attributes"]; }
-Json& sampler(GlbBuilder& b) { return b.json["animations"][0]["samplers"][0]; }
-Json& channel(GlbBuilder& b) { return b.json["animations"][0]["channels"][0]; }
+GltfJson& primitive(GlbBuilder& b) { return b.json["meshes"][0]["primitives"][0]; }
+GltfJson& attributes(GlbBuilder& b) { return primitive(b)["attributes"]; }
+GltfJson& sampler(GlbBuilder& b) { return b.json["animations"][0]["samplers"][0]; }
+GltfJson& channel(GlbBuilder& b) { return b.json["animations"][0]["channels"][0]; }
 
 template <class T>
 void overwrite(GlbBuilder& b, size_t accessor, size_t component, T value) {
@@ -225,7 +222,7 @@ TEST(Import, JsonIsBounded) {
 }
 
 TEST(Import, Versions) {
-    const auto with = [](const Json& asset) {
+    const auto with = [](const GltfJson& asset) {
         GlbBuilder b = tiny_character();
         b.json["asset"] = asset;
         return load(b);
@@ -237,7 +234,7 @@ TEST(Import, Versions) {
     expect_refused(with({{"version", "2.1"}, {"minVersion", "2.1"}}), ErrorCode::kUnsupported, "asset.minVersion");
     expect_refused(with({{"version", 2}}), ErrorCode::kInvalidFile, "asset.version", "must be a string");
     expect_refused(with({{"version", "two"}}), ErrorCode::kInvalidFile, "asset.version", "not a version");
-    expect_refused(with(Json::array()), ErrorCode::kInvalidFile, "asset", "must be an object");
+    expect_refused(with(GltfJson::array()), ErrorCode::kInvalidFile, "asset", "must be an object");
 }
 
 TEST(Import, Extensions) {
@@ -292,7 +289,7 @@ TEST(Import, NormalsThatAreMissingAreMade) {
 TEST(Import, AccessorsALittleTooLongAreReadAsFarAsTheyGo) {
     const auto with_colors = [](size_t count, size_t there) {
         GlbBuilder b = tiny_character();
-        Json& of = attributes(b);
+        GltfJson& of = attributes(b);
         of.erase("JOINTS_0");
         of.erase("WEIGHTS_0");
         b.json["nodes"][0].erase("skin");
@@ -338,7 +335,7 @@ TEST(Import, NodeMatrix) {
                              {},
                              {1, 2, 3}};
         const AffineT<double> a = to_affine(in);
-        Json matrix;
+        GltfJson matrix;
         for (size_t c = 0; c < 4; ++c)
             for (size_t r = 0; r < 4; ++r) matrix.push_back(r < 3 ? a.row[r][c] : c == 3 ? 1.0 : 0.0);
         b.json["nodes"][1]["matrix"] = matrix;
@@ -355,9 +352,9 @@ TEST(Import, OddNodeMatrices) {
     b.json["nodes"][1]["translation"] = {1, 2, 3};
     EXPECT_TRUE(has_warning(loaded(b), "nodes[1]: has both"));
     // Flat matrices keep a unit rotation.
-    for (const Json& flat :
-         {Json{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1}, Json{0, 0, 0, 0, 0, 1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1},
-          Json{0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1}}) {
+    for (const GltfJson& flat : {GltfJson{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1},
+                                 GltfJson{0, 0, 0, 0, 0, 1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1},
+                                 GltfJson{0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1}}) {
         GlbBuilder c = tiny_character();
         c.json["nodes"][1]["matrix"] = flat;
         const Quaternion<double> q = loaded(c).nodes[1].parent_from_node.rotation;
@@ -474,7 +471,7 @@ TEST(Import, Skins) {
     expect_refused(b, "skins[0].joints[1]");
     b.json["skins"][0]["joints"] = {3, 1};
     expect_refused(b, "skins[0].joints[0]", "index 3, but nodes has 3 entries");
-    b.json["skins"][0]["joints"] = Json::array();
+    b.json["skins"][0]["joints"] = GltfJson::array();
     expect_refused(b, "skins[0].joints", "is empty");
     b.json["skins"][0].erase("joints");
     expect_refused(b, "skins[0].joints", "is missing");
@@ -600,7 +597,7 @@ TEST(Import, KeyTimesThatGoBackAreSorted) {
 
 TEST(Import, MendedKeysAreOneWarningAClip) {
     GlbBuilder b = with_keys({0, 2, 1, 1});
-    Json& clip = b.json["animations"][0];
+    GltfJson& clip = b.json["animations"][0];
     clip["channels"].push_back(channel(b));  // uses the sampler again
     clip["channels"][1]["target"]["node"] = 1;
     clip["channels"].push_back(channel(b));
@@ -661,7 +658,7 @@ TEST(Import, Channels) {
     GlbBuilder b = tiny_character();
     b.json["animations"][0]["channels"].push_back(channel(b));
     b.json["animations"][0]["channels"][1]["sampler"] = 1;
-    Json second = sampler(b);
+    GltfJson second = sampler(b);
     second["interpolation"] = "STEP";
     b.json["animations"][0]["samplers"].push_back(second);
     Asset asset = loaded(b);
@@ -701,13 +698,13 @@ TEST(Import, Channels) {
     sampler(b)["input"] = 70;
     expect_refused(b, "animations[0].samplers[0].input", "index 70, but accessors has 8 entries");
     b = tiny_character();
-    b.json["animations"][0]["channels"] = Json::array();
+    b.json["animations"][0]["channels"] = GltfJson::array();
     EXPECT_TRUE(has_warning(loaded(b), "animations[0]: has no channels"));
 }
 
 TEST(Import, ManyClips) {
     GlbBuilder b = tiny_character();
-    const Json clip = b.json["animations"][0];
+    const GltfJson clip = b.json["animations"][0];
     for (int i = 0; i < 20'000; ++i) b.json["animations"].push_back(clip);
     const auto start = std::chrono::steady_clock::now();
     EXPECT_EQ(loaded(b).clips.size(), 20'001u);
@@ -717,7 +714,7 @@ TEST(Import, ManyClips) {
 // ---- Accessors ----
 
 TEST(Import, AccessorBounds) {
-    const auto with = [](const char* key, const Json& value) {
+    const auto with = [](const char* key, const GltfJson& value) {
         GlbBuilder b = tiny_character();
         b.json["accessors"][kPosition][key] = value;
         return b;
@@ -736,7 +733,7 @@ TEST(Import, AccessorBounds) {
     expect_refused(with("count", 3.5), place + ".count", "3.5");
     expect_limit(with("count", 4294967295u), place);
 
-    const auto with_view = [](const char* key, const Json& value) {
+    const auto with_view = [](const char* key, const GltfJson& value) {
         GlbBuilder b = tiny_character();
         b.json["bufferViews"][0][key] = value;
         return b;
@@ -767,7 +764,7 @@ TEST(Import, Sparse) {
     GlbBuilder b = tiny_character();
     const std::vector<uint16_t> indices{0, 2};
     const std::vector<float> values{5, 6, 7, 8, 9, 10};
-    Json& accessor = b.json["accessors"][kPosition];
+    GltfJson& accessor = b.json["accessors"][kPosition];
     const size_t indices_view = b.add_view(std::as_bytes(std::span(indices))),
                  values_view = b.add_view(std::as_bytes(std::span(values)));
     accessor["sparse"] = {{"count", 2},
@@ -778,7 +775,7 @@ TEST(Import, Sparse) {
     accessor.erase("bufferView");  // zeros
     EXPECT_EQ(loaded(b).meshes[0].primitives[0].positions,
               (std::vector<Vec3<float>>{{5, 6, 7}, {0, 0, 0}, {8, 9, 10}}));
-    const Json good = accessor["sparse"];
+    const GltfJson good = accessor["sparse"];
     accessor["sparse"]["count"] = 4;
     expect_refused(b, "accessors[0].sparse", "count is 4, but the accessor has 3 elements");
     accessor["sparse"]["count"] = 3;
@@ -808,7 +805,7 @@ TEST(Import, AmplificationIsBounded) {
     expect_limit(b, "meshes[0].primitives[0].attributes.POSITION");
     // Nor do many primitives over one.
     b.json["accessors"][8] = {{"componentType", kFloat}, {"count", 1'000'000}, {"type", "VEC3"}};
-    const Json one = primitive(b);
+    const GltfJson one = primitive(b);
     for (int i = 0; i < 1000; ++i) b.json["meshes"][0]["primitives"].push_back(one);
     const auto result = load(b);
     ASSERT_FALSE(result.ok());
@@ -904,9 +901,9 @@ TEST(Import, Influences) {
     expect_refused(b, place, "there are 2 sets of JOINTS, but 1 of WEIGHTS");
 
     b = tiny_character();
-    overwrite<uint8_t>(b, kJoints, 3, 200);  // of weight 0
+    overwrite<uint8_t>(b, kVertexJoints, 3, 200);  // of weight 0
     EXPECT_EQ(loaded(b).meshes[0].primitives[0].influence_joints[3], 0);
-    overwrite<uint8_t>(b, kJoints, 4, 2);
+    overwrite<uint8_t>(b, kVertexJoints, 4, 2);
     expect_refused(b, place + ".JOINTS_0", "vertex 1 follows joint 2, but skins[0] has 2");
     b.json["nodes"][0].erase("skin");  // nobody uses the joints
     EXPECT_TRUE(load(b).ok());
@@ -919,7 +916,7 @@ TEST(Import, Influences) {
     attributes(b)["JOINTS_0"] = kWeights;
     expect_refused(b, place + ".JOINTS_0", "must be VEC4 of unsigned");
     b = tiny_character();
-    attributes(b)["JOINTS_2"] = kJoints;
+    attributes(b)["JOINTS_2"] = kVertexJoints;
     EXPECT_TRUE(has_warning(loaded(b), "JOINTS_1: is missing"));
 }
 
@@ -929,7 +926,7 @@ TEST(Import, WeightsThatAreNotFiniteAreZero) {
     overwrite(b, kWeights, 1, kInfinity);
     overwrite(b, kWeights, 2, -kInfinity);
     overwrite(b, kWeights, 11, kNan);
-    overwrite<uint8_t>(b, kJoints, 11, 200);
+    overwrite<uint8_t>(b, kVertexJoints, 11, 200);
     Asset asset = loaded(b);
     EXPECT_EQ(asset.warnings.size(), 1u);
     EXPECT_TRUE(has_warning(asset, place + "2 of 3 vertices have weights that are not finite: they are set to 0"));
@@ -939,7 +936,7 @@ TEST(Import, WeightsThatAreNotFiniteAreZero) {
 
     // None is left: each vertex follows its first joint, or the skin's first where that has no such joint.
     for (size_t i = 0; i < 12; ++i) overwrite(b, kWeights, i, kNan);
-    for (size_t i = 0; i < 12; ++i) overwrite<uint8_t>(b, kJoints, i, i == 8 ? 200 : 1);
+    for (size_t i = 0; i < 12; ++i) overwrite<uint8_t>(b, kVertexJoints, i, i == 8 ? 200 : 1);
     asset = loaded(b);
     EXPECT_EQ(asset.warnings.size(), 1u);
     EXPECT_TRUE(has_warning(asset, place + "3 of 3 vertices"));
@@ -1018,11 +1015,13 @@ TEST(Import, MorphTargets) {
                  positions = b.add<float>({1, 2, 3, 4, 5, 6, 7, 8, 9}, "VEC3", kFloat),
                  normals = b.add<float>({0, 0, 1, 0, 1, 0, 0, 0, 0}, "VEC3", kFloat);
     primitive(b)["targets"] = {
-        {{"POSITION", positions}, {"NORMAL", normals}, {"TANGENT", 99}}, {{"POSITION", sparse}}, Json::object()};
+        {{"POSITION", positions}, {"NORMAL", normals}, {"TANGENT", 99}}, {{"POSITION", sparse}}, GltfJson::object()};
     b.json["meshes"].push_back(
         {{"primitives",
-          {{{"attributes", {{"POSITION", kPosition}}}, {"mode", 0}, {"targets", {Json::object(), Json::object()}}},
-           {{"attributes", {{"POSITION", kPosition}}}, {"targets", {{{"POSITION", sparse}}, Json::object()}}}}}});
+          {{{"attributes", {{"POSITION", kPosition}}},
+            {"mode", 0},
+            {"targets", {GltfJson::object(), GltfJson::object()}}},
+           {{"attributes", {{"POSITION", kPosition}}}, {"targets", {{{"POSITION", sparse}}, GltfJson::object()}}}}}});
     b.json["nodes"].push_back({{"mesh", 1}, {"weights", {0.25, -2}}});
     b.json["nodes"].push_back({{"mesh", 0}});
     b.json["scenes"][0]["nodes"] = {0, 1, 3, 4};
@@ -1047,7 +1046,7 @@ TEST(Import, MorphTargets) {
     EXPECT_TRUE(asset.mesh_instances[0].weights.empty());
     EXPECT_EQ(asset.mesh_instances[1].weights, (std::vector<float>{0.25f, -2}));
 
-    for (const Json& names : {Json(3), Json({"one"}), Json({"one", 2, "three"})}) {
+    for (const GltfJson& names : {GltfJson(3), GltfJson({"one"}), GltfJson({"one", 2, "three"})}) {
         b.json["meshes"][0]["extras"] = {{"targetNames", names}};
         asset = loaded(b);
         EXPECT_TRUE(asset.meshes[0].target_names.empty());
@@ -1081,7 +1080,7 @@ TEST(Import, BrokenMorphTargets) {
     const size_t two = good.add<float>(std::vector<float>(6), "VEC3", kFloat),
                  flat = good.add<float>(std::vector<float>(6), "VEC2", kFloat),
                  infinite = good.add<float>({0, 0, 0, 0, kInfinity, 0, 0, 0, 0}, "VEC3", kFloat);
-    primitive(good)["targets"] = {{{"POSITION", kPosition}}, Json::object()};
+    primitive(good)["targets"] = {{{"POSITION", kPosition}}, GltfJson::object()};
     EXPECT_EQ(loaded(good).meshes[0].weights.size(), 2u);
     const std::string place = "meshes[0].primitives[0].targets";
     const auto refused = [&](const auto& breaks, const std::string& where, const std::string& part) {
@@ -1132,7 +1131,7 @@ TEST(Import, BrokenMorphTargets) {
 
 TEST(Import, MorphWeightsOfClips) {
     GlbBuilder good = tiny_character();
-    primitive(good)["targets"] = {{{"POSITION", kPosition}}, Json::object()};
+    primitive(good)["targets"] = {{{"POSITION", kPosition}}, GltfJson::object()};
     const size_t times = good.add<float>({0.5f, 1, 1, 3}, "SCALAR", kFloat),
                  values = good.add<float>({1, 2, 3, 4, 5, 6, 7, 8}, "SCALAR", kFloat);
     good.json["animations"][0]["samplers"].push_back({{"input", times}, {"output", values}});
@@ -1150,7 +1149,7 @@ TEST(Import, MorphWeightsOfClips) {
     EXPECT_EQ(got.values, (std::vector<float>{1, 2, 3, 4, 5, 6, 7, 8})) << "a jump between two keys at one time";
     EXPECT_EQ(loaded(good).clips[0].duration_s, 3);
 
-    const auto weights_sampler = [](GlbBuilder& b) -> Json& { return b.json["animations"][0]["samplers"][1]; };
+    const auto weights_sampler = [](GlbBuilder& b) -> GltfJson& { return b.json["animations"][0]["samplers"][1]; };
     GlbBuilder b = good;
     overwrite(b, times, 0, 2.0f);
     EXPECT_EQ(track(b).times_s, (std::vector<float>{before_1, 1, 2, 3}));
@@ -1211,7 +1210,7 @@ TEST(Import, Materials) {
            {"baseColorTexture", {{"index", 0}, {"extensions", {{"KHR_texture_transform", {{"scale", {2, 2}}}}}}}}}}},
         {{"alphaMode", "BLEND"}, {"pbrMetallicRoughness", {{"baseColorTexture", {{"index", 1}}}}}},
         {{"alphaMode", "GLASS"}, {"pbrMetallicRoughness", {{"baseColorTexture", {{"index", 0}}}}}},
-        Json::object()};
+        GltfJson::object()};
     const Asset asset = loaded(b);
     ASSERT_EQ(asset.materials.size(), 4u);
     EXPECT_EQ(asset.materials[0].name, "cloth");
@@ -1248,8 +1247,8 @@ TEST(Import, Materials) {
 TEST(Import, MaterialsHaveAllTexturesThatShareTheirCoordinates) {
     GlbBuilder b = tiny_character();
     const size_t view = b.add_view(std::vector<std::byte>(3));
-    b.json["images"] = Json::array();
-    b.json["textures"] = Json::array();
+    b.json["images"] = GltfJson::array();
+    b.json["textures"] = GltfJson::array();
     for (size_t i = 0; i < 5; ++i) {
         b.json["images"].push_back({{"bufferView", view}, {"mimeType", "image/png"}, {"name", std::to_string(i)}});
         b.json["textures"].push_back({{"source", i}});
@@ -1327,15 +1326,15 @@ TEST(Import, WarningsAreBounded) {
 
 // Moves a buffer view's content into a compressed one, and leaves a fallback buffer without data in its place.
 void compress_view(GlbBuilder& b, size_t view, std::span<const unsigned char> compressed, size_t stride, size_t count,
-                   const Json& options) {
+                   const GltfJson& options) {
     const size_t inner = b.add_view(std::as_bytes(compressed));
-    const Json range = b.json["bufferViews"][inner];
+    const GltfJson range = b.json["bufferViews"][inner];
     b.json["bufferViews"].erase(inner);
-    Json extension = {{"buffer", 0},
-                      {"byteOffset", range["byteOffset"]},
-                      {"byteLength", compressed.size()},
-                      {"byteStride", stride},
-                      {"count", count}};
+    GltfJson extension = {{"buffer", 0},
+                          {"byteOffset", range["byteOffset"]},
+                          {"byteLength", compressed.size()},
+                          {"byteStride", stride},
+                          {"count", count}};
     extension.update(options);
     const size_t length = b.json["bufferViews"][view]["byteLength"];
     if (b.json["buffers"].size() == 1)
@@ -1419,7 +1418,7 @@ TEST(Import, MeshoptOfKhronos) {
         const std::string old = "EXT_meshopt", now = "KHR_meshopt";
         for (size_t at = 0; (at = text.find(old, at)) != std::string::npos;) text.replace(at, old.size(), now);
         GlbBuilder khronos = b;
-        khronos.json = Json::parse(text);
+        khronos.json = GltfJson::parse(text);
         return khronos;
     };
     const GlbBuilder good = meshopt_character();
@@ -1430,7 +1429,7 @@ TEST(Import, MeshoptOfKhronos) {
 
     const std::string place = "bufferViews[0].extensions.KHR_meshopt_compression";
     GlbBuilder newer = renamed(good);
-    const Json& extension = newer.json["bufferViews"][0]["extensions"]["KHR_meshopt_compression"];
+    const GltfJson& extension = newer.json["bufferViews"][0]["extensions"]["KHR_meshopt_compression"];
     newer.bin[extension["byteOffset"]] = std::byte{0xA1};
     expect_refused(load(newer), ErrorCode::kUnsupported, place, "version 1 of their codec");
     GlbBuilder colors = renamed(good);
@@ -1440,7 +1439,7 @@ TEST(Import, MeshoptOfKhronos) {
 
 TEST(Import, BrokenMeshopt) {
     const std::string place = "bufferViews[0].extensions.EXT_meshopt_compression";
-    const auto with = [](const char* key, const Json& value) {
+    const auto with = [](const char* key, const GltfJson& value) {
         GlbBuilder b = meshopt_character();
         b.json["bufferViews"][0]["extensions"]["EXT_meshopt_compression"][key] = value;
         return b;
@@ -1491,7 +1490,7 @@ GlbBuilder draco_character(int method) {
     draco::EncoderBuffer buffer;
     EXPECT_TRUE(encoder.EncodeMeshToBuffer(*mesh, &buffer).ok());
     const size_t view = b.add_view(std::as_bytes(std::span(buffer.data(), buffer.size())));
-    for (const size_t accessor : {kPosition, kJoints, kWeights, kIndices}) {
+    for (const size_t accessor : {kPosition, kVertexJoints, kWeights, kIndices}) {
         b.json["accessors"][accessor].erase("bufferView");
         b.json["accessors"][accessor]["count"] = accessor == kIndices ? 6 : 4;
     }
@@ -1529,7 +1528,7 @@ TEST(Import, DracoLeavesMorphTargetsAlone) {
 TEST(Import, BrokenDraco) {
     const std::string place = "meshes[0].primitives[0].extensions.KHR_draco_mesh_compression";
     const GlbBuilder good = draco_character(draco::MESH_EDGEBREAKER_ENCODING);
-    const auto extension = [](GlbBuilder& b) -> Json& {
+    const auto extension = [](GlbBuilder& b) -> GltfJson& {
         return primitive(b)["extensions"]["KHR_draco_mesh_compression"];
     };
     GlbBuilder b = good;

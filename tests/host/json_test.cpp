@@ -6,7 +6,7 @@
 namespace throng {
 namespace {
 
-std::string error_of(const auto& what) {
+std::string error_of_reading(const auto& what) {
     const auto result = as_result([&] { what(); });
     return result ? "" : result.error().text();
 }
@@ -33,7 +33,7 @@ TEST(Json, OfSeveralKeysThatAProgramWritesTheLastCounts) {
     const char* twice = "{\"a\": 1, \"b\": 2,\n\"a\": 3}";
     const JsonText text(twice, JsonAuthor::kProgram);
     EXPECT_EQ(text.view().required_uint("a"), 3u);
-    EXPECT_EQ(error_of([&] { JsonText(twice, JsonAuthor::kPerson, "x.json"); }),
+    EXPECT_EQ(error_of_reading([&] { JsonText(twice, JsonAuthor::kPerson, "x.json"); }),
               "x.json:2: 'a' stands twice in one object, first in line 1; rename or remove one");
 }
 
@@ -41,17 +41,18 @@ TEST(Json, ProgramsAndPeopleAreToldWhatTheyNeed) {
     const char* json = R"({"n": 7, "big": 1e39, "list": [1, 2]})";
     const JsonText by_program(json, JsonAuthor::kProgram), by_person(json, JsonAuthor::kPerson);
     const JsonView p = by_program.view(), q = by_person.view();
-    EXPECT_EQ(error_of([&] { p.required_string("n"); }), "n: must be a string, but is the number 7");
-    EXPECT_EQ(error_of([&] { q.required_string("n"); }), "n: must be a string, but is a number");
-    EXPECT_EQ(error_of([&] { p.required("x"); }), "x: is missing");
-    EXPECT_EQ(error_of([&] { q.required("x"); }), "'x' is missing");
-    EXPECT_EQ(error_of([&] { p.optional_float("big", 0); }), "big: the number 1e+39 does not fit a 32-bit float");
-    EXPECT_EQ(error_of([&] { q.optional_float("big", 0); }), "big: is too large for a 32-bit float");
-    EXPECT_EQ(error_of([&] { p.required_index("n", 1, "nodes"); }), "n: index 7, but nodes has 1 entry");
-    EXPECT_EQ(error_of([&] { p.required_index("n", 0, "nodes"); }), "n: index 7, but nodes has no entries");
+    EXPECT_EQ(error_of_reading([&] { p.required_string("n"); }), "n: must be a string, but is the number 7");
+    EXPECT_EQ(error_of_reading([&] { q.required_string("n"); }), "n: must be a string, but is a number");
+    EXPECT_EQ(error_of_reading([&] { p.required("x"); }), "x: is missing");
+    EXPECT_EQ(error_of_reading([&] { q.required("x"); }), "'x' is missing");
+    EXPECT_EQ(error_of_reading([&] { p.optional_float("big", 0); }),
+              "big: the number 1e+39 does not fit a 32-bit float");
+    EXPECT_EQ(error_of_reading([&] { q.optional_float("big", 0); }), "big: is too large for a 32-bit float");
+    EXPECT_EQ(error_of_reading([&] { p.required_index("n", 1, "nodes"); }), "n: index 7, but nodes has 1 entry");
+    EXPECT_EQ(error_of_reading([&] { p.required_index("n", 0, "nodes"); }), "n: index 7, but nodes has no entries");
     std::array<double, 3> three{};
-    EXPECT_EQ(error_of([&] { p.optional_numbers("list", three); }), "list: must have 3 numbers, but has 2");
-    EXPECT_EQ(error_of([&] {
+    EXPECT_EQ(error_of_reading([&] { p.optional_numbers("list", three); }), "list: must have 3 numbers, but has 2");
+    EXPECT_EQ(error_of_reading([&] {
                   q.allow({"n", "bug", "list"});
               }),
               "big: there is no field 'big'; did you mean 'bug'? There are: n, bug, list");
@@ -69,11 +70,11 @@ TEST(Json, APlaceHasItsLine) {
 
 TEST(Json, TooMuchIsRefused) {
     const std::string deep(kProgramNestingLimit + 1, '[');
-    EXPECT_EQ(error_of([&] { JsonText(deep, JsonAuthor::kProgram); }),
+    EXPECT_EQ(error_of_reading([&] { JsonText(deep, JsonAuthor::kProgram); }),
               "the JSON is nested deeper than the limit of 64");
-    EXPECT_EQ(error_of([&] { JsonText(deep, JsonAuthor::kPerson, "x"); }),
+    EXPECT_EQ(error_of_reading([&] { JsonText(deep, JsonAuthor::kPerson, "x"); }),
               "x:1: the JSON is nested deeper than the limit of 32");
-    EXPECT_EQ(error_of([&] { JsonText(deep.substr(1), JsonAuthor::kProgram); }).substr(0, 24),
+    EXPECT_EQ(error_of_reading([&] { JsonText(deep.substr(1), JsonAuthor::kProgram); }).substr(0, 24),
               "the JSON cannot be read:");
 }
 

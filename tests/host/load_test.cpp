@@ -49,7 +49,7 @@ void expect_error(const Result<Asset>& result, ErrorCode code, const std::string
 }
 
 // All that an asset holds is in the character that is made of it.
-std::string compiled(const Asset& asset) {
+std::string compiled_file(const Asset& asset) {
     const TemporaryFolder folder;
     CompileSettings settings = kExact;
     settings.lods = false;
@@ -59,7 +59,7 @@ std::string compiled(const Asset& asset) {
 void expect_same(const Asset& a, const Asset& b) {
     EXPECT_EQ(a.name, b.name);
     EXPECT_EQ(a.warnings, b.warnings);
-    EXPECT_EQ(compiled(a), compiled(b));
+    EXPECT_EQ(compiled_file(a), compiled_file(b));
 }
 
 // Its buffer and its images in files of their own; two images are one file, and one is in the text.

@@ -27,7 +27,7 @@ Character with_lods() {
 
 // Of the point from the triangle; C. Ericson, Real-Time Collision Detection, 2005, 5.1.5, by projecting onto the plane
 // and the edges.
-double distance_to_triangle(const Vec3<double>& p, const std::array<Vec3<double>, 3>& t) {
+double distance_to_face(const Vec3<double>& p, const std::array<Vec3<double>, 3>& t) {
     const Vec3<double> normal = cross(t[1] - t[0], t[2] - t[0]);
     const double squared = dot(normal, normal);
     double nearest = 1e300;
@@ -42,16 +42,16 @@ double distance_to_triangle(const Vec3<double>& p, const std::array<Vec3<double>
     return inside ? std::abs(dot(p - t[0], normal)) / std::sqrt(squared) : nearest;
 }
 
-using Triangle = std::array<Vec3<double>, 3>;
+using Face = std::array<Vec3<double>, 3>;
 
-double distance_to_mesh(const Vec3<double>& p, std::span<const Triangle> mesh) {
+double distance_to_mesh(const Vec3<double>& p, std::span<const Face> mesh) {
     double nearest = 1e300;
-    for (const Triangle& triangle : mesh) nearest = std::min(nearest, distance_to_triangle(p, triangle));
+    for (const Face& triangle : mesh) nearest = std::min(nearest, distance_to_face(p, triangle));
     return nearest;
 }
 
-std::vector<Triangle> triangles_of(std::span<const uint32_t> indices, std::span<const Vec3<double>> positions) {
-    std::vector<Triangle> triangles(indices.size() / 3);
+std::vector<Face> triangles_of(std::span<const uint32_t> indices, std::span<const Vec3<double>> positions) {
+    std::vector<Face> triangles(indices.size() / 3);
     for (size_t k = 0; k < indices.size(); ++k) triangles[k / 3][k % 3] = positions[indices[k]];
     return triangles;
 }
@@ -70,9 +70,9 @@ double furthest_from_level(const Character& character, size_t level, const Refer
         const auto of_section = [&](std::span<const Vec3<double>> all) {
             return all.subspan(section.first_vertex, section.vertex_count);
         };
-        const std::vector<Triangle> coarse_mesh = triangles_of(
+        const std::vector<Face> coarse_mesh = triangles_of(
             std::span(character.lod_indices).subspan(range.first_index, range.index_count), of_section(coarse));
-        const std::vector<Triangle> fine_mesh = triangles_of(
+        const std::vector<Face> fine_mesh = triangles_of(
             std::span(character.indices).subspan(section.first_index, section.index_count), of_section(fine));
         for (const Vec3<double>& vertex : of_section(fine))
             furthest = std::max(furthest, distance_to_mesh(vertex, coarse_mesh));

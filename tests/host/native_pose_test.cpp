@@ -28,7 +28,7 @@ namespace {
 
 using namespace test;
 
-constexpr double kBound = 2e-6;  // of an element, relative where it exceeds 1
+constexpr double kNativePoseBound = 2e-6;  // of an element, relative where it exceeds 1
 constexpr std::array kJointCounts{1u, 64u, 65u};
 
 TEST(NativeKernels, ControlAdvancesClips) {
@@ -86,7 +86,7 @@ void expect_sampled(Character character) {
         for (size_t i = 0; i < cursors.size(); ++i) {
             const auto wanted = sample_reference(character, shown[i][slot].clip, shown[i][slot].time_s);
             for (size_t joint = 0; joint < joint_count; ++joint)
-                ASSERT_LE(pose_error(poses[i * joint_count + joint], wanted[joint]), kBound)
+                ASSERT_LE(pose_error(poses[i * joint_count + joint], wanted[joint]), kNativePoseBound)
                     << "joint " << joint << " of " << joint_count;
         }
     }
@@ -150,7 +150,8 @@ TEST(NativeKernels, BlendFollowsTheReference) {
                 got = affine_of(local[2 * i], local[2 * i + 1]);
             else
                 std::memcpy(static_cast<void*>(&got), &local[3 * i], sizeof got);
-            EXPECT_LE(matrix_error(got, to_affine(wanted), std::max(1.0, length(wanted.translation))), 2 * kBound);
+            EXPECT_LE(matrix_error(got, to_affine(wanted), std::max(1.0, length(wanted.translation))),
+                      2 * kNativePoseBound);
         }
     }
 }

@@ -11,7 +11,7 @@ namespace {
 
 using namespace test;
 
-constexpr double kBound = 1e-5;  // parts of the character's size; 2e-5 m for a man
+constexpr double kNativeBound = 1e-5;  // parts of the character's size; 2e-5 m for a man
 
 struct Scene {
     Scene(const Character& of, uint32_t count, uint64_t seed) : character(of) {
@@ -52,7 +52,7 @@ TEST(Native, TwoClipsFollowTheReference) {
             for (size_t i = 0; i < scene.playbacks.size(); ++i)
                 worst = std::max(worst, displacement(character, std::span(skin).subspan(i * stride, stride),
                                                      *reference_pose(character, scene.playbacks[i])));
-            EXPECT_LT(worst, kBound) << named.name << " " << name_of(isa);
+            EXPECT_LT(worst, kNativeBound) << named.name << " " << name_of(isa);
             std::printf("%-36s %-8s %.1e  rows %8llu bytes\n", named.name.c_str(), name_of(isa).data(), worst,
                         static_cast<unsigned long long>(rig.row_bytes()));
             worst_of_all = std::max(worst_of_all, worst);

@@ -43,7 +43,7 @@ ScanRig random_rig(uint32_t joint_count, bool uniform_scale) {
 }
 
 template <class Body>
-Error error_of(Body&& body) {
+Error error_from(Body&& body) {
     try {
         body();
     } catch (const Failure& failure) {
@@ -97,7 +97,7 @@ TEST(Planner, TakesWhatIsAskedFor) {
 
 TEST(Planner, RefusesWhatDoesNotExistOrApply) {
     const auto refused = [](const std::string& wanted, ErrorCode code, const std::string& part) {
-        const Error error = error_of(
+        const Error error = error_from(
             [&] { choose_scan(wanted, random_rig(100, false), 10, kSoftware, kSoftwareCosts); });
         EXPECT_EQ(error.code, code) << wanted;
         EXPECT_NE(error.text().find(part), std::string::npos) << error.text();
@@ -145,7 +145,7 @@ TEST(ScanCosts, AreReadAsTheyAreWritten) {
          {std::string(text).replace(text.find("\"test\""), 6, "7"), text.substr(0, 40), std::string("[]"),
           std::string("nonsense"), std::string(text).replace(text.find("2.4"), 3, "-24"),
           std::string(text).replace(text.find("2.4"), 3, "\"2\"")}) {
-        const Error error = error_of([&] { scan_costs_from_json(damaged, "costs.json"); });
+        const Error error = error_from([&] { scan_costs_from_json(damaged, "costs.json"); });
         EXPECT_EQ(error.code, ErrorCode::kInvalidFile);
         EXPECT_NE(error.text().find("costs.json"), std::string::npos);
     }

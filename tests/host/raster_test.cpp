@@ -17,7 +17,7 @@ using test::RasterFrame;
 using test::ScreenVertex;
 
 constexpr int kSize = RasterFrame::kSize;
-using Triangle = std::array<ScreenVertex, 3>;
+using ScreenTriangle = std::array<ScreenVertex, 3>;
 
 struct Sample {
     int x, y;  // subpixels
@@ -35,7 +35,7 @@ int64_t cross_of(const ScreenVertex& a, const ScreenVertex& b, const Sample& p) 
 }
 
 // By the rule of top and left edges, of either winding.
-bool covers(Triangle t, const Sample& p) {
+bool covers(ScreenTriangle t, const Sample& p) {
     if (cross_of(t[0], t[1], {t[2].x, t[2].y}) < 0) std::swap(t[1], t[2]);  // clockwise, y down
     if (cross_of(t[0], t[1], {t[2].x, t[2].y}) == 0) return false;
     for (size_t i = 0; i < 3; ++i) {
@@ -48,7 +48,7 @@ bool covers(Triangle t, const Sample& p) {
 }
 
 // 1 / w is linear on the screen.
-double depth_at(const Triangle& t, const Sample& p) {
+double depth_at(const ScreenTriangle& t, const Sample& p) {
     const auto area = static_cast<double>(cross_of(t[0], t[1], {t[2].x, t[2].y}));
     double depth = 0;
     for (size_t i = 0; i < 3; ++i)
@@ -57,10 +57,10 @@ double depth_at(const Triangle& t, const Sample& p) {
 }
 
 // Some are a fraction of a pixel large, others reach out of the picture.
-Triangle random_triangle(Random& random, int largest) {
+ScreenTriangle random_triangle(Random& random, int largest) {
     const double size = 256 * std::exp(random.between(std::log(0.2), std::log(largest)));
     const double x = random.between(-20, kSize + 20) * 256, y = random.between(-20, kSize + 20) * 256;
-    Triangle t;
+    ScreenTriangle t;
     for (ScreenVertex& v : t)
         v = {static_cast<int32_t>(std::lround(x + random.between(-size, size))),
              static_cast<int32_t>(std::lround(y + random.between(-size, size))),
@@ -83,7 +83,7 @@ TEST_P(RasterTest, CoversTheSamplesOfATriangleAndNoOthers) {
             RasterFrame frame(sample_count);
             raster::Material& material = frame.material();
             material.is_double_sided = true;
-            const Triangle t = random_triangle(random, 60);
+            const ScreenTriangle t = random_triangle(random, 60);
             frame.add({t[0], t[1], t[2]}, {0, 1, 2}, material);
             frame.draw(GetParam());
             for (size_t i = 0; i < frame.samples().size(); ++i) {
@@ -140,7 +140,7 @@ TEST_P(RasterTest, ShowsTheNearestTriangleAndTheFirstOfEqualOnes) {
         RasterFrame frame(sample_count);
         raster::Material& material = frame.material();
         material.is_double_sided = true;
-        std::vector<Triangle> triangles;
+        std::vector<ScreenTriangle> triangles;
         for (int draw = 0; draw < 30; ++draw) {
             std::vector<ScreenVertex> vertices;
             std::vector<uint32_t> corners;
@@ -208,7 +208,7 @@ void expect_same_in_tiles(NativeIsa isa, const TileCase& of) {
         std::vector<ScreenVertex> vertices;
         std::vector<uint32_t> corners;
         for (uint32_t i = 0; i < 3 * static_cast<uint32_t>(count); i += 3) {
-            Triangle t = random_triangle(random, size);
+            ScreenTriangle t = random_triangle(random, size);
             for (uint32_t k = 0; k < 3; ++k) {
                 t[k].w *= w;
                 vertices.push_back(t[k]);
@@ -247,9 +247,9 @@ TEST_P(RasterTest, TilesAndOrderChangeNothing) {
 
 TEST_P(RasterTest, LeavesOutBacksOfMaterialsWithOneSide) {
     // Clockwise, y down; where the map is, too
-    const Triangle t{{{34 * 256, 34 * 256}, {60 * 256, 34 * 256}, {34 * 256, 60 * 256}}};
-    const Triangle small{{{34 * 256, 34 * 256}, {35 * 256, 34 * 256}, {34 * 256, 35 * 256}}};
-    for (const Triangle& of : {t, small})
+    const ScreenTriangle t{{{34 * 256, 34 * 256}, {60 * 256, 34 * 256}, {34 * 256, 60 * 256}}};
+    const ScreenTriangle small{{{34 * 256, 34 * 256}, {35 * 256, 34 * 256}, {34 * 256, 35 * 256}}};
+    for (const ScreenTriangle& of : {t, small})
         for (const bool is_mirrored : {false, true})
             for (const bool turned : {false, true}) {
                 RasterFrame frame(4);
@@ -309,7 +309,7 @@ TEST_P(RasterTest, TheMapHasTheGreatestHeightsLessTheirSlope) {
     Random random(11);
     RasterFrame frame(1);
     raster::Material& material = frame.material();
-    std::vector<Triangle> triangles;
+    std::vector<ScreenTriangle> triangles;
     std::vector<Vec3<float>> vertices;
     std::vector<uint32_t> corners;
     for (uint32_t i = 0; i < 150; ++i) {
@@ -326,7 +326,7 @@ TEST_P(RasterTest, TheMapHasTheGreatestHeightsLessTheirSlope) {
     for (size_t i = 0; i < frame.map().size(); ++i) {
         const Sample at = sample_at(i, 1);
         double wanted = 0, steepest = 0;
-        for (const Triangle& t : triangles) {
+        for (const ScreenTriangle& t : triangles) {
             if (!covers(t, at)) continue;
             const auto height = [&](const Sample& p) {
                 const auto area = static_cast<double>(cross_of(t[0], t[1], {t[2].x, t[2].y}));
@@ -393,10 +393,10 @@ TEST_P(RasterTest, ClipsWhatReachesFarOutOfTheMap) {
 // Scales gone wrong: whatever is drawn stays within its memory, and triangles with a corner that is no number are left
 // out.
 TEST_P(RasterTest, TakesCornersThatAreExtremeOrNoNumbers) {
-    constexpr float kInfinity = std::numeric_limits<float>::infinity(), kNan = std::numeric_limits<float>::quiet_NaN(),
-                    kMost = std::numeric_limits<float>::max();
+    constexpr float kMost = std::numeric_limits<float>::max();
     Random random(19);
-    for (const float extreme : {kNan, kInfinity, -kInfinity, 1e38f, -1e38f, kMost, -kMost, 1e20f, 1e-38f, 1e-45f})
+    for (const float extreme :
+         {test::kNan, test::kInfinity, -test::kInfinity, 1e38f, -1e38f, kMost, -kMost, 1e20f, 1e-38f, 1e-45f})
         for (int round = 0; round < 27; ++round) {
             std::vector<Vec3<float>> corners;
             for (int k = 0; k < 3; ++k) {

@@ -15,7 +15,7 @@ namespace {
 
 using Place = Vec3<float>;
 
-struct Mesh {
+struct IndexedMesh {
     std::vector<Place> positions;
     std::vector<uint32_t> indices;
 
@@ -33,8 +33,8 @@ struct Mesh {
 
 Place place_within(Random& random, double extent) { return random.vector(extent).as<float>(); }
 
-Mesh soup(Random& random, size_t count, double extent, double triangle_size) {
-    Mesh mesh;
+IndexedMesh soup(Random& random, size_t count, double extent, double triangle_size) {
+    IndexedMesh mesh;
     for (size_t i = 0; i < count; ++i) {
         const Place at = place_within(random, extent);
         mesh.add({at + place_within(random, triangle_size), at + place_within(random, triangle_size),
@@ -44,8 +44,8 @@ Mesh soup(Random& random, size_t count, double extent, double triangle_size) {
 }
 
 // Points; lines, whose corners rounding moves off them; needles; each several times.
-Mesh degenerate_soup(Random& random) {
-    Mesh mesh;
+IndexedMesh degenerate_soup(Random& random) {
+    IndexedMesh mesh;
     for (int i = 0; i < 60; ++i) {
         const Place a = place_within(random, 1), b = place_within(random, 1), c = place_within(random, 1);
         const Place between = lerp(a, b, static_cast<float>(random.unit()));
@@ -64,8 +64,8 @@ Mesh degenerate_soup(Random& random) {
 double sheet_height(double x, double z) { return 0.1 * std::sin(9 * x) * std::cos(7 * z); }
 
 // A bumpy and rough sheet of 2 * side * side triangles, a unit long.
-Mesh sheet(Random& random, uint32_t side) {
-    Mesh mesh;
+IndexedMesh sheet(Random& random, uint32_t side) {
+    IndexedMesh mesh;
     for (uint32_t row = 0; row <= side; ++row)
         for (uint32_t column = 0; column <= side; ++column) {
             const double x = 1.0 * column / side, z = 1.0 * row / side;
@@ -79,7 +79,7 @@ Mesh sheet(Random& random, uint32_t side) {
     return mesh;
 }
 
-float smallest_of_all(const Mesh& mesh, const Place& p) {
+float smallest_of_all(const IndexedMesh& mesh, const Place& p) {
     float smallest = std::numeric_limits<float>::infinity();
     for (size_t t = 0; t < mesh.triangle_count(); ++t)
         smallest = std::min(smallest, squared_distance(p, mesh.triangle(t)));
@@ -87,7 +87,8 @@ float smallest_of_all(const Mesh& mesh, const Place& p) {
 }
 
 // Bit for bit, in whichever part of the mesh the search begins; and no more than asked for where that is enough.
-void expect_nearest(const TriangleIndex& index, const Mesh& mesh, const std::vector<Place>& places, Random& random) {
+void expect_nearest(const TriangleIndex& index, const IndexedMesh& mesh, const std::vector<Place>& places,
+                    Random& random) {
     for (const Place& p : places) {
         const float wanted = smallest_of_all(mesh, p);
         for (int i = 0; i < 3; ++i) {
@@ -109,7 +110,7 @@ void expect_nearest(const TriangleIndex& index, const Mesh& mesh, const std::vec
     }
 }
 
-std::vector<Place> places_around(Random& random, const Mesh& mesh) {
+std::vector<Place> places_around(Random& random, const IndexedMesh& mesh) {
     std::vector<Place> places;
     for (int i = 0; i < 60; ++i) {
         places.push_back(place_within(random, 1.5));
@@ -123,13 +124,13 @@ std::vector<Place> places_around(Random& random, const Mesh& mesh) {
 
 TEST(TriangleIndex, FindsTheNearestOfAllTriangles) {
     Random random(3);
-    std::vector<Mesh> meshes{soup(random, 1, 1, 1),      soup(random, 2, 1, 1),   soup(random, 5, 1, 1),
-                             soup(random, 700, 1, 0.05), soup(random, 300, 1, 2), degenerate_soup(random),
-                             sheet(random, 20)};
-    Mesh one_many_times;
+    std::vector<IndexedMesh> meshes{soup(random, 1, 1, 1),      soup(random, 2, 1, 1),   soup(random, 5, 1, 1),
+                                    soup(random, 700, 1, 0.05), soup(random, 300, 1, 2), degenerate_soup(random),
+                                    sheet(random, 20)};
+    IndexedMesh one_many_times;
     for (int i = 0; i < 100; ++i) one_many_times.add({{0, 0, 0}, {1, 0, 0}, {0, 1, 0.5f}});
     meshes.push_back(one_many_times);
-    for (Mesh& mesh : meshes) {
+    for (IndexedMesh& mesh : meshes) {
         TriangleIndex index(mesh.indices, mesh.positions);
         ASSERT_EQ(index.corners().size(), mesh.triangle_count());
         expect_nearest(index, mesh, places_around(random, mesh), random);
@@ -147,7 +148,7 @@ TEST(TriangleIndex, WithoutTrianglesNothingIsNear) {
 // What is not finite ends the search too.
 TEST(TriangleIndex, PlacesWithoutEnd) {
     Random random(4);
-    const Mesh mesh = soup(random, 100, 1, 0.1);
+    const IndexedMesh mesh = soup(random, 100, 1, 0.1);
     const TriangleIndex index(mesh.indices, mesh.positions);
     for (const float wrong : {std::numeric_limits<float>::infinity(), std::numeric_limits<float>::quiet_NaN(), 3e38f})
         EXPECT_EQ(index.nearest({wrong, 0, 0}, 0, 7).squared_distance, std::numeric_limits<float>::infinity());
@@ -175,7 +176,7 @@ double distance_to_triangle(const Vec3<double>& p, const Vec3<double>& a, const 
 
 TEST(TriangleIndex, DistancesAreRightOfThinTrianglesToo) {
     Random random(5);
-    for (const Mesh& mesh : {soup(random, 2000, 1, 0.3), degenerate_soup(random), sheet(random, 8)}) {
+    for (const IndexedMesh& mesh : {soup(random, 2000, 1, 0.3), degenerate_soup(random), sheet(random, 8)}) {
         double worst = 0;
         for (size_t t = 0; t < mesh.triangle_count(); ++t) {
             const Triangle triangle = mesh.triangle(t);
@@ -202,7 +203,7 @@ TEST(TriangleIndex, LooksAtFewTriangles) {
     Random random(6);
     std::vector<double> beside, at_random;
     for (const uint32_t side : {20u, 200u}) {
-        const Mesh mesh = sheet(random, side);
+        const IndexedMesh mesh = sheet(random, side);
         const TriangleIndex index(mesh.indices, mesh.positions);
         constexpr int kPlaces = 4000;
         uint64_t steps_beside = 0, steps_at_random = 0;

@@ -93,7 +93,7 @@ Json run_case(const Device& device, const std::vector<Character>& characters, co
     return record;
 }
 
-void print_row(const Json& record) {
+void print_update_row(const Json& record) {
     std::printf("%-18s ", text(record, "scan").c_str());
     if (print_untimed(record, "does not apply")) return;
     std::printf("%-6s", text(record, "path").c_str());
@@ -128,7 +128,7 @@ void run_bench(const BenchOptions& options) {
     Measured measured(options.json);
     for (const std::string& scan : scans) {
         const Json record = run_case(device, characters, field, scan, options);
-        measured.add({&record, 1}, [&] { print_row(record); });
+        measured.add({&record, 1}, [&] { print_update_row(record); });
     }
 }
 

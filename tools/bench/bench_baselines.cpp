@@ -175,7 +175,7 @@ void time_methods(const Device& device, const std::vector<Method>& methods, cons
     }
 }
 
-void print_table(const std::vector<Json>& records) {
+void print_baselines_table(const std::vector<Json>& records) {
     const Json& first = records.front();
     std::printf("\n%s:", text(first, "file").c_str());
     print_columns(first, {{" %.0f joints", "joints"},
@@ -243,7 +243,7 @@ void run_baselines(const BaselineOptions& options) {
                     "%u characters on %s, two clips blended in each; medians of %u updates; baked at %g frames a "
                     "second\n",
                     options.count, device.info().name.c_str(), options.samples, options.rate);
-            print_table(records);
+            print_baselines_table(records);
         });
     };
     for (const std::string& file : options.files) run(load_characters({file}, kExact).front(), file);

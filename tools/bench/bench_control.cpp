@@ -22,7 +22,7 @@ struct ControlOptions {
 // Joints of a crowd that is measured with all of them; larger ones get fewer, as small characters in the distance have
 constexpr uint64_t kMostJoints = 4'000'000;
 
-void print_row(const Json& record) {
+void print_control_row(const Json& record) {
     print_columns(record, {{"%10.0f", "characters"}, {" %7.0f ", "joints"}});
     if (print_untimed(record, "not measured")) return;
     print_columns(record, {{"%9.3f", "control_ms/median"},
@@ -57,7 +57,7 @@ void run_control(const ControlOptions& options) {
                     device.info().name.c_str(), device.info().driver.c_str(), text(record, "path").c_str(),
                     options.samples, "characters", "joints", "control", "5 % - 95 %", "ns/character", "update", "share",
                     "error");
-            print_row(record);
+            print_control_row(record);
         });
     }
     measured.finish("", "an update");

@@ -23,17 +23,17 @@ struct CpuOptions {
     bool json = false;
 };
 
-struct Generated {
+struct GeneratedCrowd {
     uint32_t characters = 10'000, joints = 300, levels = 60;
 };
-constexpr std::array kGenerated{Generated{},
-                                Generated{.levels = 15},
-                                Generated{.levels = 120},
-                                Generated{.joints = 64, .levels = 15},
-                                Generated{100'000, 64, 15},
-                                Generated{1'000, 1'000, 60}};
+constexpr std::array kGeneratedCrowds{GeneratedCrowd{},
+                                      GeneratedCrowd{.levels = 15},
+                                      GeneratedCrowd{.levels = 120},
+                                      GeneratedCrowd{.joints = 64, .levels = 15},
+                                      GeneratedCrowd{100'000, 64, 15},
+                                      GeneratedCrowd{1'000, 1'000, 60}};
 
-void print_row(const Json& record) {
+void print_cpu_row(const Json& record) {
     std::printf("%-8s %7.0f  %-20s ", text(record, "isa").c_str(), real(record, "threads"),
                 text(record, "variant").c_str());
     if (print_untimed(record, "not measured")) return;
@@ -53,14 +53,14 @@ void print_row(const Json& record) {
     std::printf("\n");
 }
 
-void print_table(std::span<const Json> records) {
+void print_cpu_table(std::span<const Json> records) {
     const Json& first = records.front();
     std::printf(
         "\n%s on %s; %.0f updates, 48-byte matrices; processor time, and on the wall; rates at the 5th percentile\n"
         "%-8s %7s  %-20s %9s %19s %9s %8s %9s %6s %7s %9s  %s\n",
         text(first, "configuration").c_str(), text(first, "device").c_str(), real(first, "samples"), "isa", "threads",
         "variant", "ms", "5 % - 95 %", "ns/joint", "GB/s", "wall ms", "x one", "x fill", "decode", "error");
-    for (const Json& record : records) print_row(record);
+    for (const Json& record : records) print_cpu_row(record);
 }
 
 bench::CpuCase make_case(const CpuOptions& options, std::string configuration, uint32_t characters,
@@ -77,7 +77,7 @@ bench::CpuCase make_case(const CpuOptions& options, std::string configuration, u
     return of;
 }
 
-void run_generated(const CpuOptions& options, const Generated& generated, bool all_variants, Measured& measured) {
+void run_generated(const CpuOptions& options, const GeneratedCrowd& generated, bool all_variants, Measured& measured) {
     const std::string configuration = std::to_string(generated.characters) + " x " + std::to_string(generated.joints) +
                                       ", " + std::to_string(generated.levels) + " levels";
     print_progress(configuration + ": compiling");
@@ -93,19 +93,19 @@ void run_generated(const CpuOptions& options, const Generated& generated, bool a
         of.variants.push_back({"two, all joints move", &*moving, 2});
     }
     const std::vector<Json> records = bench::measure_cpu(of, print_progress);
-    measured.add(records, [&] { print_table(records); });
+    measured.add(records, [&] { print_cpu_table(records); });
 }
 
 void run_file(const CpuOptions& options, const std::string& file, Measured& measured) {
     print_progress("reading " + file);
     const Character character = unwrap(load_character(file, {.lods = false}));
     if (character.clips.empty() || character.palette.empty()) throw CommandError(file + ": has no clips or no skin");
-    const uint32_t characters = options.characters.value_or(Generated{}.characters);
+    const uint32_t characters = options.characters.value_or(GeneratedCrowd{}.characters);
     const bench::CpuCase of = make_case(
         options, std::to_string(characters) + " x " + std::filesystem::path(file).filename().string(), characters,
         character);
     const std::vector<Json> records = bench::measure_cpu(of, print_progress);
-    measured.add(records, [&] { print_table(records); });
+    measured.add(records, [&] { print_cpu_table(records); });
 }
 
 void run_cpu(CpuOptions options) {
@@ -115,14 +115,14 @@ void run_cpu(CpuOptions options) {
     if (!options.files.empty()) {
         for (const std::string& file : options.files) run_file(options, file, measured);
     } else if (options.characters || options.joints || options.levels) {
-        Generated one;
+        GeneratedCrowd one;
         one.characters = options.characters.value_or(one.characters);
         one.joints = options.joints.value_or(one.joints);
         one.levels = options.levels.value_or(std::min(one.levels, one.joints));
         run_generated(options, one, true, measured);
     } else {
-        for (const Generated& generated : kGenerated)
-            run_generated(options, generated, &generated == &kGenerated.front(), measured);
+        for (const GeneratedCrowd& generated : kGeneratedCrowds)
+            run_generated(options, generated, &generated == &kGeneratedCrowds.front(), measured);
     }
     measured.finish("", "an update");
 }

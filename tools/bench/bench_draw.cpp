@@ -67,7 +67,7 @@ std::vector<std::function<Shown(uint64_t seed)>> generated() {
             }};
 }
 
-void print_row(const Json& record) {
+void print_draw_row(const Json& record) {
     std::printf("%-8s %7s  ", text(record, "variant").c_str(),
                 record.contains("threads") ? record["threads"].dump().c_str() : "");
     if (print_untimed(record, "not measured", " dB alike", "alike_db")) return;
@@ -87,7 +87,7 @@ void print_row(const Json& record) {
     std::printf("\n");
 }
 
-void print_table(std::span<const Json> records) {
+void print_draw_table(std::span<const Json> records) {
     const Json& first = records.front();
     std::printf(
         "\n%s, %s, on %s: %.0f drawn, %.2f M vertices, %.2f M triangles; medians of %.0f pictures\n%-8s %7s  %9s %19s "
@@ -95,7 +95,7 @@ void print_table(std::span<const Json> records) {
         text(first, "configuration").c_str(), text(first, "size").c_str(), text(first, "device").c_str(),
         real(first, "drawn"), real(first, "vertices") * 1e-6, real(first, "triangles") * 1e-6, real(first, "samples"),
         "by", "threads", "ms", "5 % - 95 %", "Mtri/s", "Msam/s", "faster");
-    for (const Json& record : records) print_row(record);
+    for (const Json& record : records) print_draw_row(record);
 }
 
 void measure(const DrawBenchOptions& options, const Shown& shown, Measured& measured) {
@@ -128,7 +128,7 @@ void measure(const DrawBenchOptions& options, const Shown& shown, Measured& meas
          .threads = options.threads,
          .vulkan_device = options.vulkan ? std::optional(options.device) : std::nullopt},
         options.samples, print_progress);
-    measured.add(records, [&] { print_table(records); });
+    measured.add(records, [&] { print_draw_table(records); });
 }
 
 void run_draw(DrawBenchOptions options) {

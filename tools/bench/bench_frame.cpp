@@ -27,16 +27,16 @@ struct FrameOptions {
     uint32_t characters(uint32_t usual) const { return count.value_or(quick ? usual / 10 : usual); }
 };
 
-struct Generated {
+struct GeneratedFrame {
     uint32_t characters, joints, levels;
     bool compares_exact = false;
 };
-constexpr std::array kGenerated{Generated{10'000, 300, 15},  Generated{10'000, 300, 60, true},
-                                Generated{10'000, 300, 120}, Generated{10'000, 64, 15},
-                                Generated{100'000, 64, 15},  Generated{1'000, 1'000, 60}};
+constexpr std::array kGeneratedFrames{GeneratedFrame{10'000, 300, 15},  GeneratedFrame{10'000, 300, 60, true},
+                                      GeneratedFrame{10'000, 300, 120}, GeneratedFrame{10'000, 64, 15},
+                                      GeneratedFrame{100'000, 64, 15},  GeneratedFrame{1'000, 1'000, 60}};
 constexpr uint32_t kCharactersOfFile = 10'000;
 
-void print_table(std::span<const Json> records) {
+void print_frame_table(std::span<const Json> records) {
     const Json& first = records.front();
     std::printf("\n%s: ", text(first, "configuration").c_str());
     print_columns(first, {{"%.0f characters", "characters"},
@@ -84,11 +84,11 @@ public:
             if (measured_.all().empty())
                 std::printf("%s, driver %s; medians of %u rounds\n", device_.info().name.c_str(),
                             device_.info().driver.c_str(), options_.samples);
-            print_table(records);
+            print_frame_table(records);
         });
     }
 
-    void measure_generated(const Generated& generated) {
+    void measure_generated(const GeneratedFrame& generated) {
         const uint32_t count = options_.characters(generated.characters);
         const std::string configuration = std::to_string(count) + " x " + std::to_string(generated.joints) + ", " +
                                           std::to_string(generated.levels) + " levels";
@@ -126,7 +126,7 @@ void run_frame(const FrameOptions& options) {
     FrameRun run(options);
     for (const std::string& file : options.files) run.measure_file(file);
     if (options.files.empty())
-        for (const Generated& generated : kGenerated) run.measure_generated(generated);
+        for (const GeneratedFrame& generated : kGeneratedFrames) run.measure_generated(generated);
     run.measured().finish(options.report, "an update");
 }
 

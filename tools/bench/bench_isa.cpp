@@ -56,7 +56,7 @@ void print_kernels(std::span<const Json> records) {
     }
 }
 
-void print_predictions(std::span<const Json> records) {
+void print_isa_predictions(std::span<const Json> records) {
     std::printf(
         "\nPredicted from the above and data sheets, measured on none of these devices; a dispatch, ms\n"
         "%-12s %-26s %-17s %-20s %4s %8s %6s %5s %8s %8s %8s %9s  %s\n",
@@ -115,7 +115,7 @@ void run_isa(const IsaOptions& options) {
     Measured measured(options.json);
     measured.add(records, [&] {
         print_kernels(records);
-        print_predictions(records);
+        print_isa_predictions(records);
         print_scans(records);
     });
 }

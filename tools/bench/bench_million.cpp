@@ -73,7 +73,7 @@ void print_recording(std::span<const Json> records) {
         }
 }
 
-void print_predictions(std::span<const Json> records) {
+void print_million_predictions(std::span<const Json> records) {
     std::string machine;
     for (const Json& record : records) {
         if (record.contains("family") && record.contains("unsupported_reason"))
@@ -119,7 +119,7 @@ void run_million(const MillionOptions& options) {
                     options.samples);
         print_views(records);
         print_recording(records);
-        print_predictions(records);
+        print_million_predictions(records);
     });
     measured.finish("", "an update");
 }

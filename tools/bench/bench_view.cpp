@@ -21,7 +21,7 @@ struct ViewOptions {
     bool json = false;
 };
 
-void print_row(const Json& record) {
+void print_view_row(const Json& record) {
     std::printf("%-18s ", text(record, "variant").c_str());
     if (print_untimed(record, "not measured",
                       " of the size off, and " + record.value("max_pixels", Json()).dump() + " pixels"))
@@ -70,7 +70,7 @@ void run_view(const ViewOptions& options) {
             "detail\n",
             device.info().name.c_str(), device.info().driver.c_str(), field.configuration.c_str(),
             text(records.front(), "path").c_str(), options.samples, "variant", "ms", "5 % - 95 %", "faster");
-        for (const Json& record : records) print_row(record);
+        for (const Json& record : records) print_view_row(record);
     });
     measured.finish("", "an update");
 }
