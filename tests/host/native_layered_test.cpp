@@ -14,21 +14,21 @@ namespace {
 
 using namespace test;
 
-constexpr uint32_t kNativeLayeredJoints = 70, kNativeLayeredInstances = 40, kNativeLayeredLimit = 5;
+constexpr uint32_t kLayeredJoints = 70, kLayeredInstances = 40, kLayeredLimit = 5;
 
 // A layer that covers, one with two clips over some joints, and one that adds, for each instance.
 struct Layers {
     Character character;
     std::vector<float> masks;  // of the second layer
     std::vector<io::ActiveClip> active_clips;
-    std::vector<std::vector<ReferenceLayer>> wanted;  // [instance * kNativeLayeredJoints + joint]
+    std::vector<std::vector<ReferenceLayer>> wanted;  // [instance * kLayeredJoints + joint]
 
     Layers(Character of, bool in_model_space) : character(std::move(of)) {
         Random random(12);
-        for (uint32_t joint = 0; joint < kNativeLayeredJoints; ++joint)
+        for (uint32_t joint = 0; joint < kLayeredJoints; ++joint)
             masks.push_back(joint % 3 == 0 ? 0 : static_cast<float>(random.unit()));
-        wanted.resize(kNativeLayeredInstances * kNativeLayeredJoints);
-        for (uint32_t instance = 0; instance < kNativeLayeredInstances; ++instance) {
+        wanted.resize(kLayeredInstances * kLayeredJoints);
+        for (uint32_t instance = 0; instance < kLayeredInstances; ++instance) {
             const auto share = static_cast<float>(random.unit());
             const uint32_t model = in_model_space ? io::kActiveClipModelRotations : 0;
             add(random, instance, {1, 1, io::kActiveClipBeginsLayer | io::kActiveClipEndsLayer}, true);
@@ -53,8 +53,8 @@ struct Layers {
         active_clips.push_back({cursor.first_track, cursor.earlier, cursor.later, cursor.fraction, told.weight,
                                 told.layer_weight, character.clips[clip].first_row, told.flags});
         const auto pose = sample_reference(character, clip, time_s), first = sample_reference(character, clip, 0);
-        for (uint32_t joint = 0; joint < kNativeLayeredJoints; ++joint) {
-            std::vector<ReferenceLayer>& layers = wanted[instance * kNativeLayeredJoints + joint];
+        for (uint32_t joint = 0; joint < kLayeredJoints; ++joint) {
+            std::vector<ReferenceLayer>& layers = wanted[instance * kLayeredJoints + joint];
             if (begins) {
                 const bool is_masked = (told.flags & io::kActiveClipMasked) != 0;
                 layers.push_back({.is_additive = (told.flags & io::kActiveClipAdditive) != 0,
@@ -74,7 +74,7 @@ struct Layers {
 };
 
 Character some_character(bool packed) {
-    const Asset asset = make_asset({.joint_count = kNativeLayeredJoints, .seed = 21});
+    const Asset asset = make_asset({.joint_count = kLayeredJoints, .seed = 21});
     return compiled(asset, {.error = packed ? 1e-4 : 0});
 }
 
@@ -85,34 +85,34 @@ double error_of(const Affine& got, const Trs<double>& wanted) {
 TEST(NativeLayered, LayersFollowTheReference) {
     for (const bool packed : {false, true}) {
         Layers layers(some_character(packed), false);
-        auto local = unwritten<Affine>(kNativeLayeredInstances * kNativeLayeredJoints);
+        auto local = unwritten<Affine>(kLayeredInstances * kLayeredJoints);
         NativeRun run(kernels::layered.native, {packed, false, false, false});
         layers.bind(run, local);
-        run.workgroups(io::LayeredPush{kNativeLayeredJoints, kNativeLayeredLimit}, kNativeLayeredInstances);
+        run.workgroups(io::LayeredPush{kLayeredJoints, kLayeredLimit}, kLayeredInstances);
         for (size_t i = 0; i < local.size(); ++i)
             ASSERT_LE(error_of(local[i], active_clips_reference(layers.wanted[i])), 2e-5)
-                << "joint " << i % kNativeLayeredJoints;
+                << "joint " << i % kLayeredJoints;
     }
 }
 
 TEST(NativeLayered, RotationsInModelSpaceFollowTheReference) {
     Layers layers(some_character(false), true);
     std::vector<uint32_t>& parents = layers.character.rig.parents;
-    auto local = unwritten<Affine>(kNativeLayeredInstances * kNativeLayeredJoints);
-    auto rotations = unwritten<io::ModelRotations>(kNativeLayeredInstances * kNativeLayeredJoints);
+    auto local = unwritten<Affine>(kLayeredInstances * kLayeredJoints);
+    auto rotations = unwritten<io::ModelRotations>(kLayeredInstances * kLayeredJoints);
     NativeRun run(kernels::layered_in_order.native, {false, false, false, false});
     layers.bind(run, local);
     run.bind(io::kParentsBuffer, parents).bind(io::kRotationsBuffer, rotations);
     for (const uint32_t first : {0u, 20u})  // in two dispatches
-        run.invocations(io::LayeredInOrderPush{kNativeLayeredInstances, kNativeLayeredJoints, kNativeLayeredLimit,
-                                               first, first == 0 ? 20 : kNativeLayeredJoints},
-                        kNativeLayeredInstances);
-    for (uint32_t instance = 0; instance < kNativeLayeredInstances; ++instance) {
+        run.invocations(io::LayeredInOrderPush{kLayeredInstances, kLayeredJoints, kLayeredLimit, first,
+                                               first == 0 ? 20 : kLayeredJoints},
+                        kLayeredInstances);
+    for (uint32_t instance = 0; instance < kLayeredInstances; ++instance) {
         std::vector<ReferenceJoint> joints;
-        for (uint32_t joint = 0; joint < kNativeLayeredJoints; ++joint) {
+        for (uint32_t joint = 0; joint < kLayeredJoints; ++joint) {
             const ReferenceJoint* const parent = parents[joint] == kNone ? nullptr : &joints[parents[joint]];
-            joints.push_back(joint_reference(layers.wanted[instance * kNativeLayeredJoints + joint], parent));
-            ASSERT_LE(error_of(local[instance * kNativeLayeredJoints + joint], joints[joint].pose), 1e-4)
+            joints.push_back(joint_reference(layers.wanted[instance * kLayeredJoints + joint], parent));
+            ASSERT_LE(error_of(local[instance * kLayeredJoints + joint], joints[joint].pose), 1e-4)
                 << "joint " << joint;
         }
     }
@@ -121,9 +121,9 @@ TEST(NativeLayered, RotationsInModelSpaceFollowTheReference) {
 // One that begins shows at first what was shown, as long as nothing moved; when it is over, the pose alone.
 TEST(NativeLayered, InertialTransitionsBeginWhereThePoseWas) {
     Layers layers(some_character(false), false);
-    std::vector<io::InstanceInertia> inertias(kNativeLayeredInstances);
+    std::vector<io::InstanceInertia> inertias(kLayeredInstances);
     for (io::InstanceInertia& inertia : inertias) inertia = {0, 0.5f, 0.1f, 3, 1, 0};
-    std::vector<io::InertiaState> states(kNativeLayeredInstances * kNativeLayeredJoints);
+    std::vector<io::InertiaState> states(kLayeredInstances * kLayeredJoints);
     Random random(13);
     std::vector<Trs<double>> shown;
     for (io::InertiaState& state : states) {
@@ -134,18 +134,17 @@ TEST(NativeLayered, InertialTransitionsBeginWhereThePoseWas) {
                        {f.scale.x, f.scale.y, f.scale.z, 0}};
         state.shown_before = state.shown;
     }
-    auto local = unwritten<Affine>(kNativeLayeredInstances * kNativeLayeredJoints);
+    auto local = unwritten<Affine>(kLayeredInstances * kLayeredJoints);
     NativeRun run(kernels::layered.native, {false, false, true, false});
     layers.bind(run, local);
     run.bind(io::kInertiasBuffer, inertias).bind(io::kInertiaStatesBuffer, states);
-    run.workgroups(io::LayeredPush{kNativeLayeredJoints, kNativeLayeredLimit}, kNativeLayeredInstances);
+    run.workgroups(io::LayeredPush{kLayeredJoints, kLayeredLimit}, kLayeredInstances);
     for (size_t i = 0; i < local.size(); ++i)
-        ASSERT_LE(error_of(local[i], shown[i]), 2e-5) << "joint " << i % kNativeLayeredJoints;
+        ASSERT_LE(error_of(local[i], shown[i]), 2e-5) << "joint " << i % kLayeredJoints;
     for (io::InstanceInertia& inertia : inertias) inertia = {0.5f, 0.5f, 0.1f, 3, 0, 0.5f};
-    run.workgroups(io::LayeredPush{kNativeLayeredJoints, kNativeLayeredLimit}, kNativeLayeredInstances);
+    run.workgroups(io::LayeredPush{kLayeredJoints, kLayeredLimit}, kLayeredInstances);
     for (size_t i = 0; i < local.size(); ++i)
-        ASSERT_LE(error_of(local[i], active_clips_reference(layers.wanted[i])), 2e-5)
-            << "joint " << i % kNativeLayeredJoints;
+        ASSERT_LE(error_of(local[i], active_clips_reference(layers.wanted[i])), 2e-5) << "joint " << i % kLayeredJoints;
 }
 
 }  // namespace

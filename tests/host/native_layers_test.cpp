@@ -13,9 +13,9 @@ namespace {
 
 using namespace test;
 
-constexpr double kNativeLayersBound = 1e-5;  // parts of the character's size
-constexpr uint32_t kNativeLayersLimit = 9;   // active clips
-constexpr uint32_t kNativeLayersInstances = 21;
+constexpr double kLayersBound = 1e-5;  // parts of the character's size
+constexpr uint32_t kLayersLimit = 9;   // active clips
+constexpr uint32_t kLayersInstances = 21;
 
 // Random layers of an instance, as the control stage would have them, and as the reference does.
 struct Layered {
@@ -74,7 +74,7 @@ private:
                     of_joints[j].back().active_clips.push_back({pose[j], first[j], weight});
             }
         }
-        out.clips.resize(kNativeLayersLimit);
+        out.clips.resize(kLayersLimit);
         std::vector<Trs<double>> local;
         for (const auto& layers : of_joints) {
             local.push_back(active_clips_reference(layers));
@@ -116,36 +116,36 @@ TEST(NativeLayers, FollowTheReference) {
         LayerMaker maker(character, masks, 8);
         std::vector<Layered> instances;
         std::vector<io::ActiveClip> clips;
-        for (uint32_t i = 0; i < kNativeLayersInstances; ++i) {
+        for (uint32_t i = 0; i < kLayersInstances; ++i) {
             std::optional<Layered> layered = maker.make();
             if (!layered) break;
             clips.insert(clips.end(), layered->clips.begin(), layered->clips.end());
             instances.push_back(*std::move(layered));
         }
-        if (instances.size() < kNativeLayersInstances) continue;
+        if (instances.size() < kLayersInstances) continue;
         ++character_count;
         const NativeRig rig(character);
         const native::AlignedBytes ordered = rig.masks_in_order(masks);
         const size_t stride = character.palette.size();
         for (const NativeIsa isa : native_isas()) {
-            GuardedBytes skin(kNativeLayersInstances * stride * 48);
+            GuardedBytes skin(kLayersInstances * stride * 48);
             const NativeUpdate buffers{.active_clips = clips.data(),
-                                       .active_clip_limit = kNativeLayersLimit,
+                                       .active_clip_limit = kLayersLimit,
                                        .masks = reinterpret_cast<const float*>(ordered.get()),
                                        .skin = skin.data()};
-            update(rig, buffers, 0, kNativeLayersInstances, isa);
-            GuardedBytes in_parts(kNativeLayersInstances * stride * 48);
+            update(rig, buffers, 0, kLayersInstances, isa);
+            GuardedBytes in_parts(kLayersInstances * stride * 48);
             NativeUpdate of_parts = buffers;
             of_parts.skin = in_parts.data();
-            for (uint32_t first = 0; first < kNativeLayersInstances; first += 5)
-                update(rig, of_parts, first, std::min(kNativeLayersInstances, first + 5), isa);
+            for (uint32_t first = 0; first < kLayersInstances; first += 5)
+                update(rig, of_parts, first, std::min(kLayersInstances, first + 5), isa);
             EXPECT_TRUE(std::ranges::equal(skin.content(), in_parts.content())) << named.name << " " << name_of(isa);
             const std::vector<Affine> got = unpack_skin(SkinFormat::kAffine, skin.content());
             double worst = 0;
-            for (size_t i = 0; i < kNativeLayersInstances; ++i)
+            for (size_t i = 0; i < kLayersInstances; ++i)
                 worst = std::max(
                     worst, displacement(character, std::span(got).subspan(i * stride, stride), instances[i].wanted));
-            EXPECT_LT(worst, kNativeLayersBound) << named.name << " " << name_of(isa);
+            EXPECT_LT(worst, kLayersBound) << named.name << " " << name_of(isa);
             worst_of_all = std::max(worst_of_all, worst);
         }
     }
