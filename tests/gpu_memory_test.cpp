@@ -277,7 +277,7 @@ TEST(Uploads, BeyondTheirStagingMemoryAreSubmittedOnTheWay) {
 TEST(Uploads, TheTargetMayBeGone) {
     Uploads uploads(test_gpu());
     Buffer buffer = upload(uploads, "numbers", random_numbers(100, 1));
-    buffer = upload(uploads, "other random_numbers", random_numbers(200, 2));
+    buffer = upload(uploads, "other numbers", random_numbers(200, 2));
     uploads.finish();
     EXPECT_EQ(download<uint32_t>(test_gpu(), buffer), random_numbers(200, 2));
 }

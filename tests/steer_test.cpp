@@ -177,7 +177,7 @@ private:
     uint64_t standing_ = 0, impatient_ = 0;
 };
 
-// Agents of several kinds and sizes, close together; some on the borders of cells, turned_at the same place, turned_at
+// Agents of several kinds and sizes, close together; some on the borders of cells, at the same place, at
 // their destination or without one, mirrored or leaning.
 struct Mixture {
     static constexpr uint32_t kCounts[] = {90, 5, 40, 60};
@@ -283,7 +283,7 @@ TEST(Steer, NumbersChangeNoByte) {
     EXPECT_TRUE(same_bits(forwards, backwards));
 }
 
-// Until all stand turned_at their destinations, or so many seconds have passed. Gives how much nearer than the sum of
+// Until all stand at their destinations, or so many seconds have passed. Gives how much nearer than the sum of
 // their radii two have come, as a part of it.
 double walk_home(Crowd& crowd, std::span<const Vec3<float>> destinations, float radius, double seconds,
                  bool begins_apart = true) {
