@@ -2,8 +2,16 @@
 find_program(GLSLC glslc REQUIRED)
 
 # throng_add_shader(target shader output defines...): shader relative to src/ or absolute, output to the folder of
-# shaders in the build tree.
+# shaders in the build tree. Those of the library are what throng_shaders compiles, and THRONG_COMPILED_SHADERS has.
 function(throng_add_shader target shader output_name)
+  cmake_path(COMPARE ${CMAKE_CURRENT_SOURCE_DIR} EQUAL ${PROJECT_SOURCE_DIR} of_the_library)
+  if(of_the_library AND THRONG_COMPILED_SHADERS)
+    if(NOT EXISTS ${THRONG_COMPILED_SHADERS}/${output_name})
+      message(FATAL_ERROR "${THRONG_COMPILED_SHADERS} lacks ${output_name}: build throng_shaders there first "
+        "(./run sanitize does), or set THRONG_COMPILED_SHADERS to nothing")
+    endif()
+    return()
+  endif()
   cmake_path(ABSOLUTE_PATH shader BASE_DIRECTORY ${PROJECT_SOURCE_DIR}/src OUTPUT_VARIABLE source)
   set(output ${PROJECT_BINARY_DIR}/shaders/${output_name})
   get_filename_component(folder ${output} DIRECTORY)
@@ -19,6 +27,9 @@ function(throng_add_shader target shader output_name)
     COMMENT "Compiling shader ${output_name}"
     VERBATIM)
   target_sources(${target} PRIVATE ${output})
+  if(of_the_library)
+    set_property(GLOBAL APPEND PROPERTY THRONG_SHADERS ${output})
+  endif()
 endfunction()
 
 # throng_add_native(target shader name defines...): the text of a compute shader, relative to src/, as C++, which makes
@@ -32,6 +43,9 @@ if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
   list(APPEND native_options -fsingle-precision-constant -Wno-maybe-uninitialized)
 elseif(CMAKE_CXX_COMPILER_ID STREQUAL "Clang")
   list(APPEND native_options -Xclang -cl-single-precision-constant)
+endif()
+if(THRONG_SANITIZE)
+  list(APPEND native_options -O1)  # what they are in may have less
 endif()
 function(throng_add_native target shader name)
   set(source ${PROJECT_BINARY_DIR}/native/${name}.cpp)

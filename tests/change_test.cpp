@@ -10,7 +10,8 @@
 namespace throng::test {
 namespace {
 
-const InSubset kChangeInSubsets({Subset::kGpuAssisted, Subset::kNative}, {"Changes.*"});
+const InSubset kChangeInSubsets({Subset::kGpuAssisted, Subset::kNative}, {"Changes.*"}),
+    kChangeOnOtherDrivers({Subset::kOtherDriver}, {"-Changes.InOnePieceAreThoseOfCommandsOfTheirOwn"});
 
 constexpr uint32_t kEach = 60;  // instances of a group: every other one changes, which is many
 

@@ -17,7 +17,7 @@
 
 namespace throng::test {
 
-inline constexpr uint32_t kEventCapacity = 65536;
+inline constexpr uint32_t kEventCapacity = 8192;
 inline constexpr uint32_t kCommandsEach = 3;  // of an instance in an update, at most
 
 struct EventBlock {

@@ -22,6 +22,8 @@ const test::InSubset kFusedInSubsets({test::Subset::kGpuAssisted},
                                       "Fused/FusedRows.*/300", "Fused.RowsOfScalesFollowTheReference",
                                       "Fused.KeysAreReadWhereThereAreNoRows",
                                       "Fused.SimilaritiesOfMirrorsAndHalfTurns"});
+const test::InSubset kFusedOnOtherDrivers({test::Subset::kOtherDriver},
+                                          {"-Fused/FusedMethod.*_1", "-Fused/FusedMethod.*_300"});
 const test::InSubset kFusedWithOtherSubgroups({test::Subset::kSubgroups},
                                               {"Fused.*", "Fused/*", "-Fused.WhatDoesNotFitIsStagedUnlessAskedFor"});
 const test::InSubset kFusedNatively({test::Subset::kNative},

@@ -14,7 +14,8 @@ namespace throng::test {
 namespace {
 
 const InSubset kGroupChangeNatively({Subset::kNative}, {"*GroupChanges*"}),
-    kGroupChangeInSubsets({Subset::kGpuAssisted}, {"GroupChanges.GroupsMayHaveSeveralBatches"});
+    kGroupChangeInSubsets({Subset::kGpuAssisted}, {"GroupChanges.GroupsMayHaveSeveralBatches"}),
+    kGroupChangeOnOtherDrivers({Subset::kOtherDriver}, {"-GroupChanges.*"});
 
 class GroupChanges : public testing::Test {
 protected:

@@ -11,7 +11,7 @@
 namespace throng::test {
 namespace {
 
-constexpr std::array<std::string_view, 3> kNames{"gpu_assisted", "subgroups", "native"};  // [Subset]
+constexpr std::array<std::string_view, 4> kNames{"gpu_assisted", "subgroups", "native", "other_driver"};  // [Subset]
 
 struct Patterns {
     std::vector<std::string> taken, left_out;
@@ -57,9 +57,16 @@ InSubset::InSubset(std::initializer_list<Subset> subsets, std::initializer_list<
 }
 
 std::string filter_of_subset(std::string_view name) {
-    for (size_t subset = 0; subset < kNames.size(); ++subset)
-        if (kNames[subset] == name && !patterns()[subset].taken.empty())
-            return joined(patterns()[subset].taken) + ":-" + joined(patterns()[subset].left_out);
+    for (size_t subset = 0; subset < kNames.size(); ++subset) {
+        if (kNames[subset] != name) continue;
+        Patterns of_subset = patterns()[subset];
+        if (static_cast<Subset>(subset) == Subset::kOtherDriver) {
+            const Patterns& base = patterns()[static_cast<size_t>(Subset::kGpuAssisted)];
+            of_subset.taken.insert(of_subset.taken.end(), base.taken.begin(), base.taken.end());
+            of_subset.left_out.insert(of_subset.left_out.end(), base.left_out.begin(), base.left_out.end());
+        }
+        if (!of_subset.taken.empty()) return joined(of_subset.taken) + ":-" + joined(of_subset.left_out);
+    }
     throw std::runtime_error("no test is in a subset '" + std::string(name) + "'");
 }
 

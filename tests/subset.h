@@ -8,11 +8,13 @@
 namespace throng::test {
 
 enum class Subset {
-    // "gpu_assisted": under GPU-assisted validation, which finds accesses out of bounds, and on other drivers. A kernel
-    // may take seconds there, so these are few, but among them run the kernels of every stage and scan method.
+    // "gpu_assisted": under GPU-assisted validation, which finds accesses out of bounds. A kernel may take seconds
+    // there, so these are few, but among them run the kernels of every stage and scan method.
     kGpuAssisted,
     kSubgroups,  // "subgroups": invocations that work together, with other subgroup sizes
     kNative,     // "native": on a device without Vulkan
+    // "other_driver": those of "gpu_assisted", but for what is left out here: other numbers for the same kernels.
+    kOtherDriver,
 };
 
 // A file of tests says by one of these, outside of functions, which of its tests belong to which of the subsets:
