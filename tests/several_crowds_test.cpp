@@ -10,7 +10,6 @@ namespace throng::test {
 namespace {
 
 const InSubset kSeveralCrowdsInSubsets({Subset::kGpuAssisted}, {"*SeveralCrowds.LookAsOneCrowdOfAllGroups/ByShaders"}),
-    kSeveralCrowdsOnOtherDrivers({Subset::kOtherDriver}, {"-*SeveralCrowds.*"}),
     kSeveralCrowdsNatively({Subset::kNative}, {"*SeveralCrowds.*"});
 
 constexpr uint32_t kSeveralCrowdsCount = 6, kSeveralCrowdsWidth = 200, kSeveralCrowdsHeight = 120;

@@ -13,7 +13,7 @@ enum class Subset {
     kGpuAssisted,
     kSubgroups,  // "subgroups": invocations that work together, with other subgroup sizes
     kNative,     // "native": on a device without Vulkan
-    // "other_driver": those of "gpu_assisted", but for what is left out here: other numbers for the same kernels.
+    // "other_driver": those of "gpu_assisted", but for what is left out here: other numbers for the same shaders.
     kOtherDriver,
 };
 
