@@ -68,7 +68,8 @@ TEST_F(CrowdBoundsTest, FollowWhereUpdatesMoveInstances) {
         }
         EXPECT_NEAR(middle_z(world_bounds(crowd)), z, reach);
 
-        // What is set is known at once, whatever comes back of the update before; the rest stays where it is.
+        // A place that the application sets counts at once, before what the device reports of the last update; the
+        // bounds of all others stay.
         ASSERT_TRUE(crowd.update(0.1f));
         ASSERT_TRUE(crowd.set_placement(InstanceHandle{3}, placed_at(3, 0, -50)));
         EXPECT_LT(world_bounds(crowd).min.z, -49);
