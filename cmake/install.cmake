@@ -21,7 +21,14 @@ install(FILES ${PROJECT_BINARY_DIR}/throng.pc DESTINATION ${pkgconfig_dir} COMPO
 
 install(FILES ${PROJECT_SOURCE_DIR}/docs/controller.schema.json DESTINATION ${CMAKE_INSTALL_DATAROOTDIR}/throng
   COMPONENT Documentation)
-install(FILES ${PROJECT_SOURCE_DIR}/README.md ${PROJECT_SOURCE_DIR}/CHANGELOG.md DESTINATION ${doc_dir}
-  COMPONENT Documentation)
+# The documents, and what they link to: tests/links.py follows all links there.
+install(FILES ${PROJECT_SOURCE_DIR}/README.md ${PROJECT_SOURCE_DIR}/CHANGELOG.md ${PROJECT_SOURCE_DIR}/CONTRIBUTING.md
+  DESTINATION ${doc_dir} COMPONENT Documentation)
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/docs DESTINATION ${doc_dir} COMPONENT Documentation)
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/examples DESTINATION ${doc_dir} COMPONENT Documentation
+  PATTERN CMakeLists.txt EXCLUDE)
+install(FILES ${PROJECT_SOURCE_DIR}/bench/README.md DESTINATION ${doc_dir}/bench COMPONENT Documentation)
+string(REGEX REPLACE "[^/]+" ".." prefix_from_doc ${doc_dir})
+install(CODE "file(CREATE_LINK ${prefix_from_doc}/${CMAKE_INSTALL_INCLUDEDIR}
+  \$ENV{DESTDIR}\${CMAKE_INSTALL_PREFIX}/${doc_dir}/include SYMBOLIC)" COMPONENT Documentation)
 install(FILES ${PROJECT_SOURCE_DIR}/LICENSE DESTINATION ${doc_dir} COMPONENT Runtime)

@@ -181,6 +181,38 @@ TEST_F(CrowdBoundsTest, LeaveOutStraysButNotAParty) {
     EXPECT_TRUE(same(main_bounds(crowd), world_bounds(crowd)));
 }
 
+// Motion capture has the hips at the origin at rest, and the feet on the ground in all clips.
+TEST_F(CrowdBoundsTest, ARestPoseThatNoClipComesNearToIsNotShown) {
+    Character captured = character_;
+    ASSERT_FALSE(captured.clips.empty());
+    const float height = captured.bounds_max.y - captured.bounds_min.y;
+    const auto bounds_where_clips_begin_at = [&](float above_rest) {
+        for (Clip& clip : captured.clips) {
+            clip.bounds_min.y = captured.bounds_min.y + above_rest;
+            clip.bounds_max.y = clip.bounds_min.y + 2 * height;
+        }
+        return world_bounds(create({.groups = {{.character = &captured, .instance_count = 1}}}));
+    };
+    const Bounds at_rest = bounds_where_clips_begin_at(0.05f * height), in_clips = bounds_where_clips_begin_at(height);
+    EXPECT_NEAR(at_rest.min.y, captured.bounds_min.y, 1e-4f * height);
+    EXPECT_NEAR(at_rest.max.y, captured.bounds_max.y, 1e-4f * height);
+    EXPECT_NEAR(in_clips.min.y, captured.bounds_min.y + height, 1e-4f * height);
+    EXPECT_NEAR(in_clips.max.y, captured.bounds_min.y + 3 * height, 1e-4f * height);
+}
+
+TEST_F(CrowdBoundsTest, LeaveOutWhatAClipThrowsFarAway) {
+    Character throwing = character_;
+    const auto posed_height_where_clips_reach_down = [&](float sizes) {
+        throwing.clips[0].bounds_min.y = throwing.bounds_min.y - sizes * throwing.size;
+        const Crowd crowd = create({.groups = {{.character = &throwing, .instance_count = 1}}});
+        const Bounds posed = bounds_of(std::array{&crowd.state()}, Strays::kIncluded).posed;
+        return (posed.max.y - posed.min.y) / throwing.size;
+    };
+    const float usual = posed_height_where_clips_reach_down(1);
+    EXPECT_NEAR(posed_height_where_clips_reach_down(2), usual + 1, 1e-3f);
+    EXPECT_LT(posed_height_where_clips_reach_down(1000), usual + 4);
+}
+
 // The others look as they would without the stray, which nobody sees.
 TEST_F(CrowdBoundsTest, AStrayDoesNotSpoilThePicture) {
     const auto picture_of = [&](const Affine& last) {

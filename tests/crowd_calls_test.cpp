@@ -132,7 +132,11 @@ TEST_F(CrowdCalls, AHandleThatIsStaleSetsNothing) {
     EXPECT_EQ(refusal(crowd.set_playback(InstanceHandle{0, 1}, playback)),
               "playback: instance 0 of generation 1 is not there");
     EXPECT_EQ(refusal(crowd.set_playback(InstanceHandle{}, playback)),
-              "playback: instances 4294967295 to 4294967296 of a crowd of 16");
+              "playback: the handle is none of Crowd::spawn() or handle()");
+    EXPECT_EQ(refusal(crowd.read_skin_matrices(InstanceHandle())),
+              "read-back: the handle is none of Crowd::spawn() or handle()");
+    EXPECT_EQ(refusal(crowd.despawn(InstanceHandle())), "despawn: the handle is none of Crowd::spawn() or handle()");
+    EXPECT_EQ(refusal(crowd.handle(99)), "handle: instance 99 of a crowd of 16");
     expect_same(crowd, untouched, {there[0], there[2], {0}});
     EXPECT_TRUE(crowd.set_playback(there[0], playback) && crowd.set_playback(Instances::numbered(13), playback));
 }

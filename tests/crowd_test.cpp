@@ -331,8 +331,8 @@ TEST(Crowd, WrongValuesAreRefusedAndChangeNothing) {
     refused(1, with([](Playback& p) { p.weight = 1.5f; }), "weight");
     refused(1, with([](Playback& p) { p.weight = -0.01f; }), "weight");
     refused(1, with([](Playback& p) { p.weight = static_cast<float>(kNan); }), "weight");
-    refused(3, {good, good}, "instances 3 to 5 of a crowd of 4");
-    refused(5, {}, "instances 5 to 5 of a crowd of 4");
+    refused(3, {good, good}, "instances 3 to 4 of a crowd of 4");
+    refused(5, {}, "instance 5 of a crowd of 4");
     refused(0xFFFFFFFF, {good}, "crowd of 4");
     EXPECT_TRUE(crowd.set_playback(Instances::numbered(4, 0), std::vector<Playback>()));
 

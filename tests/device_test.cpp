@@ -157,10 +157,10 @@ struct Application {
     VkQueue queue = VK_NULL_HANDLE;
     uint32_t queue_family = 0, queue_family_count = 0;
 
-    Application() {
+    explicit Application(uint32_t api_version = VK_API_VERSION_1_3) {
         EXPECT_EQ(volkInitialize(), VK_SUCCESS);
         VkApplicationInfo info{VK_STRUCTURE_TYPE_APPLICATION_INFO};
-        info.apiVersion = VK_API_VERSION_1_3;
+        info.apiVersion = api_version;
         VkInstanceCreateInfo instance_create{VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO};
         instance_create.pApplicationInfo = &info;
         EXPECT_EQ(vkCreateInstance(&instance_create, nullptr, &instance), VK_SUCCESS);
@@ -226,6 +226,18 @@ TEST(Device, AnApplicationsDeviceIsAdoptedAndLeftAlone) {
     ASSERT_FALSE(refused);
     EXPECT_EQ(refused.error().code, ErrorCode::kInvalidArgument);
     EXPECT_TRUE(Device::adopt(application.adopted())) << "after a refusal";
+}
+
+// Whose calls drivers do not hand out.
+TEST(Device, AnInstanceOfAnOlderVulkanIsNotAdopted) {
+    for (const uint32_t version : {0u, VK_API_VERSION_1_1, VK_API_VERSION_1_2}) {
+        const Application application(version);
+        const Result<Device> refused = Device::adopt(application.adopted());
+        ASSERT_FALSE(refused);
+        EXPECT_EQ(refused.error().text(),
+                  "adopted device: its instance was made for a Vulkan below 1.3: set VkApplicationInfo::apiVersion to "
+                  "VK_API_VERSION_1_3");
+    }
 }
 
 TEST(Device, BuffersOfAnApplicationsDeviceAreSharedByItsQueueFamilies) {

@@ -107,13 +107,14 @@ TEST(FirstUploads, OfAnUpdateThatIsDiscardedGoWithTheNext) {
     }
 }
 
-// Of a crowd without an update: nobody is drawn, and pictures and read-backs come back.
+// Of a crowd without an update: nobody is drawn, and pictures and states come back; matrices there are none.
 TEST(FirstUploads, AreThereForWhoeverReadsFirst) {
     const Cast cast;
     Crowd listed = cast.make();
     EXPECT_TRUE(drawn_of(listed).empty());
     Crowd read = cast.make();
-    EXPECT_TRUE(read.read_positions(InstanceHandle{0}));
+    EXPECT_FALSE(read.read_positions(InstanceHandle{0}));
+    EXPECT_TRUE(read.save_state());
     ASSERT_TRUE(read.update(Cast::kStep_s));
     cast.expect_as_updated(read);
     for (const auto path : {DrawPath::kDevice, DrawPath::kAuto}) {

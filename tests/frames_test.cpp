@@ -227,6 +227,42 @@ TEST(Frames, OnlyTheLastRecordIsDiscarded) {
     EXPECT_FALSE(driven.crowd.discard_last_record()) << "it has been discarded";
 }
 
+// What has been recorded and has neither run nor been discarded is named, where something is asked that goes by it.
+TEST(Frames, WhatHasNotRunIsNotRead) {
+    DrivenCrowd driven;
+    Crowd& crowd = driven.crowd;
+    Recorder recorder;
+    EXPECT_NE(refusal(crowd.read_skin_matrices(InstanceHandle{0})).find("read-back: no update of "), std::string::npos);
+    for (const bool runs : {true, false}) {
+        const VkCommandBuffer commands = recorder.record(
+            [&](VkCommandBuffer into) { EXPECT_TRUE(crowd.record(into, 0.1f)); });
+        const std::string why =
+            "the commands of the last record() have not run: submit them, or call "
+            "discard_last_record()";
+        EXPECT_EQ(refusal(crowd.read_skin_matrices(InstanceHandle{0})), "read-back: " + why);
+        EXPECT_EQ(refusal(crowd.read_positions(InstanceHandle{0})), "read-back: " + why);
+        EXPECT_EQ(refusal(crowd.save_state()), "crowd state: " + why);
+        EXPECT_EQ(refusal(crowd.restore_state({})), "crowd state: " + why);
+        if (runs) {
+            recorder.submit(commands);
+        } else {
+            EXPECT_EQ(refusal(crowd.discard_last_record()), "");
+        }
+        EXPECT_EQ(refusal(crowd.save_state()), "");
+        EXPECT_EQ(refusal(crowd.read_skin_matrices(InstanceHandle{0})), "");
+        EXPECT_EQ(refusal(crowd.discard_last_record()),
+                  runs ? "discard: the commands of the last record() have run"
+                       : "discard: there is no record() to discard, or it has been discarded, or an update() has run "
+                         "since");
+    }
+    for (int frame = 0; frame < 100; ++frame) {  // dropped without a word
+        recorder.record([&](VkCommandBuffer commands) { static_cast<void>(crowd.record(commands, 0.1f)); });
+        EXPECT_TRUE(frame % 3 > 0 || crowd.update(0.1f));
+    }
+    EXPECT_EQ(refusal(crowd.update(0.1f)), "");
+    EXPECT_EQ(refusal(crowd.read_skin_matrices(InstanceHandle{0})), "");
+}
+
 // The GPU is held up in the middle of an update's submission, until another thread lets it go on after a while or
 // record() has returned: only a record() that waits for the GPU finds that it was let go.
 TEST(Frames, RecordDoesNotWaitForTheGpu) {

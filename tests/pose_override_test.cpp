@@ -280,7 +280,7 @@ TEST(PoseOverride, RoomForPosesIsFreeWhenTheyHaveFadedOut) {
                   std::string::npos)
             << refused.error().text();
     };
-    expect_full(0, "0");
+    EXPECT_EQ(refusal(crowd.set_pose(InstanceHandle{0}, pose)), "creature: pose: CrowdGroup::pose_capacity is not set");
     ASSERT_TRUE(crowd.clear_pose(InstanceHandle{0}, 1)) << "there is none";
     ASSERT_TRUE(crowd.set_pose(InstanceHandle{5}, pose));
     ASSERT_TRUE(crowd.set_pose(InstanceHandle{9}, pose, 0.5f));

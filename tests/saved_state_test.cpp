@@ -230,18 +230,26 @@ TEST_F(SavedState, RefusesWhatIsNotIts) {
         const auto shorter = std::span(saved).first(random.below(static_cast<uint32_t>(saved.size())));
         EXPECT_EQ(crowd.restore_state(shorter).error().code, ErrorCode::kInvalidFile);
     }
-    const std::string other_settings =
-        "crowd state: it is of a crowd with other groups or settings, or that is updated in another way";
-    EXPECT_EQ(refusal(create(settings(5)).restore_state(saved)), other_settings);
+    const std::string fits_not = "crowd state: it does not fit this crowd: ";
+    const std::string of_group = fits_not + "a group has another character, controller or CrowdGroup setting there";
+    EXPECT_EQ(refusal(create(settings(5)).restore_state(saved)),
+              fits_not + "a group has another instance_count or capacity there");
     CrowdSettings other = settings();
     other.groups[0].pose_capacity = 3;
-    EXPECT_EQ(refusal(create(other).restore_state(saved)), other_settings);
+    EXPECT_EQ(refusal(create(other).restore_state(saved)), of_group);
     other = settings();
     other.skin_format = SkinFormat::kHalfAffine;
-    EXPECT_EQ(refusal(create(other).restore_state(saved)), other_settings);
+    EXPECT_EQ(refusal(create(other).restore_state(saved)),
+              fits_not + "CrowdSettings::skin_format, keep_previous_matrices or culling is another one there");
     other = settings();
     other.groups[0].pose_margin = 3;
-    EXPECT_EQ(refusal(create(other).restore_state(saved)), other_settings);
+    EXPECT_EQ(refusal(create(other).restore_state(saved)), of_group);
+    other = settings();
+    other.scan = "serial";
+    EXPECT_EQ(refusal(create(other).restore_state(saved)),
+              fits_not +
+                  "that one is updated in another way: natively or on a device, by another CrowdSettings::path "
+                  "or scan");
     EXPECT_EQ(refusal(crowd.restore_state({})), "crowd state: it ends too early");
     EXPECT_FALSE(Crowd().save_state());
     EXPECT_FALSE(Crowd().restore_state(saved));

@@ -25,8 +25,10 @@ struct Rig {
     bool uniform_scale = false;        // in the rest pose and all clips every scale is the same along x, y and z
 
     uint32_t joint_count() const { return static_cast<uint32_t>(parents.size()); }
-    // The first joint with this name, or kNone; names need not differ.
+    // The first joint with this name, or kNone; names need not differ. And the same with an error, in place of kNone,
+    // that says which there are: kInvalidArgument.
     uint32_t find_joint(std::string_view joint_name) const;
+    Result<uint32_t> joint_named(std::string_view joint_name) const;
 };
 
 // Where a joint's three tracks lie in Character::keys. Each word is a position in float4s; in a character of exact keys
@@ -219,9 +221,12 @@ struct Character {
     std::vector<float> morph_values{};    // constants and rows of all clips
     std::vector<std::string> warnings{};  // of the file and of the compilation, a line each
 
-    // Index of the clip, or the first of the morphs, with this name, or kNone.
+    // Index of the clip, or the first of the morphs, with this name, or kNone. And the same with an error, in place of
+    // kNone, that says which there are: kInvalidArgument. (A Playback of clip kNone is the rest pose, not an error.)
     uint32_t find_clip(std::string_view clip_name) const;
     uint32_t find_morph(std::string_view morph_name) const;
+    Result<uint32_t> clip_named(std::string_view clip_name) const;
+    Result<uint32_t> morph_named(std::string_view morph_name) const;
     // All sections with this name, and all whose material has it: for outfits.
     std::vector<uint32_t> find_sections(std::string_view section_name) const;
     std::vector<uint32_t> find_sections_of_material(std::string_view material_name) const;

@@ -108,10 +108,14 @@ struct Controller {
     std::vector<JointMask> masks{};
     std::vector<ControllerLayer> layers{};  // lowest first
 
-    // Index of the parameter, layer or mask with this name, or kNone.
+    // Index of the parameter, layer or mask with this name, or kNone. And the same with an error, in place of kNone,
+    // that says which there are: kInvalidArgument.
     uint32_t find_parameter(std::string_view parameter_name) const;
     uint32_t find_layer(std::string_view layer_name) const;
     uint32_t find_mask(std::string_view mask_name) const;
+    Result<uint32_t> parameter_named(std::string_view parameter_name) const;
+    Result<uint32_t> layer_named(std::string_view layer_name) const;
+    Result<uint32_t> mask_named(std::string_view mask_name) const;
 };
 
 // A controller without states: `count` layers (at least 1) that play what they are told, lowest first.

@@ -19,6 +19,7 @@
 #include <throng/steering.h>
 #include <throng/view.h>
 
+#include <concepts>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -80,9 +81,9 @@ struct CrowdGroup {
     // skins_once, all of which keep something of instances that are not drawn.
     std::optional<SkinPool> skin_pool{};
     // Above 0: instances come and go, by Crowd::spawn() and despawn(), and there is room for so many at a time; at
-    // least instance_count. Such a crowd culls (CrowdSettings::culling): who is there is in its lists, and nobody else
-    // is updated or drawn. Room that is free takes memory, and next to no time. Not together with
-    // CrowdSettings::keep_previous_matrices where the group is animated entirely (see record()).
+    // least instance_count. Such a crowd culls, as if CrowdSettings::culling were set, also where it is not: who is
+    // there is in its lists, and nobody else is updated or drawn. Room that is free takes memory, and next to no time.
+    // Not together with CrowdSettings::keep_previous_matrices where the group is animated entirely (see record()).
     uint32_t capacity = 0;
     // Above 0: the application's shaders may ask instances for this and that (throng/commands.h), so many times at most
     // in an update and OutputBlock; at most 1048576. An update obeys them behind what the CPU's calls have set. 64
@@ -195,9 +196,10 @@ public:
     // behind. What stages share is made anew, in about a millisecond, and what updates under way still use is freed
     // some ten updates later. Nothing waits or is submitted. outputs() change for the groups that come, and
     // spans of them end. Both crowds need the same CrowdSettings, but for groups, path, scan, terrain and capacities
-    // of feedback. Where there is an error nothing has changed. Errors: kInvalidArgument (other settings, device; it
-    // has been updated; the second half of an update for a view with occlusion is to come), kUnsupported (on a software
-    // device, of which one crowd is updated natively and the other cannot be), kLimit, kOutOfMemory.
+    // of feedback; where a group has CrowdGroup::capacity, which makes its crowd cull, the other crowd needs
+    // CrowdSettings::culling. Where there is an error nothing has changed. Errors: kInvalidArgument (other settings,
+    // device; it has been updated; the second half of an update for a view with occlusion is to come), kUnsupported (on
+    // a software device, of which one crowd is updated natively and the other cannot be), kLimit, kOutOfMemory.
     Result<std::vector<uint32_t>> add_groups(Crowd&& other);
     // Takes a group away with all of its instances; what hangs on them stays where it is. The other groups and their
     // instances keep their numbers. Errors: kInvalidArgument (no such group, the last one, or as above).
@@ -212,6 +214,17 @@ public:
     // twice), kLimit (more than there is room for).
     Result<std::vector<InstanceHandle>> spawn(uint32_t group, std::span<const Affine> world_from_model);
     Result<void> despawn(std::span<const InstanceHandle> instances);
+    // One of them. (Templates, so that what stands in braces is taken for a span.)
+    template <std::same_as<Affine> One>
+    Result<InstanceHandle> spawn(uint32_t group, const One& world_from_model) {
+        const Result<std::vector<InstanceHandle>> spawned = spawn(group, std::span<const Affine>(&world_from_model, 1));
+        if (!spawned) return spawned.error();
+        return spawned->front();
+    }
+    template <std::same_as<InstanceHandle> One>
+    Result<void> despawn(const One& instance) {
+        return despawn(std::span<const InstanceHandle>(&instance, 1));
+    }
     bool is_alive(const InstanceHandle& instance) const;
     // The handle of whoever has this number now. Errors: kInvalidArgument (nobody has).
     Result<InstanceHandle> handle(uint32_t instance) const;
@@ -227,8 +240,10 @@ public:
     // instances, or one for each. Where there is an error nothing has been set. Errors of all: kInvalidArgument (an
     // instance is not there, or there is another number of values).
 
-    // What instances play, and where they stand. New instances play the rest pose and stand at the origin. Only changed
-    // instances are uploaded: 36 bytes each for a playback, 48 for a placement (80 with root motion). Errors:
+    // What instances play, and where they stand. New instances play the rest pose and stand at the origin. A playback
+    // replaces the one before at once, and its clips begin at their time_s: for fades from clip to clip see play(). Of
+    // an instance that hangs on another one the placement is not used. Only changed instances are uploaded: 36 bytes
+    // each for a playback, 48 for a placement (80 with root motion). Errors:
     // kInvalidArgument (clip out of range, value not finite, weight outside 0..1, set_playback() where there is a
     // controller).
     Result<void> set_playback(const Instances& instances, const Playback& playback);
@@ -252,10 +267,10 @@ public:
     Result<void> attach(const Instances& instances, std::span<const Attachment> attachment);
     Result<void> detach(const Instances& instances);
 
-    // For instances whose groups have controllers. 32 bytes are uploaded for each, and applied on the GPU. Parameters
-    // and layers are numbered as in the Controller. Errors: kInvalidArgument (no controller, layer with states, or
-    // without inertial plays, clip, mask or parameter out of range, value not finite, negative fade, weight outside
-    // 0..1).
+    // For instances whose groups have controllers; direct_layers() makes one for games that play clips by such calls
+    // alone. 32 bytes are uploaded for each, and applied on the GPU. Parameters and layers are numbered as in the
+    // Controller. Errors: kInvalidArgument (no controller, layer with states, or without inertial plays, clip, mask or
+    // parameter out of range, value not finite, negative fade, weight outside 0..1).
     Result<void> play(const Instances& instances, uint32_t layer, const LayerPlayback& playback);
     Result<void> play(const Instances& instances, uint32_t layer, std::span<const LayerPlayback> playback);
     Result<void> set_layer(const Instances& instances, uint32_t layer, const LayerBlend& blend);
@@ -318,9 +333,11 @@ public:
 
     // Records one update into the caller's command buffer (recording, outside a render pass, of the adopted queue's
     // family): advances every instance by `time_step_s` times its speed, then control, and sample, blend, scan, bind or
-    // all four in one. A playback set since the last record() starts at its time plus this step. The recorded commands
-    // must have finished before the crowd is destroyed, and may be submitted once. On a native device the command
-    // buffer is VK_NULL_HANDLE, and the update is done when the call returns, as by update().
+    // all four in one. A playback set since the last record() starts at its time plus this step; a negative step plays
+    // backwards. The recorded commands must have finished before the crowd is destroyed, and may be submitted once.
+    // They run in the order in which they were recorded, those of update(), read_ and save_state() among them, so what
+    // has been recorded is to be submitted before these are called. On a native device the command buffer is
+    // VK_NULL_HANDLE, and the update is done when the call returns, as by update().
     //
     // With a view, where CrowdSettings::culling: all instances go on in time, and of groups that are fused, without
     // sockets or inertial transitions, only those that it sees are animated (others' groups entirely). Without one, all
@@ -343,9 +360,10 @@ public:
     // update is not back where CrowdGroup::pose_capacity was exhausted and its room has been given to another.) Of a
     // dropped update that nobody tells of, the changes are lost, of the first one also what the buffers begin with, and
     // after four in a row record() fails where there is feedback(). Errors: kInvalidArgument (nothing has been recorded
-    // since the last discard or update()).
+    // since the last discard or update(), or its commands have run).
     Result<void> discard_last_record();
-    // record(), submit to the device's queue, and wait; a native device computes here.
+    // record(), submit to the device's queue, and wait; a native device computes here. Commands of record() that have
+    // not been submitted are taken for dropped.
     Result<void> update(float time_step_s, const CrowdView* view = nullptr);
 
     // What the next updates go on from, as bytes: for a game that is saved, a replay, a rollback. A crowd that is given
@@ -357,16 +375,17 @@ public:
     // that have been recorded must have been submitted or discarded, and one for a view with occlusion must have had
     // its second half.
     //
-    // After restore_state() outputs() are those of before until the next update, feedback of updates that have not been
-    // asked for is gone, and updates are counted on from where they were saved. Where there is an error nothing has
-    // changed. Errors: kInvalidFile (damaged, of another version), kInvalidArgument (of a crowd with other settings).
+    // After restore_state() outputs() are those of before, in a new crowd none, until the next update: update(0) before
+    // a picture. Feedback of updates that have not been asked for is gone, and updates are counted on from where they
+    // were saved. Where there is an error nothing has changed. Errors: kInvalidFile (damaged, of another version),
+    // kInvalidArgument (what differs, of a crowd with other settings; the last record() has not run).
     Result<std::vector<std::byte>> save_state();
     Result<void> restore_state(std::span<const std::byte> state);
 
     // The outputs of the last record(), or those of one frame slot. Each record() writes to the next slot, and after
-    // the last one to the first. There are CrowdSettings::frames_in_flight slots, and one more with
-    // keep_previous_matrices. Their buffers stay the same, so an application can make its descriptors once for each
-    // slot. Empty where there is no such slot.
+    // the last one to the first: frame_slot() says to which one the last did. There are CrowdSettings::frames_in_flight
+    // slots, and one more with keep_previous_matrices. Their buffers stay the same, so an application can make its
+    // descriptors once for each slot. Empty where there is no such slot.
     std::span<const OutputBlock> outputs() const;
     std::span<const OutputBlock> outputs(uint32_t frame_slot) const;
     uint32_t frame_slot_count() const;
@@ -377,9 +396,10 @@ public:
     // or nothing has run yet.
     Result<StageTimes> stage_times() const;
 
-    // Copies of one instance's results; they submit and wait. Shapes: [palette_count], [joint_count], [vertex_count].
-    // Errors: kInvalidArgument (the instance is not there, a group of CrowdGroup::sockets_only; with a skin pool, an
-    // instance that the last update has not drawn).
+    // Copies of one instance's results of the last update; they submit and wait. Of an instance that was spawned since,
+    // they are what its number showed before. Shapes: [palette_count], [joint_count], [vertex_count]. Errors:
+    // kInvalidArgument (the instance is not there, a group of CrowdGroup::sockets_only; with a skin pool, an instance
+    // that the last update has not drawn; no update has been made; the last record() has not run).
     Result<std::vector<Affine>> read_skin_matrices(const InstanceHandle& instance);
     Result<std::vector<Affine>> read_model_matrices(const InstanceHandle& instance);
     // Morphed and skinned on the GPU, model space, in the order of Character::vertices; where

@@ -49,9 +49,11 @@ struct DeviceSettings {
     bool pipeline_cache = true;
 };
 
-// An instance, device and queue that the application made and keeps. Vulkan 1.3, loaded from the system's
-// libvulkan.so.1; the device has the features synchronization2 and maintenance4 enabled, and dynamicRendering to draw
-// with throng. The queue supports compute, and graphics to draw with throng.
+// An instance, device and queue that the application made, and destroys after all that throng made with them: copies of
+// the Device, crowds and renderers. Vulkan 1.3, which VkApplicationInfo::apiVersion has to say, loaded from the
+// system's libvulkan.so.1; the device has the features synchronization2 and maintenance4 enabled, and dynamicRendering
+// to draw with throng. Which features are enabled throng cannot ask; validation layers tell. The queue supports
+// compute, and graphics to draw with throng.
 struct AdoptedDevice {
     VkInstance instance = VK_NULL_HANDLE;
     VkPhysicalDevice physical_device = VK_NULL_HANDLE;
@@ -82,10 +84,14 @@ class Gpu;  // internal
 // submit (Crowd::update, read_*, Renderer::render) need the caller's lock when made from several threads.
 class Device {
 public:
-    // All physical devices of this machine, and the native one, which is the last.
+    // All physical devices of this machine, and the native one, which is the last. Errors: kVulkan.
     static Result<std::vector<DeviceInfo>> list();
+    // Errors: kNoDevice (none that is selected, or it cannot run throng, and why; no validation layer), kLimit (too
+    // many threads), kVulkan.
     static Result<Device> create(const DeviceSettings& settings = {});
     // throng submits to the adopted queue only in the calls that say so; the application guards the queue there.
+    // Errors: kInvalidArgument (something is null; no such queue family, or without compute; an instance made for a
+    // Vulkan below 1.3), kNoDevice (the device cannot run throng).
     static Result<Device> adopt(const AdoptedDevice& adopted);
 
     const DeviceInfo& info() const;

@@ -59,11 +59,13 @@ struct HostOutputs {
 };
 
 // Results of consecutive instances of one group. The views stay the same as long as the crowd lives, and those that the
-// crowd does not have are empty. Written by compute shaders, and made visible by record() to later compute, vertex,
-// indirect and transfer reads on the same queue. They are valid once the recorded commands have run, until those of a
-// later record() that writes to the same frame slot do: of the next one, which waits for what reads them; or with
-// CrowdSettings::frames_in_flight above 1, of that many later, and only if the application has seen to it that the
-// reading has finished.
+// crowd does not have are empty. Each may be bound as storage buffer or vertex buffer and copied from; `draw` is for
+// indirect draws too. (What needs another usage, as building acceleration structures does, copies them first.) Offsets
+// are multiples of all alignments that the device asks for. Written by compute shaders, and made visible by record() to
+// later compute, vertex, indirect and transfer reads on the same queue. They are valid once the recorded commands have
+// run, until those of a later record() that writes to the same frame slot do: of the next one, which waits for what
+// reads them; or with CrowdSettings::frames_in_flight above 1, of that many later, and only if the application has seen
+// to it that the reading has finished.
 //
 // Where CrowdSettings::culling, without a skin pool, instances that are not listed have the matrices of an earlier
 // update that drew them. In an update that draws them anew, the previous matrices are those of that update: they are

@@ -17,7 +17,7 @@ struct ClipPlayback {
 };
 
 // What one instance plays: `first` with `weight`, `second` with 1 - weight. With weight 1 the second clip costs
-// nothing.
+// nothing. It stays so: what fades is a LayerPlayback.
 struct Playback {
     ClipPlayback first{}, second{};
     float weight = 1;

@@ -1,6 +1,7 @@
 // Joints that are moved by rules: wind, springs, look-at, reaching. docs/procedural.md defines them.
 #pragma once
 
+#include <throng/result.h>
 #include <throng/transform.h>
 
 #include <string>
@@ -81,8 +82,10 @@ struct ProceduralRules {
     std::vector<std::string> targets{};
     std::vector<ProceduralRule> rules{};
 
-    // Index of the target with this name, for Crowd::set_target(), or kNone.
+    // Index of the target with this name, for Crowd::set_target(), or kNone. And the same with an error, in place of
+    // kNone, that says which there are: kInvalidArgument.
     uint32_t find_target(std::string_view target_name) const;
+    Result<uint32_t> target_named(std::string_view target_name) const;
 };
 
 }  // namespace throng

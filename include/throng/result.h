@@ -1,7 +1,6 @@
 // Errors as values. No exception crosses throng's API.
 #pragma once
 
-#include <cassert>
 #include <cstdio>
 #include <cstdlib>
 #include <string>
@@ -37,7 +36,14 @@ struct Error {
     std::exit(1);
 }
 
-// A T, or the Error that prevented it. Looking at the one that is not there is a programmer's mistake and asserts.
+// Of a programmer's mistake.
+[[noreturn]] inline void abort_with(const char* what, const Error& error) {
+    std::fprintf(stderr, "%s: %s\n", what, error.text().c_str());
+    std::abort();
+}
+
+// A T, or the Error that prevented it. Looking at the one that is not there is a programmer's mistake: it prints a
+// line, with the Error where there is one, and aborts.
 template <class T>
 class [[nodiscard]] Result {
 public:
@@ -54,19 +60,19 @@ public:
     const T* operator->() const { return &value(); }
 
     T& value() & {
-        assert(ok());
+        require_value();
         return std::get<0>(state_);
     }
     const T& value() const& {
-        assert(ok());
+        require_value();
         return std::get<0>(state_);
     }
     T&& value() && {
-        assert(ok());
+        require_value();
         return std::get<0>(std::move(state_));
     }
     const Error& error() const {
-        assert(!ok());
+        if (ok()) abort_with("throng::Result::error()", {.message = "there is none, but a value"});
         return std::get<1>(state_);
     }
 
@@ -79,6 +85,10 @@ public:
     }
 
 private:
+    void require_value() const {
+        if (!ok()) abort_with("throng::Result without a value", std::get<1>(state_));
+    }
+
     std::variant<T, Error> state_;
 };
 
@@ -92,7 +102,7 @@ public:
     bool ok() const { return !failed_; }
     explicit operator bool() const { return ok(); }
     const Error& error() const {
-        assert(failed_);
+        if (!failed_) abort_with("throng::Result::error()", {.message = "there is none: the call succeeded"});
         return error_;
     }
     // As that of the others.

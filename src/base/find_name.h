@@ -1,7 +1,7 @@
 // Things by their names.
 #pragma once
 
-#include <throng/character.h>
+#include <throng/asset.h>
 
 #include <concepts>
 #include <string>

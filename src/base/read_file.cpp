@@ -12,9 +12,11 @@ std::vector<std::byte> read_file(const std::filesystem::path& path, uint64_t lim
     namespace fs = std::filesystem;
     std::error_code error;
     const fs::file_status status = fs::status(path, error);
-    if (status.type() == fs::file_type::not_found) throw Failure(ErrorCode::kFile, place, "no such file");
+    // Places have the name alone, and the folder may be what is wrong.
+    const std::string where = path.has_parent_path() ? ": " + printable(path.string(), 1000) : "";
+    if (status.type() == fs::file_type::not_found) throw Failure(ErrorCode::kFile, place, "no such file", where);
     // A pipe or a device could be read for ever.
-    if (status.type() != fs::file_type::regular) throw Failure(ErrorCode::kFile, place, "not a regular file");
+    if (status.type() != fs::file_type::regular) throw Failure(ErrorCode::kFile, place, "not a regular file", where);
     const uint64_t size_bytes = fs::file_size(path, error);
     if (error) throw Failure(ErrorCode::kFile, place, "the file cannot be read");
     if (size_bytes > limit_bytes) throw Failure(ErrorCode::kLimit, place, too_large);

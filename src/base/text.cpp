@@ -1,8 +1,12 @@
 #include "base/text.h"
 
-#include <cstdint>
+#include <throng/asset.h>
 
 namespace throng {
+
+std::string numbered(std::string_view thing, uint32_t index) {
+    return index == kNone ? joined(thing, " kNone (of a name that was not found?)") : joined(thing, " ", index);
+}
 
 std::string printable(std::string_view text, size_t limit) {
     const bool cut = text.size() > limit;

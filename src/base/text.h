@@ -1,6 +1,7 @@
 // The text of messages.
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <string_view>
 #include <type_traits>
@@ -20,6 +21,9 @@ std::string joined(const Parts&... parts) {
     (add(parts), ...);
     return out;
 }
+
+// "joint 7", for what the caller gave as a number; of kNone, as of a name that was looked up in vain, it says that.
+std::string numbered(std::string_view thing, uint32_t index);
 
 // `text` from a file, made fit for a message of one line: control characters become '?', and what is longer than
 // `limit` bytes is cut.

@@ -21,6 +21,7 @@
 #include "compile/rig/uniform_scale.h"
 #include "base/read_file.h"
 #include "import/read_asset.h"
+#include "json/known_names.h"
 #include "skin/skin_reference.h"
 
 #include <algorithm>
@@ -107,6 +108,15 @@ Character read_compiled(const std::filesystem::path& path, const std::string& pl
 uint32_t Rig::find_joint(std::string_view joint_name) const { return find_name(names, joint_name); }
 uint32_t Character::find_clip(std::string_view clip_name) const { return find_name(clips, clip_name); }
 uint32_t Character::find_morph(std::string_view morph_name) const { return find_name(morphs, morph_name); }
+Result<uint32_t> Rig::joint_named(std::string_view joint_name) const {
+    return index_named("rig", "joint", names, joint_name);
+}
+Result<uint32_t> Character::clip_named(std::string_view clip_name) const {
+    return index_named(name, "clip", clips, clip_name);
+}
+Result<uint32_t> Character::morph_named(std::string_view morph_name) const {
+    return index_named(name, "morph", morphs, morph_name);
+}
 
 std::vector<uint32_t> Character::find_sections(std::string_view section_name) const {
     std::vector<uint32_t> found;

@@ -11,8 +11,7 @@ namespace throng {
 namespace {
 
 void check_layer(std::span<const LayerKind> kinds, uint32_t layer, const ErrorPlace& place) {
-    if (layer >= kinds.size())
-        refuse(place, "layer " + std::to_string(layer) + " of a controller that has " + std::to_string(kinds.size()));
+    if (layer >= kinds.size()) refuse(place, numbered("layer", layer), " of a controller that has ", kinds.size());
     if (kinds[layer].state_count > 0)
         refuse(place, "layer " + std::to_string(layer) + " has states: set the controller's parameters");
 }
@@ -66,7 +65,7 @@ io::ControlCommand layer_command(std::span<const LayerKind> kinds, uint32_t mask
     check_layer(kinds, layer, place);
     if (!(blend.weight >= 0 && blend.weight <= 1)) refuse(place, "weight must lie within 0..1");
     if (blend.mask != kNone && blend.mask >= mask_count)
-        refuse(place, "mask " + std::to_string(blend.mask) + " of a controller that has " + std::to_string(mask_count));
+        refuse(place, numbered("mask", blend.mask), " of a controller that has ", mask_count);
     return {.instance = 0,
             .kind = io::kCommandLayer,
             .target = layer,
@@ -79,8 +78,7 @@ io::ControlCommand layer_command(std::span<const LayerKind> kinds, uint32_t mask
 
 void check_parameter(uint32_t parameter_count, uint32_t parameter, float value, const ErrorPlace& place) {
     if (parameter >= parameter_count)
-        refuse(place, "parameter " + std::to_string(parameter) + " of a controller that has " +
-                          std::to_string(parameter_count));
+        refuse(place, numbered("parameter", parameter), " of a controller that has ", parameter_count);
     if (!std::isfinite(value)) refuse(place, "it must be finite");
 }
 

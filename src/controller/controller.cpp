@@ -6,6 +6,8 @@
 #include "json/json_view.h"
 #include "json/known_names.h"
 
+#include <cassert>
+
 namespace throng {
 namespace {
 
@@ -51,6 +53,15 @@ uint32_t Controller::find_parameter(std::string_view parameter_name) const {
 }
 uint32_t Controller::find_layer(std::string_view layer_name) const { return find_name(layers, layer_name); }
 uint32_t Controller::find_mask(std::string_view mask_name) const { return find_name(masks, mask_name); }
+Result<uint32_t> Controller::parameter_named(std::string_view parameter_name) const {
+    return index_named(name, "parameter", parameters, parameter_name);
+}
+Result<uint32_t> Controller::layer_named(std::string_view layer_name) const {
+    return index_named(name, "layer", layers, layer_name);
+}
+Result<uint32_t> Controller::mask_named(std::string_view mask_name) const {
+    return index_named(name, "mask", masks, mask_name);
+}
 
 Controller direct_layers(uint32_t count, std::vector<JointMask> masks, bool inertial_plays) {
     assert(count >= 1);

@@ -12,15 +12,23 @@ namespace throng {
 
 void CrowdState::check_range(uint32_t first_instance, uint32_t count, const char* what) const {
     if (first_instance <= instance_count && count <= instance_count - first_instance) return;
-    throw Failure(ErrorCode::kInvalidArgument, what, "instances ", first_instance, " to ",
-                  uint64_t{first_instance} + count, " of a crowd of ", instance_count);
+    const std::string range = count > 1
+                                  ? joined("instances ", first_instance, " to ", uint64_t{first_instance} + count - 1)
+                                  : joined("instance ", first_instance);
+    throw Failure(ErrorCode::kInvalidArgument, what, range, " of a crowd of ", instance_count);
+}
+
+void CrowdState::check_handle(const InstanceHandle& handle, const char* what) const {
+    if (handle.instance == kNone)
+        throw Failure(ErrorCode::kInvalidArgument, what, "the handle is none of Crowd::spawn() or handle()");
+    check_range(handle.instance, 1, what);
 }
 
 void CrowdState::check_there(const Instances& instances, const char* what) const {
     if (!instances.handles()) return check_there(instances.first(), instances.size(), what);
     const Batch* batch = nullptr;  // often that of the one before
     for (const InstanceHandle& handle : std::span(instances.handles(), instances.size())) {
-        check_range(handle.instance, 1, what);
+        check_handle(handle, what);
         if (!batch || !batch->has(handle.instance)) batch = batch_at(batches, handle.instance);
         if (batch) refuse_if_shaders_populate(groups[batch->group], what);
         if (!batch || !population->is_there(*batch, handle))

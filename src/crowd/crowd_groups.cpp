@@ -21,7 +21,9 @@ std::string_view difference(const CrowdSettings& a, const CrowdSettings& b) {
     if (a.keep_model_matrices != b.keep_model_matrices) return "keep_model_matrices";
     if (a.keep_previous_matrices != b.keep_previous_matrices) return "keep_previous_matrices";
     if (a.frames_in_flight != b.frames_in_flight) return "frames_in_flight";
-    if (a.culling.has_value() != b.culling.has_value()) return "culling";
+    if (a.culling.has_value() != b.culling.has_value())
+        return a.culling ? "culling, which is to be set there too (CrowdGroup::capacity sets it by itself)"
+                         : "culling, which is set there (CrowdGroup::capacity sets it by itself)";
     if (culling_differs(&Culling::skips_updates)) return "Culling::skips_updates";
     if (culling_differs(&Culling::reduces_joints)) return "Culling::reduces_joints";
     if ((a.pose_request_capacity > 0) != (b.pose_request_capacity > 0)) return "pose_request_capacity";

@@ -97,8 +97,12 @@ std::vector<Feedback> CrowdState::take_feedback() {
 
 // Of a group that shaders populate: whoever has the number, if anybody.
 void CrowdState::check_readable(const InstanceHandle& handle) const {
-    check_range(handle.instance, 1, "read-back");
+    check_handle(handle, "read-back");
     if (!group_of(handle.instance).shaders_populate) check_there(handle, "read-back");
+    if (!batch_of(handle.instance).has_outputs)
+        throw Failure(ErrorCode::kInvalidArgument, "read-back", "no update of ", group_of(handle.instance).name,
+                      " has been made here: update(0) writes what it shows now");
+    check_last_has_run("read-back");
 }
 
 std::vector<Affine> CrowdState::read_matrices(const InstanceHandle& handle, bool model) {
@@ -164,6 +168,7 @@ uint32_t CrowdState::joint_set_of(const Batch& batch, uint32_t instance) const {
 std::vector<DrawnInstance> CrowdState::read_drawn() {
     finish_uploads();
     if (!cull) throw Failure(ErrorCode::kInvalidArgument, "read-back", "CrowdSettings::culling is not set");
+    check_last_has_run("read-back");
     std::vector<DrawnInstance> drawn;
     for (uint32_t batch = 0; batch < batches.size(); ++batch) {
         const std::vector<DrawnInstance> of_batch = cull->read(batch);

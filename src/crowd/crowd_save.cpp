@@ -13,13 +13,13 @@ namespace throng {
 namespace {
 
 constexpr uint64_t kMagic = 0x6574617473676874;  // "thgstate"
-constexpr uint32_t kVersion = 4;
+constexpr uint32_t kVersion = 5;
 
 struct Head {
     uint64_t magic = kMagic;
     uint32_t version = kVersion;
     uint32_t flags = 0;
-    uint64_t made_of = 0;       // CrowdState::fingerprint()
+    StateFit fit{};
     uint64_t update_count = 0;  // that feedback tells of
     uint64_t buffers_bytes = 0;
 };
@@ -60,13 +60,18 @@ void add_controller(Checksum& made_of, const GroupController& controller) {
     for (const LayerKind& kind : controller.layer_kinds) made_of.add(kind.state_count);
 }
 
+void add_path(Checksum& paths, const Group& group) {
+    paths.add(uint32_t{group.native});
+    paths.add(uint64_t{group.fused.size()});
+    paths.add_all(group.scan_choice.method->name);
+}
+
 void add_group(Checksum& made_of, const Group& group) {
     made_of.add_all(group.name);
     made_of.add_all(group.parents);
     made_of.add_all(group.clip_durations_s);
     made_of.add(group.palette_count);
     made_of.add(uint32_t{group.varies});
-    made_of.add(uint32_t{group.native});
     made_of.add(uint32_t{group.packed});
     made_of.add(uint32_t{group.rows != nullptr});
     made_of.add(uint32_t{group.moves_placements()});
@@ -79,34 +84,44 @@ void add_group(Checksum& made_of, const Group& group) {
     made_of.add(group.outfit_count);
     made_of.add(group.active_morph_limit);
     made_of.add_all(std::array{group.posed_min, group.posed_max});  // who is in view goes by them
-    made_of.add(uint64_t{group.fused.size()});
-    made_of.add_all(group.scan_choice.method->name);
     if (group.controller) add_controller(made_of, *group.controller);
+}
+
+// What differs first; empty: nothing.
+std::string_view difference(const StateFit& there, const StateFit& here) {
+    if (there.settings != here.settings)
+        return "CrowdSettings::skin_format, keep_previous_matrices or culling is another one there";
+    if (there.groups != here.groups) return "a group has another character, controller or CrowdGroup setting there";
+    if (there.counts != here.counts) return "a group has another instance_count or capacity there";
+    if (there.paths != here.paths)
+        return "that one is updated in another way: natively or on a device, by another CrowdSettings::path or scan";
+    if (there.buffers != here.buffers) return "other settings of that one give its buffers other sizes";
+    return "";
 }
 
 }  // namespace
 
-// A checksum of the groups and settings: a crowd takes a state only from one where it is the same.
-uint64_t CrowdState::fingerprint() const {
-    Checksum made_of;
-    made_of.add(uint32_t{gpu->is_native()});
-    made_of.add(static_cast<uint32_t>(skin_format));
-    made_of.add(uint32_t{keeps_previous_});
-    made_of.add(uint32_t{cull != nullptr});
+StateFit CrowdState::state_fit() const {
+    Checksum paths, settings, made_of, counts, buffers;
+    paths.add(uint32_t{gpu->is_native()});
+    settings.add(static_cast<uint32_t>(skin_format));
+    settings.add(uint32_t{keeps_previous_});
+    settings.add(uint32_t{cull != nullptr});
     for (uint32_t group = 0; group < groups.size(); ++group) {
         if (groups[group].is_gone()) continue;
+        add_path(paths, groups[group]);
         made_of.add(group);
         add_group(made_of, groups[group]);
     }
     for (const Batch& batch : batches) {
-        made_of.add(batch.first_instance);
-        made_of.add(batch.instance_count);
+        counts.add(batch.first_instance);
+        counts.add(batch.instance_count);
     }
     for (const KeptBuffer& kept : kept_buffers()) {
-        made_of.add(kept.number);
-        made_of.add(kept.buffer->size_bytes());
+        buffers.add(kept.number);
+        buffers.add(kept.buffer->size_bytes());
     }
-    return made_of.value();
+    return {paths.value(), settings.value(), made_of.value(), counts.value(), buffers.value()};
 }
 
 std::vector<CrowdState::KeptBuffer> CrowdState::kept_buffers() const {
@@ -159,10 +174,11 @@ void CrowdState::clear_playbacks(std::span<const KeptBuffer> kept, std::span<std
 }
 
 std::vector<std::byte> CrowdState::save_state() {
+    check_last_has_run("crowd state");
     finish_uploads();
     const std::vector<KeptBuffer> kept = kept_buffers();
     Head head{.flags = (has_updated_ ? kHasUpdated : 0) | (was_native_ ? kWasNative : 0),
-              .made_of = fingerprint(),
+              .fit = state_fit(),
               .update_count = feedback ? feedback->update_count() : 0};
     for (const KeptBuffer& one : kept) head.buffers_bytes += one.buffer->size_bytes();
     StateArchive archive;
@@ -202,6 +218,7 @@ std::vector<std::byte> CrowdState::download_all(std::span<const KeptBuffer> kept
 
 // Checked before anything changes; and what only shows while it is read is taken back.
 void CrowdState::restore_state(std::span<const std::byte> state) {
+    check_last_has_run("crowd state");
     finish_uploads();
     const std::vector<KeptBuffer> kept = kept_buffers();
     uint64_t checksum = 0;
@@ -213,9 +230,8 @@ void CrowdState::restore_state(std::span<const std::byte> state) {
     StateArchive::require(head.magic == kMagic, "these are not bytes of Crowd::save_state()");
     StateArchive::require(head.version == kVersion, "it is of another version of throng");
     StateArchive::require(checksum == crc64(checked), "its checksum is wrong: it has been damaged");
-    if (head.made_of != fingerprint())
-        throw Failure(ErrorCode::kInvalidArgument, "crowd state",
-                      "it is of a crowd with other groups or settings, or that is updated in another way");
+    if (const std::string_view differs = difference(head.fit, state_fit()); !differs.empty())
+        throw Failure(ErrorCode::kInvalidArgument, "crowd state", "it does not fit this crowd: ", differs);
     uint64_t buffers_bytes = 0;
     for (const KeptBuffer& one : kept) buffers_bytes += one.buffer->size_bytes();
     const std::span<const std::byte> rest = checked.subspan(sizeof head);

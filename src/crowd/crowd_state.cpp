@@ -188,6 +188,14 @@ void CrowdState::check_runs(bool natively) {
     was_native_ = natively;
 }
 
+void CrowdState::check_last_has_run(const char* what) const {
+    if (!can_discard_ || recorded_.has_last_run()) return;
+    gpu->wait_idle();
+    if (!recorded_.has_last_run())
+        throw Failure(ErrorCode::kInvalidArgument, what,
+                      "the commands of the last record() have not run: submit them, or call discard_last_record()");
+}
+
 void CrowdState::record(VkCommandBuffer commands, float time_step_s, const CrowdView* view) {
     if (view && !cull) throw Failure(ErrorCode::kInvalidArgument, "view", "CrowdSettings::culling is not set");
     if (view && view->occlusion && gpu->is_native())
@@ -215,12 +223,16 @@ void CrowdState::record(VkCommandBuffer commands, float time_step_s, const Crowd
     placements->end(commands);
     copy_to_previous(commands);
     had_updated_ = std::exchange(has_updated_, true);
-    for (Batch& batch : batches) batch.had_updated = std::exchange(batch.has_updated, true);
+    for (Batch& batch : batches) {
+        batch.had_updated = std::exchange(batch.has_updated, true);
+        batch.had_outputs = std::exchange(batch.has_outputs, true);
+    }
     copy_shown(commands);
     for (Retired& retired : retired_) retired.record(commands);
     // The application's shaders may write commands for the next one as soon as those of this one are done
     memory_barrier(*gpu, commands, kShaderWrite | kTransferWrite,
                    instance_commands ? consumers() | kShaderWrite | kTransferWrite : consumers());
+    recorded_.record(commands);
 }
 
 void CrowdState::record_disoccluded(VkCommandBuffer commands, const DepthImage& depths) {
@@ -250,9 +262,15 @@ void CrowdState::discard_last_record() {
     if (!can_discard_)
         throw Failure(ErrorCode::kInvalidArgument, "discard",
                       "there is no record() to discard, or it has been discarded, or an update() has run since");
+    if (recorded_.has_last_run())
+        throw Failure(ErrorCode::kInvalidArgument, "discard", "the commands of the last record() have run");
     can_discard_ = false;
+    recorded_.discard();
     has_updated_ = had_updated_;
-    for (Batch& batch : batches) batch.has_updated = batch.had_updated;
+    for (Batch& batch : batches) {
+        batch.has_updated = batch.had_updated;
+        batch.has_outputs = batch.had_outputs;
+    }
     for (const auto& uploads : first_uploads_) uploads->discard_update();
     for (Retired& retired : retired_) retired.discard();
     for (const auto& stage : stages) stage->discard();

@@ -18,6 +18,7 @@
 #include "crowd/population_stage.h"
 #include "crowd/pose_stage.h"
 #include "crowd/procedural_stage.h"
+#include "crowd/recorded_updates.h"
 #include "crowd/retired.h"
 #include "crowd/skin_stage.h"
 #include "crowd/staged_update.h"
@@ -30,6 +31,11 @@
 #include <optional>
 
 namespace throng {
+
+// Checksums of what has to be the same in the crowd that a state is of, and in the one that is given it.
+struct StateFit {
+    uint64_t paths = 0, settings = 0, groups = 0, counts = 0, buffers = 0;
+};
 
 struct CrowdState {
     CrowdState(std::shared_ptr<Gpu> gpu, const CrowdSettings& settings);
@@ -137,6 +143,9 @@ private:
     void make_outputs();
     Update update_of(VkCommandBuffer commands, float time_step_s, const io::CullView& view) const;
     void check_runs(bool natively);
+    // Throws kInvalidArgument where the last record() was not discarded and its commands have not run. May wait for the
+    // device's queue.
+    void check_last_has_run(const char* what) const;
     void free_what_may_go();
     void go_to_slot(uint32_t next);
     Access consumers() const;
@@ -145,7 +154,7 @@ private:
     void send(uint32_t instance, io::ControlCommand command);
     template <class MakeCommand>
     void send_each(const Instances& instances, const char* what, const MakeCommand& make_command);
-    uint64_t fingerprint() const;
+    StateFit state_fit() const;
     std::vector<KeptBuffer> kept_buffers() const;
     void exchange(StateArchive& archive);
     std::vector<std::byte> download_all(std::span<const KeptBuffer> kept, uint64_t size_bytes) const;
@@ -158,6 +167,7 @@ private:
     void check_there(uint32_t first_instance, uint32_t count, const char* what) const;
     void check_readable(const InstanceHandle& handle) const;
     static void refuse_if_shaders_populate(const Group& group, const char* what);
+    void check_handle(const InstanceHandle& handle, const char* what) const;
     void check_range(uint32_t first_instance, uint32_t count, const char* what) const;
     InBatch at(uint32_t instance) const { return in_batch(batches, instance); }
     const Group& group_of(uint32_t instance) const { return groups[batch_of(instance).group]; }
@@ -200,6 +210,7 @@ private:
     void go_on_with(Remade made, Retired::Things gone);
 
     EventPool events_;
+    RecordedUpdates recorded_{events_};
     CrowdSettings settings_;                                    // without what the application owns
     std::vector<std::unique_ptr<FirstUploads>> first_uploads_;  // of the crowd, and of what has come later
     std::vector<Retired> retired_;

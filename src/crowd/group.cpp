@@ -21,7 +21,6 @@ static_assert(io::kPackedBitsMask == kPackedBitsMask && io::kPackedLeftOutShift 
               io::kPackedFullBits == kPackedFullBits);
 static_assert(sizeof(io::VertexRows) == sizeof(Vertex));
 
-constexpr VkBufferUsageFlags kVertexUsage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_VERTEX_BUFFER_BIT;
 constexpr size_t kSocketLimit = 64;  // as include/throng/crowd.h says
 
 // One axis per clip, and the rest pose's: a single row at time 0. As words.
@@ -46,6 +45,31 @@ std::vector<io::vec4> readable_root_rows(const Character& character) {
     for (const auto& [x, z, cosine, sine] : character.root_rows) rows.push_back({x, z, cosine, sine});
     rows.push_back({0, 0, 1, 0});
     return rows;
+}
+
+struct PoseBox {
+    Vec3<float> min, max;
+};
+
+// Of the poses of all clips, of which there is one at least.
+PoseBox box_of_clips(const Character& character) {
+    PoseBox box{character.clips[0].bounds_min, character.clips[0].bounds_max};
+    for (const Clip& clip : character.clips)
+        for (const auto axis : {&Vec3<float>::x, &Vec3<float>::y, &Vec3<float>::z}) {
+            box.min.*axis = std::min(box.min.*axis, clip.bounds_min.*axis);
+            box.max.*axis = std::max(box.max.*axis, clip.bounds_max.*axis);
+        }
+    return box;
+}
+
+// That of the rest pose, unless no clip comes near to the ground that this has, as where motion capture has the hips at
+// the origin at rest: then that of all clips.
+PoseBox shown_box(const Character& character) {
+    constexpr float kNear = 0.1f;  // of its height
+    const PoseBox rest{character.bounds_min, character.bounds_max};
+    if (character.clips.empty()) return rest;
+    const PoseBox clips = box_of_clips(character);
+    return clips.min.y > rest.min.y + kNear * (rest.max.y - rest.min.y) ? clips : rest;
 }
 
 }  // namespace
@@ -123,8 +147,8 @@ Group::Group(Uploads& uploads, SharedRigs& rigs, const Character& character, con
       level_count(character.rig.level_count),
       sections(character.sections),
       materials(character.materials),
-      bounds_min(character.bounds_min),
-      bounds_max(character.bounds_max),
+      shown_min(shown_box(character).min),
+      shown_max(shown_box(character).max),
       packed(character.packed),
       scan_choice(choice.scan),
       scan_reason(choice.scan_reason),
@@ -151,8 +175,8 @@ Group::Group(Uploads& uploads, SharedRigs& rigs, const Character& character, con
     buffers[io::kWordsBuffer] = upload_table(uploads, name + ": key words", character.words);
     buffers[io::kPaletteJointsBuffer] = upload_table(uploads, name + ": palette joints", joints);
     buffers[io::kJointFromBindBuffer] = upload_table(uploads, name + ": inverse binds", binds);
-    buffers[io::kVerticesBuffer] = upload(uploads, name + ": vertices", character.vertices, kVertexUsage);
-    buffers[io::kInfluencesBuffer] = upload(uploads, name + ": influences", character.influences, kVertexUsage);
+    buffers[io::kVerticesBuffer] = upload(uploads, name + ": vertices", character.vertices);
+    buffers[io::kInfluencesBuffer] = upload(uploads, name + ": influences", character.influences);
     influence_count = static_cast<uint32_t>(character.influences.size());
     morph_count = static_cast<uint32_t>(character.morphs.size());
     if (morph_count > 0) upload_morph_tables(uploads, character, buffers);
@@ -233,7 +257,7 @@ void Group::reduce_joints(Uploads& uploads, SharedRigs& rigs, const Character& c
         const std::vector<Influences> of_lod = influences_of_lod(character, lod);
         all.insert(all.end(), of_lod.begin(), of_lod.end());
     }
-    buffers[io::kInfluencesBuffer] = upload(uploads, name + ": influences", all, kVertexUsage);
+    buffers[io::kInfluencesBuffer] = upload(uploads, name + ": influences", all);
 }
 
 void Group::make_palette_by_set(Uploads& uploads, const Character& character) {
@@ -276,17 +300,13 @@ float Group::usual_pose_margin(SkinBlend blend) const {
 }
 
 void Group::bound_poses(const Character& character, float margin) {
-    posed_min = bounds_min;
-    posed_max = bounds_max;
-    for (const Clip& clip : character.clips) {
-        posed_min = {std::min(posed_min.x, clip.bounds_min.x), std::min(posed_min.y, clip.bounds_min.y),
-                     std::min(posed_min.z, clip.bounds_min.z)};
-        posed_max = {std::max(posed_max.x, clip.bounds_max.x), std::max(posed_max.y, clip.bounds_max.y),
-                     std::max(posed_max.z, clip.bounds_max.z)};
-    }
     const float wider = margin * character.size;
-    posed_min = posed_min - Vec3<float>{wider, wider, wider};
-    posed_max = posed_max + Vec3<float>{wider, wider, wider};
+    const PoseBox clips = character.clips.empty() ? PoseBox{character.bounds_min, character.bounds_max}
+                                                  : box_of_clips(character);
+    for (const auto axis : {&Vec3<float>::x, &Vec3<float>::y, &Vec3<float>::z}) {
+        posed_min.*axis = std::min(character.bounds_min.*axis, clips.min.*axis) - wider;
+        posed_max.*axis = std::max(character.bounds_max.*axis, clips.max.*axis) + wider;
+    }
 }
 
 void Group::make_procedural(Uploads& uploads, const ProceduralRules& rules, const Character& character) {
@@ -307,9 +327,8 @@ void Group::make_sockets(Uploads& uploads, const std::vector<uint32_t>& joints) 
     std::vector<uint32_t> slots(joint_count);
     for (uint32_t i = 0; i < joints.size(); ++i) {
         if (joints[i] >= joint_count)
-            throw Failure(
-                ErrorCode::kInvalidArgument, place,
-                "joint " + std::to_string(joints[i]) + " of a character that has " + std::to_string(joint_count));
+            throw Failure(ErrorCode::kInvalidArgument, place,
+                          numbered("joint", joints[i]) + " of a character that has " + std::to_string(joint_count));
         if (slots[joints[i]] != 0)
             throw Failure(ErrorCode::kInvalidArgument, place, "joint " + std::to_string(joints[i]) + " is there twice");
         slots[joints[i]] = i + 1;

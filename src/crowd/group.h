@@ -96,7 +96,7 @@ struct Group {
     std::vector<MeshSection> sections;
     std::vector<AssetMaterial> materials;
     SharedImages images;
-    Vec3<float> bounds_min, bounds_max;
+    Vec3<float> shown_min, shown_max;  // draw: what pictures are fitted to
     Vec3<float> posed_min, posed_max;  // cull: of all poses
     std::vector<Lod> lods;
     std::vector<IndexRange> lod_ranges;  // [1 + lods][sections], of indices

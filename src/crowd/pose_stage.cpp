@@ -74,6 +74,8 @@ uint32_t PoseStage::take_slot(const InBatch& at) {
     const Group& group = groups_[group_index];
     GroupPoses& poses = of_groups_[group_index];
     const auto used = static_cast<uint32_t>(poses.poses.size() / group.joint_count);
+    if (group.pose_capacity == 0)
+        throw Failure(ErrorCode::kLimit, group.name + ": pose", "CrowdGroup::pose_capacity is not set");
     if (poses.free_slots.empty() && used == group.pose_capacity && !take_back_slot(group_index))
         throw Failure(ErrorCode::kLimit,
                       "pose of instance " + std::to_string(batches_[at.batch].first_instance + at.instance),

@@ -74,11 +74,11 @@ struct Growing {
 
     void add(const Group& group, const Affine& placement) {
         ++count;
-        const Bounds at_rest = placed(placement, group.bounds_min, group.bounds_max),
-                     in_poses = placed(placement, group.posed_min, group.posed_max);
+        const Bounds near = near_box(group), at_rest = placed(placement, group.shown_min, group.shown_max),
+                     in_poses = placed(placement, most(group.posed_min, near.min), least(group.posed_max, near.max));
         rest = {least(rest.min, at_rest.min), most(rest.max, at_rest.max)};
         posed = {least(posed.min, in_poses.min), most(posed.max, in_poses.max)};
-        const float floating = group.bounds_min.y, height = group.bounds_max.y - group.bounds_min.y;
+        const float floating = group.shown_min.y, height = group.shown_max.y - group.shown_min.y;
         ground = std::min(ground, at_rest.min.y);
         if (floating > 0 && floating <= 0.25f * height) ground = std::min(ground, placement.row[1][3]);
     }
@@ -90,6 +90,12 @@ struct Growing {
     }
 
 private:
+    // Beyond it, what a clip throws away is a stray too: games hide things far away.
+    static Bounds near_box(const Group& group) {
+        constexpr float kSizes = 4;
+        const float reach = kSizes * length(group.shown_max - group.shown_min);
+        return {group.shown_min - Vec3<float>{reach, reach, reach}, group.shown_max + Vec3<float>{reach, reach, reach}};
+    }
     // The box around a placed box, without its eight corners.
     static Bounds placed(const Affine& placement, const Vec3<float>& min, const Vec3<float>& max) {
         const Vec3<float> half = (max - min) * 0.5f, middle = transform_point(placement, (min + max) * 0.5f);
@@ -117,7 +123,7 @@ float character_size(Crowds crowds) {
         for (const Batch& batch : crowd->batches) {
             const Group& group = crowd->groups[batch.group];
             const float scale = std::cbrt(std::abs(determinant(crowd->placements->known()[batch.first_instance])));
-            size = std::max(size, length(group.bounds_max - group.bounds_min) * scale);
+            size = std::max(size, length(group.shown_max - group.shown_min) * scale);
         }
     return std::max(size, 1e-6f);
 }

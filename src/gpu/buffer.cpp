@@ -48,6 +48,8 @@ void Buffer::Content::create(VkDeviceSize size, VkBufferUsageFlags usage, Memory
         size_bytes = size;
         return;
     }
+    // The application may read what shaders write as vertices too.
+    if (usage & VK_BUFFER_USAGE_STORAGE_BUFFER_BIT) usage |= VK_BUFFER_USAGE_VERTEX_BUFFER_BIT;
     const std::vector<uint32_t>& families = gpu->sharing_families;
     const VkBufferCreateInfo create{
         .sType = VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO,

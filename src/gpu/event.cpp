@@ -32,7 +32,15 @@ void DeviceEvent::record_set(VkCommandBuffer commands) {
     if (!commands) return set();
     // An event's own barrier works only for who waits for it on the GPU, so the one for the CPU comes before.
     memory_barrier(*gpu_, commands, kTransferWrite, kHostRead);
-    const VkMemoryBarrier2 barrier = barrier_between(kTransferWrite, kHostRead);
+    record_set(commands, barrier_between(kTransferWrite, kHostRead));
+}
+
+void DeviceEvent::record_set_behind_all(VkCommandBuffer commands) {
+    if (!commands) return set();
+    record_set(commands, barrier_between({VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, 0}, {}));
+}
+
+void DeviceEvent::record_set(VkCommandBuffer commands, const VkMemoryBarrier2& barrier) {
     const VkDependencyInfo dependency = dependency_of(barrier);
     gpu_->vk.vkCmdSetEvent2(commands, event_.get(), &dependency);
 }

@@ -17,8 +17,12 @@ public:
     void reset();
     // Sets it behind all copies so far, and makes what they wrote visible to a CPU that finds it set.
     void record_set(VkCommandBuffer commands);
+    // Sets it behind all commands so far.
+    void record_set_behind_all(VkCommandBuffer commands);
 
 private:
+    void record_set(VkCommandBuffer commands, const VkMemoryBarrier2& barrier);
+
     std::shared_ptr<Gpu> gpu_;
     OwnedEvent event_;
     bool is_set_ = false;  // on a native device

@@ -146,6 +146,12 @@ std::shared_ptr<Gpu> Gpu::adopt(const AdoptedDevice& adopted) {
                       "queue family " + std::to_string(adopted.queue_family) + " has no compute");
     gpu->share_with(adopted.more_queue_families);
     volkLoadDeviceTable(&gpu->vk, gpu->device);
+    // Drivers hand out no calls, and fill no structures, of a version that the instance has not asked for.
+    if (gpu->max_allocation_bytes == 0 || !gpu->vk.vkCmdPipelineBarrier2 ||
+        !gpu->vk.vkGetDeviceBufferMemoryRequirements)
+        throw Failure(ErrorCode::kInvalidArgument, "adopted device",
+                      "its instance was made for a Vulkan below 1.3: set VkApplicationInfo::apiVersion to "
+                      "VK_API_VERSION_1_3");
     gpu->adopted_cache_ = adopted.pipeline_cache;
     if (gpu->computes_in_host_memory())
         gpu->native = std::make_unique<NativeDevice>(DeviceSettings{.threads = adopted.threads, .jobs = adopted.jobs});

@@ -2,6 +2,9 @@
 // nothing does.
 #pragma once
 
+#include "base/failure.h"
+#include "base/find_name.h"
+
 #include <cstdint>
 #include <string>
 #include <string_view>
@@ -36,5 +39,21 @@ private:
     std::vector<std::string_view> names_;
     std::unordered_map<std::string_view, uint32_t> indices_;
 };
+
+// The index of the first of a thing's items that has this name, or is it. Errors: kInvalidArgument (unknown()).
+template <class T>
+Result<uint32_t> index_named(const std::string& place, const char* kind, const std::vector<T>& items,
+                             std::string_view name) {
+    return as_result([&] {
+        if (const uint32_t index = find_name(items, name); index != kNone) return index;
+        KnownNames known(kind);
+        for (const T& item : items)
+            if constexpr (std::same_as<T, std::string>)
+                known.add(item);
+            else
+                known.add(item.name);
+        throw Failure(ErrorCode::kInvalidArgument, place, known.unknown(name));
+    });
+}
 
 }  // namespace throng

@@ -43,9 +43,8 @@ Result<JointSampler> JointSampler::create(const Character& character, std::span<
         if (joints.empty()) throw Failure(ErrorCode::kInvalidArgument, place, "there are no joints");
         for (const uint32_t joint : joints)
             if (joint >= character.rig.joint_count())
-                throw Failure(ErrorCode::kInvalidArgument, place,
-                              "joint " + std::to_string(joint) + " of a character that has " +
-                                  std::to_string(character.rig.joint_count()));
+                throw Failure(ErrorCode::kInvalidArgument, place, numbered("joint", joint), " of a character that has ",
+                              character.rig.joint_count());
         if (const std::string reason = native_unsupported(character, {}); !reason.empty())
             throw Failure(ErrorCode::kUnsupported, place, reason);
         return JointSampler(std::make_shared<const NativeJoints>(character, joints));

@@ -2,6 +2,7 @@
 
 #include "base/failure.h"
 #include "base/find_name.h"
+#include "json/known_names.h"
 #include "procedural/procedural_io.h"
 
 #include <algorithm>
@@ -173,11 +174,14 @@ private:
 }  // namespace
 
 uint32_t ProceduralRules::find_target(std::string_view target_name) const { return find_name(targets, target_name); }
+Result<uint32_t> ProceduralRules::target_named(std::string_view target_name) const {
+    return index_named("procedural rules", "target", targets, target_name);
+}
 
 void check_target(uint32_t target, uint32_t target_count, const TargetPlace& value, const ErrorPlace& place) {
     const auto refuse = [&](const std::string& why) { throw Failure(ErrorCode::kInvalidArgument, place, why); };
     if (target >= target_count)
-        refuse("number " + std::to_string(target) + " of rules that have " + std::to_string(target_count));
+        refuse(numbered("number", target) + " of rules that have " + std::to_string(target_count));
     const auto& [x, y, z] = value.world_place;
     if (!std::isfinite(x) || !std::isfinite(y) || !std::isfinite(z)) refuse("it must be finite");
     if (!(value.weight >= 0 && value.weight <= 1)) refuse("its weight must be within 0..1");

@@ -1,5 +1,8 @@
 // What compilation keeps exactly, and what it may leave out. Tracks are evaluated here once more, from glTF's words
 // alone.
+#include <throng/controller.h>
+#include <throng/procedural.h>
+
 #include "compile/clip/read_clips.h"
 #include "compile/rig/rig.h"
 #include "control/control_reference.h"
@@ -230,6 +233,32 @@ TEST(Compile, JointsAreFoundByTheirNames) {
     character.rig.names[3] = character.rig.names[5] = "hand";
     EXPECT_EQ(character.rig.find_joint("hand"), 3u) << "the first";
     EXPECT_EQ(character.rig.find_joint("no such joint"), kNone);
+    EXPECT_EQ(character.rig.joint_named("hand").value(), 3u);
+    character.rig.names.resize(2);
+    EXPECT_EQ(character.rig.joint_named("arm").error().text(),
+              "rig: there is no joint 'arm'. There are: " + character.rig.names[0] + ", " + character.rig.names[1]);
+}
+
+TEST(Compile, WhatHasNoSuchNameIsAnErrorThatSaysWhatThereIs) {
+    Character character = compiled(make_asset({.clip_count = 2}));
+    character.name = "fox.glb";
+    character.clips[0].name = "walk";
+    character.clips[1].name = "run";
+    EXPECT_EQ(character.clip_named("run").value(), 1u);
+    EXPECT_EQ(character.clip_named("Walk").error().text(),
+              "fox.glb: there is no clip 'Walk'; did you mean 'walk'? There are: walk, run");
+    EXPECT_EQ(character.morph_named("smile").error().text(), "fox.glb: there is no morph 'smile', nor any other");
+    Controller controller = direct_layers(1, {{.name = "tail", .items = {}}});
+    controller.name = "guard";
+    EXPECT_EQ(controller.mask_named("tail").value(), 0u);
+    EXPECT_EQ(controller.mask_named("tial").error().text(),
+              "guard: there is no mask 'tial'; did you mean 'tail'? There is: tail");
+    EXPECT_EQ(controller.parameter_named("speed").error().code, ErrorCode::kInvalidArgument);
+    EXPECT_EQ(controller.layer_named(controller.layers[0].name).value(), 0u);
+    const ProceduralRules rules{.targets = {"eye"}, .rules = {}};
+    EXPECT_EQ(rules.target_named("eye").value(), 0u);
+    EXPECT_EQ(rules.target_named("Eye").error().text(),
+              "procedural rules: there is no target 'Eye'; did you mean 'eye'? There is: eye");
 }
 
 TEST(Compile, CubicClipsAreRefinedToTheBound) {

@@ -256,7 +256,7 @@ TEST(ControllerJson, AFileIsReadAsItsTextIs) {
     std::filesystem::remove(path);
     const Result<Controller> missing = load_controller(path), folder = load_controller(temporary.path());
     EXPECT_EQ(missing.error().code, ErrorCode::kFile);
-    EXPECT_EQ(missing.error().text(), path.filename().string() + ": no such file");
+    EXPECT_EQ(missing.error().text(), path.filename().string() + ": no such file: " + path.string());
     EXPECT_EQ(folder.error().code, ErrorCode::kFile);
 }
 

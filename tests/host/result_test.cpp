@@ -2,7 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <csignal>
 #include <memory>
+#include <string>
 
 namespace throng {
 namespace {
@@ -22,6 +24,17 @@ TEST(Result, WhatIsExpectedIsThereOrTheProgramEnds) {
     const auto one_line = "^fox.glb: cannot be opened\n$";
     EXPECT_EXIT(Result<int>(kError).expect(), testing::ExitedWithCode(1), one_line);
     EXPECT_EXIT(Result<void>(kError).expect(), testing::ExitedWithCode(1), one_line);
+}
+
+TEST(Result, LookingAtWhatIsNotThereSaysWhyAndAborts) {
+    const auto aborts = testing::KilledBySignal(SIGABRT);
+    const Result<std::string> failed(kError);
+    const auto its_error = "^throng::Result without a value: fox.glb: cannot be opened\n$";
+    EXPECT_EXIT(static_cast<void>(*failed), aborts, its_error);
+    EXPECT_EXIT(static_cast<void>(failed->size()), aborts, its_error);
+    EXPECT_EXIT(static_cast<void>(Result<int>(kError).value()), aborts, its_error);
+    EXPECT_EXIT(static_cast<void>(Result<int>(3).error()), aborts, "^throng::Result::error\\(\\): there is none");
+    EXPECT_EXIT(static_cast<void>(Result<void>().error()), aborts, "^throng::Result::error\\(\\): there is none");
 }
 
 }  // namespace

@@ -26,6 +26,7 @@ Controller controller_of(const Character& character) {
 }
 
 TEST(ForgedState, NeverACrash) {
+    constexpr size_t kHead_bytes = 72;
     const Device device = Device::create({.select = "native"}).value();
     const Character character = make_character({.name = "some", .joint_count = 20});
     const Controller controller = controller_of(character);
@@ -55,9 +56,9 @@ TEST(ForgedState, NeverACrash) {
         for (uint32_t words = 1 + random.below(24); words > 0; --words) {
             const uint32_t value = random.chance(0.5) ? random.below(300) : static_cast<uint32_t>(random.next());
             // The head is checked by itself; skin matrices take most of the rest, and nothing goes by them.
-            const auto words_of_all = static_cast<uint32_t>((forged.size() - 48) / 4);
+            const auto words_of_all = static_cast<uint32_t>((forged.size() - kHead_bytes - sizeof(uint64_t)) / 4);
             const uint32_t from_end = random.below(random.chance(0.5) ? words_of_all : std::min(words_of_all, 800u));
-            const size_t at = 40 + 4 * size_t{words_of_all - 1 - from_end};
+            const size_t at = kHead_bytes + 4 * size_t{words_of_all - 1 - from_end};
             std::memcpy(forged.data() + at, &value, sizeof value);
         }
         const size_t end = forged.size() - sizeof(uint64_t);

@@ -197,17 +197,42 @@ void print_text(const Character& character) {
     for (const std::string& warning : character.warnings) std::printf("  warning    %s\n", warning.c_str());
 }
 
+// By number, since what is written by hand, as masks and rules, goes by names, and what is called by numbers.
+nlohmann::json joints_json(const Rig& rig) {
+    nlohmann::json joints = nlohmann::json::array();
+    for (uint32_t joint = 0; joint < rig.joint_count(); ++joint) {
+        const uint32_t parent = rig.parents[joint];
+        joints.push_back(
+            {{"name", rig.names[joint]}, {"parent", parent == kNone ? nlohmann::json() : nlohmann::json(parent)}});
+    }
+    return joints;
+}
+
+// As a tree.
+void print_joints(const Rig& rig) {
+    constexpr uint32_t kMostShown = 40;  // levels, beyond which lines are indented no more
+    std::vector<uint32_t> levels(rig.joint_count());
+    for (uint32_t joint = 0; joint < rig.joint_count(); ++joint) {
+        const uint32_t parent = rig.parents[joint];
+        levels[joint] = parent == kNone ? 0 : levels[parent] + 1;
+        std::printf("  joint %-4u %*s%s\n", joint, static_cast<int>(2 * std::min(levels[joint], kMostShown)), "",
+                    rig.names[joint].c_str());
+    }
+}
+
 struct InfoOptions {
     std::string file, device;
     uint32_t count = 10'000;
-    bool json = false;
+    bool joints = false, json = false;
     CompileSettings compile{.lods = false};
 };
 
 void run_info(const InfoOptions& options) {
     const Character character = unwrap(load_kept_character(options.file, options.compile));
     nlohmann::json json = options.json ? to_json(character) : nlohmann::json();
+    if (options.json && options.joints) json["rig"] = joints_json(character.rig);
     if (!options.json) print_text(character);
+    if (!options.json && options.joints) print_joints(character.rig);
     const StreamOrder order = stream_order(character.rig);
     if (options.json)
         json["stream"] = {{"lanes", order.lanes},
@@ -252,9 +277,11 @@ void add_info(Command app) {
     add_device_option(command, options.device);
     command.add_flag("--lods", options.compile.lods,
                      "make levels of detail, as 'compile' does, and print them (those of a compiled file always are)");
+    command.add_flag("--joints", options.joints, "list the joints: their numbers, names, and what they hang on");
     command.add_flag("--json", options.json, "as JSON");
     command.footer(
-        "Examples:\n  throng info fox.glb\n  throng info fox.glb --count 100\n  throng info fox.glb --root-motion "
+        "Examples:\n  throng info fox.glb\n  throng info fox.glb --joints\n  throng info fox.glb --count 100\n  throng "
+        "info fox.glb --root-motion "
         "hips\n  throng info fox.glb --lods\n  throng info fox.glb --json | jq .clips");
 }
 
