@@ -259,6 +259,28 @@ TEST_F(NativeDraw, Materials) {
         }
 }
 
+TEST_F(NativeDraw, Samplers) {
+    for (const TextureFilter filter : {TextureFilter::kLinear, TextureFilter::kNearest})
+        for (const auto& [u, v] : {std::pair(TextureWrap::kRepeat, TextureWrap::kMirror),
+                                   {TextureWrap::kMirror, TextureWrap::kClamp},
+                                   {TextureWrap::kClamp, TextureWrap::kRepeat}}) {
+            Asset asset = make_ball({.is_open = true});
+            add_maps(asset);
+            AssetMaterial& material = asset.materials[0];
+            material.filter = filter;
+            material.wrap_u = u;
+            material.wrap_v = v;
+            for (std::array<float, 2>& texcoord : asset.meshes[0].primitives[0].texcoords)
+                texcoord = {2.5f * texcoord[0] - 0.7f, 2.5f * texcoord[1] - 0.7f};
+            const Character ball = compiled(asset, kExact);
+            Crowd one = placed_crowd(ball, 1), many = placed_crowd(ball, 12);
+            const std::string name = joined("sampler ", static_cast<int>(filter), static_cast<int>(u),
+                                            static_cast<int>(v));
+            expect_alike(name, one);
+            expect_alike(name + ", small", many);
+        }
+}
+
 TEST_F(NativeDraw, MirroredAndStretched) {
     for (const bool is_double_sided : {false, true}) {
         Asset asset = make_ball({.is_open = true, .has_morphs = true});

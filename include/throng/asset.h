@@ -62,6 +62,8 @@ struct AssetClip {
 };
 
 enum class AlphaMode : uint8_t { kOpaque, kMask, kBlend };
+enum class TextureFilter : uint8_t { kLinear, kNearest };       // where a texel is larger than a pixel
+enum class TextureWrap : uint8_t { kRepeat, kClamp, kMirror };  // where a coordinate lies outside of 0..1
 
 struct AssetMaterial {
     std::string name{};
@@ -70,6 +72,9 @@ struct AssetMaterial {
     AlphaMode alpha_mode = AlphaMode::kOpaque;
     float alpha_cutoff = 0.5f;
     bool double_sided = false;
+    // Of all textures of the material. Where a texel is smaller than a pixel, its neighbours and mips are mixed
+    TextureFilter filter = TextureFilter::kLinear;
+    TextureWrap wrap_u = TextureWrap::kRepeat, wrap_v = TextureWrap::kRepeat;
     float metallic = 1, roughness = 1;          // 0..1
     uint32_t metallic_roughness_image = kNone;  // linear: green times roughness, blue times metallic
     uint32_t normal_image = kNone;              // linear; tangent space: x along texture u, y against v
@@ -148,9 +153,10 @@ struct Asset {
 
 // Reads a .glb or .gltf file (glTF 2.0), its buffers and its images.
 // Extensions: KHR_mesh_quantization, EXT_ and KHR_meshopt_compression, KHR_draco_mesh_compression,
-// KHR_texture_transform is ignored with a warning; another extension in `extensionsRequired` is refused by name. Side
-// files must lie in the file's own folder or below it. Errors: kFile, kInvalidFile, kUnsupported, kLimit, kCancelled;
-// each names the file and the place in it. Thread-safe.
+// KHR_texture_transform, KHR_materials_emissive_strength, and of KHR_materials_pbrSpecularGlossiness the colours.
+// Others of materials and images are left out, with a warning where that is seen; another one in `extensionsRequired`
+// is refused by name. Side files must lie in the file's own folder or below it. Errors: kFile, kInvalidFile,
+// kUnsupported, kLimit, kCancelled; each names the file and the place in it. Thread-safe.
 Result<Asset> load_asset(const std::filesystem::path& path, const LoadHooks& hooks = {});
 
 // Hands over the whole of a side file, a buffer or an image, from wherever the application has it. `path` is as the

@@ -3,6 +3,7 @@
 #include "base/failure.h"
 #include "base/finite.h"
 #include "base/text.h"
+#include "compile/limits.h"
 
 #include <algorithm>
 #include <cmath>
@@ -95,6 +96,7 @@ private:
                     all_finite(std::array{material.alpha_cutoff, material.metallic, material.roughness,
                                           material.normal_scale, material.occlusion_strength}),
                 "a factor is not finite");
+        require(has_known_values(material), "its alpha mode, filter or wrap is unknown");
     }
 
     void check(const AssetMesh& mesh) {

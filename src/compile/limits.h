@@ -1,6 +1,8 @@
 // The limits of a compiled character: the compiler keeps them, and a compiled file is checked against them.
 #pragma once
 
+#include <throng/asset.h>
+
 #include <cstddef>
 #include <cstdint>
 
@@ -14,5 +16,20 @@ inline constexpr uint64_t kPackingLimit = uint64_t{1} << 28;
 inline constexpr size_t kMorphLimit = 4'096;
 // Size of the keys, of the packed words and of the track table; of those of morphs likewise
 inline constexpr uint64_t kKeyLimit_bytes = uint64_t{256} << 20;
+
+// The last value of an enumeration that files and applications give.
+template <class Enum>
+inline constexpr Enum last_of{};
+template <>
+inline constexpr AlphaMode last_of<AlphaMode> = AlphaMode::kBlend;
+template <>
+inline constexpr TextureFilter last_of<TextureFilter> = TextureFilter::kNearest;
+template <>
+inline constexpr TextureWrap last_of<TextureWrap> = TextureWrap::kMirror;
+
+inline bool has_known_values(const AssetMaterial& material) {
+    return material.alpha_mode <= last_of<AlphaMode> && material.filter <= last_of<TextureFilter> &&
+           material.wrap_u <= last_of<TextureWrap> && material.wrap_v <= last_of<TextureWrap>;
+}
 
 }  // namespace throng

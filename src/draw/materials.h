@@ -4,16 +4,23 @@
 #include "draw/textured_materials.h"
 #include "draw/textures.h"
 
+#include <array>
 #include <vector>
 
 namespace throng {
 
-// How the textures of all materials are read, and what is read where there is none.
-struct MaterialSampling {
+// How the textures of materials are read, and what is read where there is none.
+class MaterialSampling {
+public:
     explicit MaterialSampling(const std::shared_ptr<Gpu>& gpu);  // submits and waits
 
-    OwnedSampler sampler;
-    Image white;
+    VkSampler sampler_of(const AssetMaterial& material) const;
+    const Image& white() const { return white_; }
+
+private:
+    static constexpr size_t kFilters = 2, kWraps = 3;
+    std::array<std::array<std::array<OwnedSampler, kWraps>, kWraps>, kFilters> samplers_;  // [filter][wrap u][wrap v]
+    Image white_;
 };
 
 class GroupMaterials {

@@ -17,7 +17,10 @@ raster::Material to_raster(const TexturedMaterial<raster::OwnedTexture>& materia
                         .is_masked = f.alpha_mode != AlphaMode::kOpaque,
                         .is_blended = f.alpha_mode == AlphaMode::kBlend,
                         .is_double_sided = f.double_sided,
-                        .has_maps = material.has_maps};
+                        .has_maps = material.has_maps,
+                        .sampling = {.is_nearest = f.filter == TextureFilter::kNearest,
+                                     .wrap_u = static_cast<raster::Wrap>(f.wrap_u),
+                                     .wrap_v = static_cast<raster::Wrap>(f.wrap_v)}};
     std::ranges::copy(f.base_color, to.base_color);
     std::ranges::copy(f.emissive, to.emissive);
     const std::array maps{&to.base_color_map, &to.metallic_roughness_map, &to.normal_map, &to.occlusion_map,

@@ -114,9 +114,11 @@ Image upload_texture(Uploads& uploads, std::string_view what, const Picture& pic
 
 namespace {
 
-// What `make` returns, a pointer; null, with a warning, where that is no more than a texture the less.
+// What `make` returns, a pointer; null, with a warning, where that is no more than a texture the less. Of an image that
+// could not be read a warning of the file has said so.
 template <class Make>
-std::invoke_result_t<Make> or_white(TextureAccount& account, const Make& make) {
+std::invoke_result_t<Make> or_white(const AssetImage& image, TextureAccount& account, const Make& make) {
+    if (image.encoded.empty()) return nullptr;
     try {
         return make();
     } catch (const Failure& failure) {
@@ -136,7 +138,7 @@ SharedValues::Key texture_key(SharedValue kind, const AssetImage& image, bool is
 }  // namespace
 
 std::shared_ptr<const Picture> decode_or_none(Gpu& gpu, const AssetImage& image, TextureAccount& account) {
-    return or_white(account, [&] {
+    return or_white(image, account, [&] {
         take_room(image, account.room_bytes);
         return decoded_picture(gpu, image);
     });
@@ -146,14 +148,14 @@ std::shared_ptr<const Image> make_texture(Uploads& uploads, const AssetImage& im
                                           TextureAccount& account) {
     std::shared_ptr<const Image> found;
     const SharedValues::Key key = texture_key(SharedValue::kTexture, image, is_color);
-    const auto picture = or_white(account, [&]() -> std::shared_ptr<const Picture> {
+    const auto picture = or_white(image, account, [&]() -> std::shared_ptr<const Picture> {
         take_room(image, account.room_bytes);
         found = account.textures.find<Image>(key);
         return found ? nullptr : decoded_picture(*uploads.gpu(), image);
     });
     if (!picture) return found;
     uploads.make_room(picture->rgba.size());  // none of this texture's, where it fails
-    return or_white(account, [&] {
+    return or_white(image, account, [&] {
         return account.textures.get<Image>(key, [&] {
             return upload_texture(uploads, "image '" + image.name + "'", *picture,
                                   is_color ? kColorTexture : kNumberTexture);
@@ -163,7 +165,7 @@ std::shared_ptr<const Image> make_texture(Uploads& uploads, const AssetImage& im
 
 std::shared_ptr<const raster::OwnedTexture> make_native_texture(Gpu& gpu, const AssetImage& image, bool is_color,
                                                                 TextureAccount& account) {
-    return or_white(account, [&] {
+    return or_white(image, account, [&] {
         take_room(image, account.room_bytes);
         const auto make = [&] {
             return raster::OwnedTexture(*decoded_picture(gpu, image),

@@ -23,6 +23,10 @@ bool is_version(std::string_view text) {
 
 void check_version(const JsonView& root) {
     const JsonView asset = root.required_object("asset");
+    constexpr const char* kOnly = " is not supported, only 2.0; tools such as Blender read it and write 2.0";
+    // The first files of 1.0 have a number there.
+    if (const JsonView version = asset.required("version"); version.is_number() && version.as_number() < 2)
+        throw Failure(ErrorCode::kUnsupported, version.place(), "glTF 1.0", kOnly);
     asset.required_string("version");
     for (const char* key : {"version", "minVersion"}) {
         const std::string* version = asset.optional_string(key);
@@ -30,17 +34,33 @@ void check_version(const JsonView& root) {
         if (!is_version(*version)) asset.fail_at(key, "'", printable(*version), "' is not a version");
         const bool is_minimum = std::string_view(key) == "minVersion";
         if (std::stoi(*version) != 2 || (is_minimum && *version != "2.0"))
-            throw Failure(ErrorCode::kUnsupported, asset.place_of(key), "glTF ", *version,
-                          " is not supported, only 2.0");
+            throw Failure(ErrorCode::kUnsupported, asset.place_of(key), "glTF ", *version, kOnly);
     }
 }
 
 bool is_known(const std::string& extension) {
     constexpr std::string_view kKnown[] = {
         "KHR_mesh_quantization", "EXT_meshopt_compression", "KHR_meshopt_compression", "KHR_draco_mesh_compression",
-        "KHR_texture_transform", "KHR_lights_punctual",     "KHR_texture_basisu",      "EXT_texture_webp"};
+        "KHR_texture_transform", "KHR_lights_punctual",     "KHR_texture_basisu",      "EXT_texture_webp",
+        "EXT_texture_avif",      "MSFT_texture_dds"};
     return extension.starts_with("KHR_materials_") ||
            std::find(std::begin(kKnown), std::end(kKnown), extension) != std::end(kKnown);
+}
+
+// What materials say beyond metal and roughness, and would be seen.
+void warn_of_looks(const JsonView& root, Warnings& warnings) {
+    constexpr std::string_view kSeen[] = {"anisotropy",  "clearcoat", "diffuse_transmission", "dispersion",
+                                          "iridescence", "sheen",     "transmission",         "unlit",
+                                          "variants",    "volume"};
+    std::string ignored;
+    for (const JsonView extension : root.optional_array("extensionsUsed")) {
+        const std::string_view name = extension.as_string();
+        constexpr std::string_view kOfMaterials = "KHR_materials_";
+        if (!name.starts_with(kOfMaterials)) continue;
+        if (std::ranges::find(kSeen, name.substr(kOfMaterials.size())) != std::end(kSeen))
+            ignored += joined(ignored.empty() ? "" : ", ", name);
+    }
+    if (!ignored.empty()) warnings.add("extensionsUsed", ignored, ": not drawn, but for what else the materials say");
 }
 
 // Returns whether KHR_mesh_quantization is used.
@@ -96,6 +116,7 @@ Asset read_parts(std::span<const std::byte> bytes, const SideFiles& side_files, 
     root.as_object();
     check_version(root);
     const bool quantized = check_extensions(root);
+    warn_of_looks(root, warnings);
     Buffers buffers(root, container, side_files, budget);
     Accessors accessors(root, buffers, budget, warnings);
     Reading reading{root, buffers, accessors, budget, warnings, quantized};
@@ -106,9 +127,9 @@ Asset read_parts(std::span<const std::byte> bytes, const SideFiles& side_files, 
     reading.progress = progress.between(kParsed, kClipsRead);
     read_clips(reading, asset);
     reading.progress = progress.between(kClipsRead, kMaterialsRead);
-    const std::vector<uint32_t> texcoord_sets = read_materials(reading, asset);
+    const std::vector<TextureCoordinates> coordinates = read_materials(reading, asset);
     reading.progress = progress.between(kMaterialsRead, 1);
-    read_meshes(reading, texcoord_sets, asset);
+    read_meshes(reading, coordinates, asset);
     read_mesh_instances(reading, asset);
     return asset;
 }

@@ -128,6 +128,9 @@ public:
         const JsonView channels = json.optional_array("channels");
         if (channels.size() == 0) reading.warnings.add(json.place(), "has no channels");
         for (const JsonView channel : channels) read_channel(channel);
+        if (without_node_count_ > 0)
+            reading.warnings.add(json.place(), without_node_count_, " of ", channels.size(),
+                                 " channels have no target node: they are ignored");
         warn_of_times(back_count_, "are earlier than the key before them: the keys are sorted by time");
         warn_of_times(doubled_count_,
                       "have the time of another one: the value jumps there, from the first to the last of them");
@@ -142,7 +145,10 @@ private:
             return ignore(channel, "KHR_animation_pointer is not supported: the channel is ignored");
         const std::string& path = target.required_string("path");
         const uint32_t node = target.optional_index("node", node_count_, "nodes");
-        if (node == kNone) return ignore(channel, "has no target node: the channel is ignored");
+        if (node == kNone) {
+            ++without_node_count_;
+            return;
+        }
         const JsonView sampler = samplers_[channel.required_index("sampler", samplers_.size(), "samplers")].as_object();
         constexpr std::pair<std::string_view, TrackTarget> kTargets[] = {{"translation", TrackTarget::kTranslation},
                                                                          {"rotation", TrackTarget::kRotation},
@@ -215,7 +221,7 @@ private:
     std::map<std::pair<uint32_t, TrackTarget>, size_t> track_of_;
     std::map<uint32_t, size_t> morph_track_of_;  // by node
     std::set<std::string> counted_samplers_;     // by place
-    uint64_t key_count_ = 0, back_count_ = 0, doubled_count_ = 0;
+    uint64_t key_count_ = 0, back_count_ = 0, doubled_count_ = 0, without_node_count_ = 0;
     std::string first_mended_;  // place of the first sampler's times that were mended
 };
 

@@ -3,12 +3,14 @@
 #include "import/uri.h"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 
 namespace throng::gltf {
 namespace {
 
-constexpr double kBrightest = 65504;  // of what shines by itself: the largest half float
+constexpr double kMostOfTransform = 1e6;  // beyond which floats have hardly any fractions
+constexpr double kBrightest = 65504;      // of what shines by itself: the largest half float
 
 // Reads each image once, at its first use.
 class Images {
@@ -25,7 +27,7 @@ public:
             textures_[texture_info.required_index("index", textures_.size(), "textures")].as_object();
         const uint32_t source = texture.optional_index("source", images_.size(), "images");
         if (source == kNone) {
-            reading_.warnings.add(texture.place(), "has no PNG or JPEG image: the texture is left out");
+            warn_of_format(texture);
             return kNone;
         }
         const auto [known, is_new] = image_of_.emplace(source, count_of(asset_.images));
@@ -33,7 +35,40 @@ public:
         return known->second;
     }
 
+    // Where the texture's sampler says something.
+    void read_sampler(const JsonView& texture_info, AssetMaterial& material) {
+        const JsonView texture =
+            textures_[texture_info.required_index("index", textures_.size(), "textures")].as_object();
+        if (!texture.has("sampler")) return;
+        const JsonView samplers = reading_.root.optional_array("samplers");
+        const JsonView sampler = samplers[texture.required_index("sampler", samplers.size(), "samplers")].as_object();
+        constexpr uint64_t kNearest = 9728;
+        if (sampler.optional_uint("magFilter", 0) == kNearest) material.filter = TextureFilter::kNearest;
+        material.wrap_u = wrap_of(sampler, "wrapS");
+        material.wrap_v = wrap_of(sampler, "wrapT");
+    }
+
 private:
+    static TextureWrap wrap_of(const JsonView& sampler, const char* key) {
+        constexpr uint64_t kClamp = 33071, kMirror = 33648, kRepeat = 10497;
+        const uint64_t wrap = sampler.optional_uint(key, kRepeat);
+        return wrap == kClamp ? TextureWrap::kClamp : wrap == kMirror ? TextureWrap::kMirror : TextureWrap::kRepeat;
+    }
+
+    // That of the image which an extension has in place of `source`.
+    void warn_of_format(const JsonView& texture) {
+        constexpr std::pair<const char*, const char*> kFormats[] = {{"KHR_texture_basisu", "a KTX2 image"},
+                                                                    {"EXT_texture_webp", "a WebP image"},
+                                                                    {"EXT_texture_avif", "an AVIF image"},
+                                                                    {"MSFT_texture_dds", "a DDS image"}};
+        for (const auto& [extension, format] : kFormats)
+            if (texture.extension(extension))
+                return reading_.warnings.add(
+                    texture.place(), "is ", format, " (", extension,
+                    "), which is not read: the texture is left out. Convert it to PNG or JPEG");
+        reading_.warnings.add(texture.place(), "has no image: the texture is left out");
+    }
+
     AssetImage read(const JsonView& json) {
         AssetImage image;
         image.name = read_name(reading_, json);
@@ -81,36 +116,57 @@ AlphaMode read_alpha_mode(Reading& reading, const JsonView& json) {
     return AlphaMode::kOpaque;
 }
 
-// The textures of one material, which all use the same set of texture coordinates: that of the first that has an image.
+// The textures of one material, which all use the same texture coordinates and sampler: those of the first that has an
+// image.
 class Textures {
 public:
-    Textures(Reading& reading, Images& images) : reading_(reading), images_(images) {}
+    Textures(Reading& reading, Images& images, AssetMaterial& material)
+        : reading_(reading), images_(images), material_(material) {}
 
     // The image of the texture at `key`, or kNone.
     uint32_t read(const JsonView& json, const char* key) {
         const auto info = json.optional_object(key);
         if (!info) return kNone;
-        uint64_t set = info->optional_uint("texCoord", 0);
-        if (const auto transform = info->extension("KHR_texture_transform")) {
-            set = transform->optional_uint("texCoord", set);
-            reading_.warnings.add(info->place(), "KHR_texture_transform is ignored");
-        }
-        const auto bounded_set = uint32_t(std::min<uint64_t>(set, kNone));
-        if (set_.value_or(bounded_set) != bounded_set) {
+        const TextureCoordinates coordinates = coordinates_of(*info);
+        if (coordinates_.value_or(coordinates) != coordinates) {
             reading_.warnings.add(info->place(),
                                   "uses other texture coordinates than the material's first texture: it is left out");
             return kNone;
         }
         const uint32_t image = images_.of_texture(*info);
-        if (image != kNone) set_ = bounded_set;
+        if (image != kNone && !coordinates_) {
+            coordinates_ = coordinates;
+            images_.read_sampler(*info, material_);
+        }
         return image;
     }
-    uint32_t set() const { return set_.value_or(0); }
+    TextureCoordinates coordinates() const { return coordinates_.value_or(TextureCoordinates()); }
 
 private:
+    static TextureCoordinates coordinates_of(const JsonView& info) {
+        TextureCoordinates coordinates;
+        uint64_t set = info.optional_uint("texCoord", 0);
+        if (const auto transform = info.extension("KHR_texture_transform")) {
+            set = transform->optional_uint("texCoord", set);
+            std::array<double, 2> offset{0, 0}, scale{1, 1};
+            transform->optional_numbers("offset", offset);
+            transform->optional_numbers("scale", scale);
+            for (std::array<double, 2>* const numbers : {&offset, &scale})
+                for (double& number : *numbers) number = std::clamp(number, -kMostOfTransform, kMostOfTransform);
+            // Counter-clockwise in the picture, whose v points down.
+            const double turn_rad = transform->optional_number("rotation", 0);
+            const double cosine = std::cos(turn_rad), sine = std::sin(turn_rad);
+            coordinates.transform = {
+                {{cosine * scale[0], sine * scale[1], offset[0]}, {-sine * scale[0], cosine * scale[1], offset[1]}}};
+        }
+        coordinates.set = uint32_t(std::min<uint64_t>(set, kNone));
+        return coordinates;
+    }
+
     Reading& reading_;
     Images& images_;
-    std::optional<uint32_t> set_;
+    AssetMaterial& material_;
+    std::optional<TextureCoordinates> coordinates_;
 };
 
 void read_metallic_roughness(const JsonView& pbr, Textures& textures, AssetMaterial& material) {
@@ -121,6 +177,16 @@ void read_metallic_roughness(const JsonView& pbr, Textures& textures, AssetMater
     material.roughness = pbr.optional_float("roughnessFactor", 1);
     material.image = textures.read(pbr, "baseColorTexture");
     material.metallic_roughness_image = textures.read(pbr, "metallicRoughnessTexture");
+}
+
+// KHR_materials_pbrSpecularGlossiness, of materials that have nothing else: its colours, without what reflects.
+void read_specular_glossiness(const JsonView& json, Textures& textures, AssetMaterial& material) {
+    std::array<double, 4> color{};
+    if (json.optional_numbers("diffuseFactor", color))
+        for (size_t c = 0; c < 4; ++c) material.base_color[c] = float(color[c]);
+    material.metallic = 0;
+    material.roughness = 1 - json.optional_float("glossinessFactor", 1);
+    material.image = textures.read(json, "diffuseTexture");
 }
 
 void read_surface(const JsonView& json, Textures& textures, AssetMaterial& material) {
@@ -140,10 +206,10 @@ void read_surface(const JsonView& json, Textures& textures, AssetMaterial& mater
 
 }  // namespace
 
-std::vector<uint32_t> read_materials(Reading& reading, Asset& asset) {
+std::vector<TextureCoordinates> read_materials(Reading& reading, Asset& asset) {
     const JsonView materials = reading.charged_array("materials", sizeof(AssetMaterial) + sizeof(AssetImage));
     asset.materials.resize(materials.size());
-    std::vector<uint32_t> texcoord_sets(materials.size(), 0);
+    std::vector<TextureCoordinates> coordinates(materials.size());
     Images images(reading, asset);
     for (size_t i = 0; i < materials.size(); ++i) {
         reading.progress.report(i, materials.size());
@@ -153,13 +219,15 @@ std::vector<uint32_t> read_materials(Reading& reading, Asset& asset) {
         material.alpha_mode = read_alpha_mode(reading, json);
         material.alpha_cutoff = json.optional_float("alphaCutoff", 0.5);
         material.double_sided = json.optional_bool("doubleSided", false);
-        Textures textures(reading, images);
+        Textures textures(reading, images, material);
         if (const auto pbr = json.optional_object("pbrMetallicRoughness"))
             read_metallic_roughness(*pbr, textures, material);
+        else if (const auto older = json.extension("KHR_materials_pbrSpecularGlossiness"))
+            read_specular_glossiness(*older, textures, material);
         read_surface(json, textures, material);
-        texcoord_sets[i] = textures.set();
+        coordinates[i] = textures.coordinates();
     }
-    return texcoord_sets;
+    return coordinates;
 }
 
 }  // namespace throng::gltf

@@ -17,7 +17,7 @@ enum Mode : uint64_t { kPoints, kLines, kLineLoop, kLineStrip, kTriangles, kTria
 class PrimitiveReader {
 public:
     PrimitiveReader(Reading& reading, const JsonView& json, const Asset& asset,
-                    const std::vector<uint32_t>& texcoord_sets)
+                    std::span<const TextureCoordinates> of_materials)
         : reading_(reading), json_(json) {
         out_.material = json.optional_index("material", asset.materials.size(), "materials");
         const uint64_t mode = json.optional_uint("mode", kTriangles);
@@ -28,21 +28,21 @@ public:
         else if (!attributes_ || !attributes_->has("POSITION"))
             warn("has no POSITION: it is not drawn");
         else
-            read_triangles(Mode(mode), asset, texcoord_sets);
+            read_triangles(Mode(mode), asset, of_materials);
     }
 
     AssetPrimitive take() { return std::move(out_); }
 
 private:
-    void read_triangles(Mode mode, const Asset& asset, const std::vector<uint32_t>& texcoord_sets) {
+    void read_triangles(Mode mode, const Asset& asset, std::span<const TextureCoordinates> of_materials) {
         if (const auto compressed = json_.extension("KHR_draco_mesh_compression"))
             draco_.emplace(*compressed, reading_.buffers, reading_.budget);
         read_positions();
         if (attributes_->has("NORMAL")) read_normals();
         if (out_.material == kNone)
-            read_texcoord_set(0);
+            read_texcoords({});
         else
-            read_texcoords(asset.materials[out_.material], texcoord_sets[out_.material]);
+            read_texcoords(asset.materials[out_.material], of_materials[out_.material]);
         if (attributes_->has("COLOR_0")) read_colors();
         read_targets();
         read_influences();
@@ -155,20 +155,28 @@ private:
                               " vertices have no normal: they get smooth ones, of the triangles around them");
     }
 
-    void read_texcoords(const AssetMaterial& material, uint32_t set) {
+    void read_texcoords(const AssetMaterial& material, const TextureCoordinates& coordinates) {
         bool has_texture = false;
         visit_images([&](auto member) { has_texture = has_texture || material.*member != kNone; });
-        if (!read_texcoord_set(set) && has_texture)
+        if (!read_texcoords(coordinates) && has_texture)
             warn("its material has a texture, but it has no texture coordinates for it");
     }
 
-    bool read_texcoord_set(uint32_t set) {
-        const std::string name = joined("TEXCOORD_", set);
+    bool read_texcoords(const TextureCoordinates& coordinates) {
+        const std::string name = joined("TEXCOORD_", coordinates.set);
         if (!attributes_->has(name)) return false;
         const auto may_be_integers = [&](const AccessorFormat& format) {
             return is_fraction(format) || (reading_.quantized && is_short(format));
         };
         read_looks(name, {"VEC2"}, may_be_integers, out_.texcoords);
+        if (coordinates.transform == TextureCoordinates().transform) return true;
+        for (std::array<float, 2>& texcoord : out_.texcoords) {
+            const auto [u, v] = texcoord;
+            for (size_t k = 0; k < 2; ++k) {
+                const auto& row = coordinates.transform[k];
+                texcoord[k] = static_cast<float>(row[0] * double{u} + row[1] * double{v} + row[2]);
+            }
+        }
         return true;
     }
 
@@ -358,7 +366,7 @@ std::vector<float> read_morph_weights(Reading& reading, const JsonView& json, ui
     return out;
 }
 
-void read_meshes(Reading& reading, const std::vector<uint32_t>& texcoord_sets, Asset& asset) {
+void read_meshes(Reading& reading, std::span<const TextureCoordinates> of_materials, Asset& asset) {
     const JsonView meshes = reading.charged_array("meshes", sizeof(AssetMesh));
     asset.meshes.reserve(meshes.size());
     for (const JsonView json : meshes) {
@@ -374,7 +382,7 @@ void read_meshes(Reading& reading, const std::vector<uint32_t>& texcoord_sets, A
             if (targets.size() != target_count)
                 primitive.fail_at("targets", "has ", targets.size(), " morph targets, but the first primitive has ",
                                   target_count);
-            mesh.primitives.push_back(PrimitiveReader(reading, primitive, asset, texcoord_sets).take());
+            mesh.primitives.push_back(PrimitiveReader(reading, primitive, asset, of_materials).take());
         }
         mesh.weights = read_morph_weights(reading, json, target_count);
         mesh.weights.resize(target_count);

@@ -6,6 +6,9 @@
 
 #include <throng/asset.h>
 
+#include <array>
+#include <span>
+
 namespace throng::gltf {
 
 // What all readers share.
@@ -26,12 +29,21 @@ struct Reading {
     }
 };
 
+// Where all textures of a material take their coordinates from.
+struct TextureCoordinates {
+    uint32_t set = 0;  // of TEXCOORD_n
+    // KHR_texture_transform: texture_from_mesh, two rows of three
+    std::array<std::array<double, 3>, 2> transform{{{1, 0, 0}, {0, 1, 0}}};
+
+    bool operator==(const TextureCoordinates&) const = default;
+};
+
 void read_nodes(Reading& reading, Asset& asset);
 void read_skins(Reading& reading, Asset& asset);
 void read_clips(Reading& reading, Asset& asset);
-// Returns, for each material, the TEXCOORD set that its base colour texture uses.
-std::vector<uint32_t> read_materials(Reading& reading, Asset& asset);
-void read_meshes(Reading& reading, const std::vector<uint32_t>& texcoord_sets, Asset& asset);
+// Returns those of each material.
+std::vector<TextureCoordinates> read_materials(Reading& reading, Asset& asset);
+void read_meshes(Reading& reading, std::span<const TextureCoordinates> of_materials, Asset& asset);
 void read_mesh_instances(Reading& reading, Asset& asset);
 
 // The morph targets of `mesh`, an object of the file: those of its first primitive, to which read_meshes() holds the

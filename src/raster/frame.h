@@ -24,12 +24,21 @@ inline constexpr uint32_t kMipLimit = 16;
 inline constexpr uint32_t kCellShift = 4;
 constexpr uint32_t cells_of_map(uint32_t map_size) { return (map_size + (1u << kCellShift) - 1) >> kCellShift; }
 
-// Linear light or plain numbers, 16 bits each, red lowest; a coordinate outside of 0..1 repeats.
+// Linear light or plain numbers, 16 bits each, red lowest.
 struct Texture {
     const uint64_t* texels = nullptr;  // of all mips
     uint32_t width = 0, height = 0;
     uint32_t mip_count = 0;
     uint32_t mip_begins[kMipLimit] = {};  // among texels; each has max(width >> mip, 1) columns
+};
+
+// Where a coordinate lies outside of 0..1; by TextureWrap.
+enum class Wrap : uint8_t { kRepeat, kClamp, kMirror };
+
+// How textures are read.
+struct Sampling {
+    bool is_nearest = false;  // where a texel is larger than a pixel; else linear
+    Wrap wrap_u = Wrap::kRepeat, wrap_v = Wrap::kRepeat;
 };
 
 // As io::DrawPush and the fragment shader take it.
@@ -43,6 +52,7 @@ struct Material {
     bool is_blended = false;                         // of these: it covers some of a pixel's samples, by its alpha
     bool is_double_sided = false;
     bool has_maps = false;  // more textures than that of the base colour
+    Sampling sampling{};    // of all of them
     // Null: white
     const Texture* base_color_map = nullptr;
     const Texture* metallic_roughness_map = nullptr;

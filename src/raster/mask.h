@@ -32,7 +32,7 @@ INLINE Real alphas_of(const Frame& frame, const Draw& draw, bool is_map, Whole t
     if (material.base_color_map) {
         const Texture& texture = *material.base_color_map;
         const Real mip = mip_of(texture, point.step_x(pixel_x).sum(texcoords), point.step_y(pixel_y).sum(texcoords));
-        alpha *= sampled(texture, point.at(texcoords), mip).w;
+        alpha *= sampled(texture, material.sampling, point.at(texcoords), mip).w;
     }
     return alpha;
 }

@@ -1,4 +1,5 @@
-// Textures read as samplers of the Vulkan renderer do: linear, between mips too, repeated.
+// Textures read as samplers of the Vulkan renderer do: linear, between mips too; where texels are larger than pixels
+// perhaps the nearest one.
 #pragma once
 
 #include "raster/frame.h"
@@ -32,11 +33,21 @@ struct Neighbours {
     Whole first, second;
     Real part;  // of the second
 };
-INLINE Neighbours neighbours(Real coordinate, Whole count) {
-    const Real place = fract(coordinate) * Real(count) - 0.5f, whole = floor(place);
-    const Whole first = truncated(whole);
-    const Whole repeated = choose(first < 0, count - 1, first);  // also where the place is not a number
-    return {repeated, choose(repeated + 1 == count, Whole(0), repeated + 1), place - whole};
+INLINE Neighbours neighbours(Real coordinate, Whole count, Wrap wrap) {
+    if (wrap == Wrap::kRepeat) {
+        const Real place = fract(coordinate) * Real(count) - 0.5f, whole = floor(place);
+        const Whole first = truncated(whole);
+        const Whole repeated = choose(first < 0, count - 1, first);  // also where the place is not a number
+        return {repeated, choose(repeated + 1 == count, Whole(0), repeated + 1), place - whole};
+    }
+    Real within = coordinate;
+    if (wrap == Wrap::kMirror) {  // there and back again
+        const Real both = fract(coordinate * 0.5f) * 2;
+        within = min(both, 2 - both);
+    }
+    const Real place = clamp(within, 0.0f, 1.0f) * Real(count) - 0.5f, whole = floor(place);
+    const Whole first = truncated(whole), last = count - 1;
+    return {min(max(first, Whole(0)), last), min(max(first + 1, Whole(0)), last), place - whole};
 }
 
 INLINE vec4 texel_of(const Texture& texture, Whole index) {
@@ -50,11 +61,18 @@ INLINE Whole size_of_mip(uint32_t size, Whole mip) {
     return max(Whole(Whole(static_cast<int32_t>(size)).v >> mip.v), Whole(1));
 }
 
-// Between four texels of a mip; 0..65535.
-INLINE vec4 bilinear(const Texture& texture, vec2 texcoord, Whole mip) {
+// All of the one that is nearer.
+INLINE Real nearer(Real part) { return choose(part < 0.5f, Real(0), Real(1)); }
+
+// Between four texels of a mip; 0..65535. `exact`: the mip, with a fraction.
+INLINE vec4 bilinear(const Texture& texture, const Sampling& sampling, vec2 texcoord, Whole mip, Real exact) {
     const Whole width = size_of_mip(texture.width, mip);
-    const Neighbours column = neighbours(texcoord.x, width),
-                     row = neighbours(texcoord.y, size_of_mip(texture.height, mip));
+    Neighbours column = neighbours(texcoord.x, width, sampling.wrap_u),
+               row = neighbours(texcoord.y, size_of_mip(texture.height, mip), sampling.wrap_v);
+    if (sampling.is_nearest) {
+        column.part = choose(exact <= 0.0f, nearer(column.part), column.part);
+        row.part = choose(exact <= 0.0f, nearer(row.part), row.part);
+    }
     const Whole begin = gather(texture.mip_begins, mip), top = begin + row.first * width,
                 bottom = begin + row.second * width;
     const auto across = [&](Whole of_row) {
@@ -63,14 +81,13 @@ INLINE vec4 bilinear(const Texture& texture, vec2 texcoord, Whole mip) {
     return mix(across(top), across(bottom), row.part);
 }
 
-INLINE vec4 sampled(const Texture& texture, vec2 texcoord, Real mip) {
+INLINE vec4 sampled(const Texture& texture, const Sampling& sampling, vec2 texcoord, Real mip) {
     const Real finer = floor(mip);
-    vec4 texel = bilinear(texture, texcoord, truncated(finer));
-    if (any(mip > finer))
-        texel = mix(
-            texel,
-            bilinear(texture, texcoord, min(truncated(finer) + 1, Whole(static_cast<int32_t>(texture.mip_count) - 1))),
-            mip - finer);
+    vec4 texel = bilinear(texture, sampling, texcoord, truncated(finer), mip);
+    if (any(mip > finer)) {
+        const Whole coarser = min(truncated(finer) + 1, Whole(static_cast<int32_t>(texture.mip_count) - 1));
+        texel = mix(texel, bilinear(texture, sampling, texcoord, coarser, mip), mip - finer);
+    }
     return texel * (1 / 65535.0f);
 }
 

@@ -106,7 +106,8 @@ INLINE vec3 unpacked_normal(Whole packed) {
         const LightText::PixelSteps steps{step_x.sum(places), step_y.sum(places), step_x.sum(texcoords),
                                           step_y.sum(texcoords)};
         const auto texel = [&](const Texture* map) {
-            return map ? sampled(*map, texcoord, mip_of(*map, steps.texcoord_x, steps.texcoord_y)) : vec4(1);
+            if (!map) return vec4(1);
+            return sampled(*map, material.sampling, texcoord, mip_of(*map, steps.texcoord_x, steps.texcoord_y));
         };
         surface.albedo = surface.albedo * xyz(texel(material.base_color_map));
         if (material.has_maps) {

@@ -56,7 +56,7 @@ std::vector<Vec3<double>> places_of(const Character& character, const MeshSectio
     return places;
 }
 
-// Calls visit(palette entry, place in bind space) for each place of each vertex and each entry that moves it.
+// Calls visit(palette entry, weight, place in bind space) for each place of each vertex and each entry that moves it.
 template <class Visit>
 void visit_influences(const Character& character, const Visit& visit) {
     for (const MeshSection& section : character.sections) {
@@ -68,7 +68,7 @@ void visit_influences(const Character& character, const Visit& visit) {
                     character.influences[section.first_influences + vertex * section.influence_sets + set];
                 for (size_t i = 0; i < 4; ++i) {
                     if (!(influences.weights[i] > 0)) continue;
-                    for (const Vec3<double>& place : places) visit(influences.entries[i], place);
+                    for (const Vec3<double>& place : places) visit(influences.entries[i], influences.weights[i], place);
                 }
             }
         }
@@ -79,7 +79,7 @@ void visit_influences(const Character& character, const Visit& visit) {
 
 std::vector<Box> influence_boxes(const Character& character) {
     std::vector<Box> boxes(character.rig.joint_count());
-    visit_influences(character, [&](uint16_t number, const Vec3<double>& place) {
+    visit_influences(character, [&](uint16_t number, float, const Vec3<double>& place) {
         const PaletteEntry& entry = character.palette[number];
         boxes[entry.joint].add(transform_point(entry.joint_from_bind.as<double>(), place));
     });
@@ -89,8 +89,17 @@ std::vector<Box> influence_boxes(const Character& character) {
 
 std::vector<Box> bind_boxes(const Character& character) {
     std::vector<Box> boxes(character.palette.size());
-    visit_influences(character, [&](uint16_t entry, const Vec3<double>& place) { boxes[entry].add(place); });
+    visit_influences(character, [&](uint16_t entry, float, const Vec3<double>& place) { boxes[entry].add(place); });
     return boxes;
+}
+
+std::vector<bool> joints_that_move_alone(const Character& character) {
+    constexpr float kAll = 1 - 1e-5f;  // a weight beside which others are rounding
+    std::vector<bool> alone(character.rig.joint_count(), true);
+    visit_influences(character, [&](uint16_t entry, float weight, const Vec3<double>&) {
+        if (weight < kAll) alone[character.palette[entry].joint] = false;
+    });
+    return alone;
 }
 
 double displacement(const AffineT<double>& difference, const Box& box) {

@@ -21,6 +21,10 @@ struct Box {
 // that move none, a cube whose half diagonal is 2 % of the character's size, or 10 % where no joint moves any.
 std::vector<Box> influence_boxes(const Character& character);
 
+// [joint_count]: whether each vertex that the joint moves is moved by it alone. Where such a joint is scaled to
+// nothing, nothing of it is to be seen.
+std::vector<bool> joints_that_move_alone(const Character& character);
+
 // [palette_count], in bind space: the vertices that the entry moves with a weight above 0; empty where it moves none.
 std::vector<Box> bind_boxes(const Character& character);
 

@@ -162,7 +162,15 @@ TEST_F(Cli, InfoAndReferencePoseNeedNoGpu) {
 
 TEST_F(Cli, PoseHasItsDocumentedShape) {
     const Json all = pose("--clip walk --time 0.3 --vertices all"), some = pose("--clip walk --time 0.3 --vertices 5");
-    EXPECT_EQ(keys(all), set_of("file device skins primitives"));
+    EXPECT_EQ(keys(all), set_of("file device rig skins primitives"));
+    const Json rig = json_of("info creature.glb --joints")["rig"];
+    ASSERT_EQ(all["rig"]["joints"].size(), size_t{kCreatureJoints});
+    ASSERT_EQ(rig.size(), size_t{kCreatureJoints});
+    for (size_t joint = 0; joint < kCreatureJoints; ++joint) {
+        EXPECT_EQ(all["rig"]["joints"][joint], rig[joint]["name"]);
+        EXPECT_TRUE(joint == 0 ? rig[joint]["parent"].is_null() : rig[joint]["parent"] < joint);
+    }
+    EXPECT_EQ(all["rig"]["jointWorld"].size(), size_t{kCreatureJoints});
     ASSERT_EQ(all["skins"].size(), 1u);
     const Json& skin = all["skins"][0];
     EXPECT_EQ(keys(skin), set_of("skin joints jointWorld skinMatrix"));

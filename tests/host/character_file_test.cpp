@@ -35,6 +35,9 @@ Asset make_full_asset(const AssetSettings& settings) {
                         .alpha_mode = AlphaMode::kMask,
                         .alpha_cutoff = 0.25f,
                         .double_sided = true,
+                        .filter = TextureFilter::kNearest,
+                        .wrap_u = TextureWrap::kMirror,
+                        .wrap_v = TextureWrap::kClamp,
                         .metallic = 0.1f,
                         .roughness = 0.2f,
                         .metallic_roughness_image = 0,
@@ -89,12 +92,12 @@ auto fields_of(const Skin& skin) {
     return std::tie(name, first_entry, joint_count);
 }
 auto fields_of(const AssetMaterial& material) {
-    const auto& [name, base_color, image, alpha_mode, alpha_cutoff, double_sided, metallic, roughness,
-                 metallic_roughness_image, normal_image, normal_scale, occlusion_image, occlusion_strength, emissive,
-                 emissive_image] = material;
-    return std::tie(name, base_color, image, alpha_mode, alpha_cutoff, double_sided, metallic, roughness,
-                    metallic_roughness_image, normal_image, normal_scale, occlusion_image, occlusion_strength, emissive,
-                    emissive_image);
+    const auto& [name, base_color, image, alpha_mode, alpha_cutoff, double_sided, filter, wrap_u, wrap_v, metallic,
+                 roughness, metallic_roughness_image, normal_image, normal_scale, occlusion_image, occlusion_strength,
+                 emissive, emissive_image] = material;
+    return std::tie(name, base_color, image, alpha_mode, alpha_cutoff, double_sided, filter, wrap_u, wrap_v, metallic,
+                    roughness, metallic_roughness_image, normal_image, normal_scale, occlusion_image,
+                    occlusion_strength, emissive, emissive_image);
 }
 auto fields_of(const AssetImage& image) {
     const auto& [name, encoded] = image;
@@ -748,6 +751,8 @@ TEST(CharacterFile, CraftedContentIsRefused) {
                  "alpha_mode"},
                 {"a side too many", [](Forged& f) { f.at<MaterialRecord>(S::kMaterials, 0).double_sided = 2; },
                  "double_sided"},
+                {"a filter too many", [](Forged& f) { f.at<MaterialRecord>(S::kMaterials, 0).filter = 2; }, "filter"},
+                {"a wrap too many", [](Forged& f) { f.at<MaterialRecord>(S::kMaterials, 0).wrap_v = 3; }, "wrap_v"},
                 {"a colour that is not finite",
                  [](Forged& f) { f.at<MaterialRecord>(S::kMaterials, 1).base_color[3] = kNan; }, "materials[1]"},
             });

@@ -45,6 +45,38 @@ TEST(ClipBounds, AreThoseOfEveryPose) {
     for (const RigShape shape : kRigShapes) expect_bounds(make_character({.joint_count = 40, .shape = shape}));
 }
 
+// Games hide what is not needed in a clip: shrunk to nothing, and often far away.
+TEST(ClipBounds, LeaveOutWhatIsShrunkToNothing) {
+    Asset asset = make_asset({.joint_count = 12, .shape = RigShape::kChain, .clip_count = 0});
+    const auto hide = [](uint32_t node, double scale) {
+        AssetClip clip{.name = "hide " + std::to_string(node), .duration_s = 1, .tracks = {}};
+        clip.tracks.push_back(
+            {.node = node, .target = TrackTarget::kTranslation, .times_s = {0}, .values = {0, -30000, 0}});
+        const auto s = static_cast<float>(scale);
+        clip.tracks.push_back({.node = node, .target = TrackTarget::kScale, .times_s = {0}, .values = {s, s, s}});
+        return clip;
+    };
+    asset.clips = {hide(11, 0), hide(11, 0.01), hide(0, 0)};
+    for (AssetMesh& mesh : asset.meshes)
+        for (AssetPrimitive& primitive : mesh.primitives)
+            for (size_t i = 0; i < primitive.influence_weights.size(); ++i)
+                primitive.influence_weights[i] = i % primitive.influence_count == 0 ? 1 : 0;
+    Character character = compiled(asset);
+    ASSERT_TRUE(joints_that_move_alone(character)[11]);
+    const auto extent = [&](size_t clip) {
+        return length(character.clips[clip].bounds_max - character.clips[clip].bounds_min);
+    };
+    EXPECT_GT(extent(0), 0);
+    EXPECT_LT(extent(0), 10 * character.size);
+    EXPECT_GT(extent(1), 20000) << "small, but there";
+    EXPECT_EQ(extent(2), 0) << "all is hidden";
+    // A joint that moves vertices together with another one stretches them, however small it is.
+    for (Influences& influences : character.influences)
+        influences = {.weights = {0.5f, 0.5f, 0, 0},
+                      .entries = {0, static_cast<uint16_t>(character.palette.size() - 1)}};
+    ASSERT_FALSE(joints_that_move_alone(character)[character.palette.back().joint]);
+}
+
 // What stands still lies furthest to one side, and what a joint above carries along to the other.
 TEST(ClipBounds, HoldWhatStandsStillAndWhatIsCarried) {
     Asset asset = make_asset({.joint_count = 12, .shape = RigShape::kChain, .clip_count = 0});

@@ -16,7 +16,9 @@
 #include <cmath>
 #include <cstdlib>
 #include <fstream>
+#include <numbers>
 #include <set>
+#include <tuple>
 
 #include <sys/stat.h>
 
@@ -106,11 +108,11 @@ TEST(Import, NoFile) {
     const auto missing = load_asset("/nowhere/fox.glb");
     ASSERT_FALSE(missing.ok());
     EXPECT_EQ(missing.error().code, ErrorCode::kFile);
-    EXPECT_EQ(missing.error().text(), "fox.glb: no such file");
+    EXPECT_EQ(missing.error().text(), "fox.glb: no such file: /nowhere/fox.glb");
     const TemporaryFolder folder;
     const auto directory = load_asset(folder.path());
     ASSERT_FALSE(directory.ok());
-    EXPECT_EQ(directory.error().message, "not a regular file");
+    EXPECT_EQ(directory.error().message, "not a regular file: " + folder.path().string());
     // A pipe without a writer must not be waited for.
     const fs::path pipe = folder.path() / "pipe.glb";
     ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
@@ -232,6 +234,7 @@ TEST(Import, Versions) {
     expect_refused(with({{"version", "1.0"}}), ErrorCode::kUnsupported, "asset.version", "glTF 1.0");
     expect_refused(with({{"version", "3.0"}}), ErrorCode::kUnsupported, "asset.version", "glTF 3.0");
     expect_refused(with({{"version", "2.1"}, {"minVersion", "2.1"}}), ErrorCode::kUnsupported, "asset.minVersion");
+    expect_refused(with({{"version", 1}}), ErrorCode::kUnsupported, "asset.version", "glTF 1.0");
     expect_refused(with({{"version", 2}}), ErrorCode::kInvalidFile, "asset.version", "must be a string");
     expect_refused(with({{"version", "two"}}), ErrorCode::kInvalidFile, "asset.version", "not a version");
     expect_refused(with(GltfJson::array()), ErrorCode::kInvalidFile, "asset", "must be an object");
@@ -241,7 +244,11 @@ TEST(Import, Extensions) {
     GlbBuilder b = tiny_character();
     b.json["extensionsUsed"] = {"ANY_thing", "KHR_materials_unlit"};
     b.json["extensionsRequired"] = {"KHR_materials_unlit", "KHR_lights_punctual"};
-    EXPECT_TRUE(loaded(b).warnings.empty());
+    b.json["extensionsUsed"].push_back("KHR_materials_sheen");
+    b.json["extensionsUsed"].push_back("KHR_materials_ior");
+    EXPECT_EQ(loaded(b).warnings, (std::vector<std::string>{
+                                      "file.glb: extensionsUsed: KHR_materials_unlit, KHR_materials_sheen: not drawn, "
+                                      "but for what else the materials say"}));
     b.json["extensionsRequired"] = {"KHR_materials_unlit", "EXT_mesh_gpu_instancing"};
     expect_refused(load(b), ErrorCode::kUnsupported, "extensionsRequired[1]", "EXT_mesh_gpu_instancing");
 }
@@ -670,7 +677,7 @@ TEST(Import, Channels) {
     channel(b)["target"].erase("node");
     asset = loaded(b);
     EXPECT_TRUE(asset.clips[0].tracks.empty());
-    EXPECT_TRUE(has_warning(asset, "animations[0].channels[0]: has no target node"));
+    EXPECT_TRUE(has_warning(asset, "animations[0]: 1 of 1 channels have no target node"));
     channel(b)["target"] = {{"path", "pointer"},
                             {"extensions", {{"KHR_animation_pointer", {{"pointer", "/nodes/0"}}}}}};
     EXPECT_TRUE(has_warning(loaded(b), "KHR_animation_pointer"));
@@ -1227,8 +1234,7 @@ TEST(Import, Materials) {
     ASSERT_EQ(asset.images.size(), 1u);
     EXPECT_EQ(asset.images[0].name, "skin");
     EXPECT_EQ(asset.images[0].encoded, png);
-    EXPECT_TRUE(has_warning(asset, "KHR_texture_transform is ignored"));
-    EXPECT_TRUE(has_warning(asset, "textures[1]: has no PNG or JPEG image"));
+    EXPECT_TRUE(has_warning(asset, "textures[1]: is a KTX2 image (KHR_texture_basisu), which is not read"));
     EXPECT_TRUE(has_warning(asset, "materials[2].alphaMode: 'GLASS' is unknown"));
 
     EXPECT_EQ(asset.materials[0].metallic, 1);
@@ -1290,6 +1296,81 @@ TEST(Import, MaterialsHaveAllTexturesThatShareTheirCoordinates) {
     b.json["materials"][0]["normalTexture"]["index"] = 5;
     b.json["materials"][0]["normalTexture"]["texCoord"] = 1;
     expect_refused(b, "materials[0].normalTexture.index", "index 5");
+}
+
+// KHR_texture_transform: scaled, then turned, then moved.
+TEST(Import, TextureCoordinatesAreThoseThatTheTextureIsLookedUpBy) {
+    GlbBuilder b = tiny_character();
+    attributes(b)["TEXCOORD_1"] = b.add<float>({0.25f, 0.5f, 1, 0, 0, 1}, "VEC2", kFloat);
+    const size_t view = b.add_view(std::vector<std::byte>(3));
+    b.json["images"] = {{{"bufferView", view}, {"mimeType", "image/png"}}};
+    b.json["textures"] = {{{"source", 0}}};
+    const auto texcoords = [&](const GltfJson& transform) {
+        const GltfJson texture{{"index", 0}, {"extensions", {{"KHR_texture_transform", transform}}}};
+        b.json["materials"] = {{{"pbrMetallicRoughness", {{"baseColorTexture", texture}}}, {"normalTexture", texture}}};
+        b.json["meshes"][0]["primitives"][0]["material"] = 0;
+        const Asset asset = loaded(b);
+        EXPECT_TRUE(asset.warnings.empty()) << asset.warnings[0];
+        EXPECT_EQ(asset.materials[0].normal_image, 0u);
+        return asset.meshes[0].primitives[0].texcoords;
+    };
+    using Texcoords = std::vector<std::array<float, 2>>;
+    EXPECT_EQ(texcoords({{"texCoord", 1}}), (Texcoords{{0.25f, 0.5f}, {1, 0}, {0, 1}}));
+    EXPECT_EQ(texcoords({{"texCoord", 1}, {"offset", {0.5, 2}}, {"scale", {4, 2}}}),
+              (Texcoords{{1.5f, 3}, {4.5f, 2}, {0.5f, 4}}));
+    const Texcoords turned = texcoords(
+        {{"texCoord", 1}, {"rotation", std::numbers::pi / 2}, {"offset", {10, 0}}, {"scale", {2, 1}}});
+    const Texcoords expected{{10.5f, -0.5f}, {10, -2}, {11, 0}};
+    for (size_t i = 0; i < expected.size(); ++i)
+        for (size_t k = 0; k < 2; ++k) EXPECT_NEAR(turned[i][k], expected[i][k], 1e-6) << i;
+    for (const auto& [u, v] : texcoords({{"texCoord", 1}, {"offset", {3e38, -3e38}}, {"scale", {3e38, 3e38}}}))
+        EXPECT_TRUE(std::isfinite(u) && std::isfinite(v));
+    b.json["materials"][0]["normalTexture"].erase("extensions");
+    EXPECT_TRUE(has_warning(loaded(b), "materials[0].normalTexture: uses other texture coordinates"));
+}
+
+TEST(Import, AMaterialHasTheSamplerOfItsFirstTexture) {
+    GlbBuilder b = tiny_character();
+    const size_t view = b.add_view(std::vector<std::byte>(3));
+    b.json["images"] = {{{"bufferView", view}, {"mimeType", "image/png"}}};
+    b.json["samplers"] = {GltfJson::object(),
+                          {{"magFilter", 9728}, {"minFilter", 9987}, {"wrapS", 33071}, {"wrapT", 33648}},
+                          {{"magFilter", 9729}, {"wrapS", 10497}}};
+    b.json["textures"] = {{{"source", 0}},
+                          {{"source", 0}, {"sampler", 0}},
+                          {{"source", 0}, {"sampler", 1}},
+                          {{"source", 0}, {"sampler", 2}}};
+    const auto sampler_of = [&](size_t texture) {
+        b.json["materials"] = {{{"pbrMetallicRoughness", {{"baseColorTexture", {{"index", texture}}}}},
+                                {"normalTexture", {{"index", 2}}}}};
+        const AssetMaterial material = loaded(b).materials[0];
+        return std::tuple(material.filter, material.wrap_u, material.wrap_v);
+    };
+    const std::tuple usual(TextureFilter::kLinear, TextureWrap::kRepeat, TextureWrap::kRepeat);
+    EXPECT_EQ(sampler_of(0), usual);
+    EXPECT_EQ(sampler_of(1), usual);
+    EXPECT_EQ(sampler_of(2), std::tuple(TextureFilter::kNearest, TextureWrap::kClamp, TextureWrap::kMirror));
+    EXPECT_EQ(sampler_of(3), usual);
+    b.json["textures"][3]["sampler"] = 3;
+    expect_refused(b, "textures[3].sampler", "index 3");
+}
+
+TEST(Import, ColoursOfSpecularGlossinessAreReadWhereThereAreNoOthers) {
+    GlbBuilder b = tiny_character();
+    const size_t view = b.add_view(std::vector<std::byte>(3));
+    b.json["images"] = {{{"bufferView", view}, {"mimeType", "image/png"}}};
+    b.json["textures"] = {{{"source", 0}}};
+    b.json["extensionsRequired"] = {"KHR_materials_pbrSpecularGlossiness"};
+    b.json["materials"] = {{{"extensions",
+                             {{"KHR_materials_pbrSpecularGlossiness",
+                               {{"diffuseFactor", {0.5, 0.25, 0.125, 1}},
+                                {"diffuseTexture", {{"index", 0}}},
+                                {"glossinessFactor", 0.25}}}}}}};
+    const AssetMaterial material = loaded(b).materials[0];
+    EXPECT_EQ(material.base_color, (std::array<float, 4>{0.5f, 0.25f, 0.125f, 1}));
+    EXPECT_EQ(std::tuple(material.image, material.metallic, material.roughness), std::tuple(0u, 0.0f, 0.75f));
+    b.json["materials"][0]["pbrMetallicRoughness"] = {{"baseColorFactor", {1, 0, 0, 1}}};
+    EXPECT_EQ(loaded(b).materials[0].base_color, (std::array<float, 4>{1, 0, 0, 1}));
 }
 
 // A character without its texture is still a character.

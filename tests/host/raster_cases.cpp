@@ -217,7 +217,7 @@ Vec3<double> RasterPicture::shaded(const Shown& shown, uint32_t x, uint32_t y) c
     };
     const At step_x = step(1, 0), step_y = step(0, 1);
     const auto texel = [&](const raster::Texture* texture) {
-        return texture ? sampled_reference(*texture, at.texcoord, step_x.texcoord, step_y.texcoord)
+        return texture ? sampled_reference(*texture, material.sampling, at.texcoord, step_x.texcoord, step_y.texcoord)
                        : std::array<double, 4>{1, 1, 1, 1};
     };
     const auto product = [](const Vec3<double>& a, const auto& b) {
@@ -311,8 +311,23 @@ Picture noise(uint32_t width, uint32_t height, uint64_t seed) {
     return picture;
 }
 
-std::array<double, 4> sampled_reference(const raster::Texture& texture, const std::array<double, 2>& texcoord,
-                                        const std::array<double, 2>& step_x, const std::array<double, 2>& step_y) {
+namespace {
+
+// Vulkan 1.3, 16.6.2.
+int wrapped(double place, int count, raster::Wrap wrap) {
+    const auto i = static_cast<int>(place);
+    const auto modulo = [](int a, int b) { return (a % b + b) % b; };
+    if (wrap == raster::Wrap::kRepeat) return modulo(i, count);
+    if (wrap == raster::Wrap::kClamp) return std::clamp(i, 0, count - 1);
+    const int there = modulo(i, 2 * count);
+    return there < count ? there : 2 * count - 1 - there;
+}
+
+}  // namespace
+
+std::array<double, 4> sampled_reference(const raster::Texture& texture, const raster::Sampling& sampling,
+                                        const std::array<double, 2>& texcoord, const std::array<double, 2>& step_x,
+                                        const std::array<double, 2>& step_y) {
     const auto texels = [&](const std::array<double, 2>& step) {
         return std::hypot(step[0] * texture.width, step[1] * texture.height);
     };
@@ -324,14 +339,17 @@ std::array<double, 4> sampled_reference(const raster::Texture& texture, const st
         const auto number = static_cast<uint32_t>(level);
         const int width = std::max(static_cast<int>(texture.width >> number), 1),
                   height = std::max(static_cast<int>(texture.height >> number), 1);
-        const double x = texcoord[0] * width - 0.5, y = texcoord[1] * height - 0.5;
-        const auto repeated = [](double place, int count) { return (static_cast<int>(place) % count + count) % count; };
+        double x = texcoord[0] * width - 0.5, y = texcoord[1] * height - 0.5;
+        if (sampling.is_nearest && mip == 0) {
+            x = std::floor(x + 0.5);
+            y = std::floor(y + 0.5);
+        }
         for (int i = 0; i < 4; ++i) {
             const double column = std::floor(x) + i % 2, row = std::floor(y) + i / 2;
             const double weight = (1 - std::abs(x - column)) * (1 - std::abs(y - row));
-            const uint64_t texel =
-                texture.texels[texture.mip_begins[number] +
-                               static_cast<uint32_t>(repeated(row, height) * width + repeated(column, width))];
+            const uint64_t texel = texture.texels[texture.mip_begins[number] +
+                                                  static_cast<uint32_t>(wrapped(row, height, sampling.wrap_v) * width +
+                                                                        wrapped(column, width, sampling.wrap_u))];
             for (size_t channel = 0; channel < 4; ++channel)
                 sum[channel] += of_mip * weight * static_cast<double>(texel >> (16 * channel) & 0xFFFF) / 65535;
         }

@@ -106,7 +106,8 @@ private:
 // Texels of random colours.
 Picture noise(uint32_t width, uint32_t height, uint64_t seed);
 // What the texture has at a place, as samplers read it; the steps are those to the next pixels.
-std::array<double, 4> sampled_reference(const raster::Texture& texture, const std::array<double, 2>& texcoord,
-                                        const std::array<double, 2>& step_x, const std::array<double, 2>& step_y);
+std::array<double, 4> sampled_reference(const raster::Texture& texture, const raster::Sampling& sampling,
+                                        const std::array<double, 2>& texcoord, const std::array<double, 2>& step_x,
+                                        const std::array<double, 2>& step_y);
 
 }  // namespace throng::test

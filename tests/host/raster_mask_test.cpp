@@ -40,7 +40,7 @@ struct Square {
             step_y[i] = (below.texcoord[i] - at.texcoord[i]) / kStep;
         }
         return at.alpha * material.base_color[3] *
-               sampled_reference(*material.base_color_map, at.texcoord, step_x, step_y)[3];
+               sampled_reference(*material.base_color_map, material.sampling, at.texcoord, step_x, step_y)[3];
     }
 
     RasterPicture picture;

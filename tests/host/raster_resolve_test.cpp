@@ -112,6 +112,20 @@ TEST(RasterResolve, TexturesNearAndFar) {
     }
 }
 
+TEST(RasterResolve, TexturesOutsideAndUpClose) {
+    using raster::Wrap;
+    for (const bool is_nearest : {false, true})
+        for (const auto& [u, v] :
+             {std::pair(Wrap::kClamp, Wrap::kRepeat), {Wrap::kMirror, Wrap::kClamp}, {Wrap::kRepeat, Wrap::kMirror}})
+            for (const double extent : {0.5, 5.0, 80.0}) {
+                RasterPicture picture(37, 13, 4, 4);
+                raster::Material& material = picture.add_material();
+                material.base_color_map = picture.add_texture(noise(37, 21, 3), TexelKind::kColor);
+                material.sampling = {is_nearest, u, v};
+                expect_material(material, picture, extent);
+            }
+}
+
 TEST(RasterResolve, Maps) {
     for (const double extent : {0.5, 5.0}) {
         RasterPicture picture(23, 17, 4, 6);

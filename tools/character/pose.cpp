@@ -77,8 +77,12 @@ nlohmann::json to_json(const Character& character, const Pose& pose, std::option
         }
         skins.push_back({{"skin", s}, {"joints", names}, {"jointWorld", world}, {"skinMatrix", skin}});
     }
+    nlohmann::json joints = nlohmann::json::array(), joint_world = nlohmann::json::array();
+    for (uint32_t joint = 0; joint < character.rig.joint_count(); ++joint) {
+        joints.push_back(character.rig.names[joint]);
+        joint_world.push_back(column_major(pose.model_from_joint[joint]));
+    }
     for (const MeshSection& section : character.sections) {
-        if (section.skin == kNone) continue;
         // Spread evenly over the primitive where not all are asked for.
         const uint32_t count = std::min(vertex_limit.value_or(section.vertex_count), section.vertex_count);
         nlohmann::json indices = nlohmann::json::array(), positions = nlohmann::json::array();
@@ -91,11 +95,15 @@ nlohmann::json to_json(const Character& character, const Pose& pose, std::option
         primitives.push_back({{"node", section.node},
                               {"mesh", section.mesh},
                               {"primitive", section.primitive},
-                              {"skin", section.skin},
+                              {"skin", section.skin == kNone ? nlohmann::json() : nlohmann::json(section.skin)},
                               {"vertices", indices},
                               {"positions", positions}});
     }
-    return {{"file", character.name}, {"device", pose.device}, {"skins", skins}, {"primitives", primitives}};
+    return {{"file", character.name},
+            {"device", pose.device},
+            {"rig", {{"joints", joints}, {"jointWorld", joint_world}}},
+            {"skins", skins},
+            {"primitives", primitives}};
 }
 
 void print_text(const Character& character, const Pose& pose) {

@@ -133,6 +133,9 @@ SceneCast::SceneCast(const SceneOptions& options) {
     controllers.resize(characters.size());
     looks.resize(characters.size());
     for (size_t k = 0; k < characters.size(); ++k) {
+        if (characters[k].indices.empty())
+            print_warnings(
+                {characters[k].name + ": has no mesh: of its characters there are only skeletons to be seen"});
         if (!looks_of[k].empty()) looks[k].emplace(looks_of[k], characters[k]);
         if (controller_of[k].empty()) continue;
         controllers[k] = unwrap(load_controller(controller_of[k]));

@@ -4,13 +4,14 @@
 #include "sample/sample_reference.h"
 #include "scan/scan_reference.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace throng {
 namespace {
 
-// Adds the box as the pose has it.
-void add_posed(Box& bounds, const AffineT<double>& model_from_joint, const Box& box) {
+// Adds the box as the pose has it; not one that is shrunk to less than `seen`, as games hide things, often far away.
+void add_posed(Box& bounds, const AffineT<double>& model_from_joint, const Box& box, double seen) {
     const Vec3<double> middle = transform_point(model_from_joint, (box.low + box.high) * 0.5),
                        half = (box.high - box.low) * 0.5;
     const auto reach = [&](size_t row) {
@@ -18,6 +19,7 @@ void add_posed(Box& bounds, const AffineT<double>& model_from_joint, const Box& 
         return std::abs(r[0]) * half.x + std::abs(r[1]) * half.y + std::abs(r[2]) * half.z;
     };
     const Vec3<double> extent{reach(0), reach(1), reach(2)};
+    if (std::max({extent.x, extent.y, extent.z}) < seen) return;
     bounds.add(middle - extent);
     bounds.add(middle + extent);
 }
@@ -64,17 +66,20 @@ private:
 }  // namespace
 
 void measure_clips(Character& character, const Progress& progress) {
+    constexpr double kSeen = 1e-6;  // of the character's size
     const std::vector<Box> boxes = influence_boxes(character);
+    const std::vector<bool> alone = joints_that_move_alone(character);
+    const auto seen = [&](size_t joint) { return alone[joint] ? kSeen * character.size : 0; };
     for (uint32_t number = 0; number < character.clips.size(); ++number) {
         progress.report(number, character.clips.size());
         ClipPoses poses(character, number);
         Box bounds;
         for (size_t joint = 0; joint < boxes.size(); ++joint)
-            if (!poses.moves(joint)) add_posed(bounds, poses.model_from_joint(joint), boxes[joint]);
+            if (!poses.moves(joint)) add_posed(bounds, poses.model_from_joint(joint), boxes[joint], seen(joint));
         const auto add_pose = [&](double time_s) {
             poses.sample(time_s);
             for (size_t joint = 0; joint < boxes.size(); ++joint)
-                if (poses.moves(joint)) add_posed(bounds, poses.model_from_joint(joint), boxes[joint]);
+                if (poses.moves(joint)) add_posed(bounds, poses.model_from_joint(joint), boxes[joint], seen(joint));
         };
         const std::span<const float> times_s = row_times(character, number);
         for (size_t row = 0; row < times_s.size(); ++row) {
@@ -82,6 +87,7 @@ void measure_clips(Character& character, const Progress& progress) {
             add_pose(times_s[row]);
             if (row + 1 < times_s.size()) add_pose((double{times_s[row]} + times_s[row + 1]) / 2);
         }
+        if (bounds.empty) bounds.add(Vec3<double>{});  // all is hidden
         Clip& clip = character.clips[number];
         clip.bounds_min = bounds.low.as<float>();
         clip.bounds_max = bounds.high.as<float>();

@@ -101,9 +101,10 @@ private:
         check_limit("packed words", (words.size() + kPackedWordsBehind) * sizeof(uint32_t));
         check_limit("the headers of packed tracks", headers_.size_bytes());
         if (clip.error > error_)
-            character_.warnings.push_back("clip '" + printable(clip.name) + "': its packed keys displace the skin by " +
-                                          percent(clip.error) + " of the character's size, not " + percent(error_) +
-                                          "; finer keys would hardly help");
+            character_.warnings.push_back(joined(printable(character_.name, 120), ": clip '", printable(clip.name),
+                                                 "': its packed keys displace the skin by ", percent(clip.error),
+                                                 " of the character's size, not ", percent(error_),
+                                                 "; finer keys would hardly help, but exact ones (error 0)"));
     }
 
     void check_limit(const char* of, uint64_t size_bytes) const {

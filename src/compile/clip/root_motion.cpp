@@ -241,7 +241,8 @@ public:
             moves = moves || extracted;
         }
         if (!moves)
-            character_.warnings.push_back("root motion: joint " + quoted(joint_) + " moves over the ground in no clip");
+            character_.warnings.push_back(printable(character_.name, 120) + ": root motion: joint " + quoted(joint_) +
+                                          " moves over the ground in no clip");
         for (ExactClip& clip : clips_)
             if (moves) std::ranges::stable_sort(clip.tracks, {}, place_in_table);
     }

@@ -392,6 +392,7 @@ private:
                                      material.normal_scale, material.occlusion_strength};
             if (!all_finite(material.base_color) || !all_finite(material.emissive) || !all_finite(factors))
                 fail(at("materials", i), "is not finite");
+            if (!has_known_values(material)) fail(at("materials", i), "its alpha mode, filter or wrap is unknown");
         }
     }
 

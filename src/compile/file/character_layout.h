@@ -109,7 +109,9 @@ struct MaterialRecord {
     uint32_t image = kNone;
     uint32_t alpha_mode = 0;  // of AlphaMode
     float alpha_cutoff = 0;
-    uint32_t double_sided = 0;  // 0 or 1
+    uint8_t double_sided = 0;        // 0 or 1
+    uint8_t filter = 0;              // of TextureFilter
+    uint8_t wrap_u = 0, wrap_v = 0;  // of TextureWrap
     float metallic = 0, roughness = 0;
     uint32_t metallic_roughness_image = kNone, normal_image = kNone, occlusion_image = kNone, emissive_image = kNone;
     float normal_scale = 0, occlusion_strength = 0;
@@ -221,6 +223,9 @@ void visit_fields(Either<MaterialRecord> auto& record, auto& material, const aut
     visit(record.alpha_mode, material.alpha_mode, "alpha_mode");
     visit(record.alpha_cutoff, material.alpha_cutoff);
     visit(record.double_sided, material.double_sided, "double_sided");
+    visit(record.filter, material.filter, "filter");
+    visit(record.wrap_u, material.wrap_u, "wrap_u");
+    visit(record.wrap_v, material.wrap_v, "wrap_v");
     visit(record.metallic, material.metallic);
     visit(record.roughness, material.roughness);
     visit(record.metallic_roughness_image, material.metallic_roughness_image);

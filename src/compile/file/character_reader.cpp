@@ -124,9 +124,10 @@ private:
     void read_record(SectionId id, const Record& record, T& out) const {
         visit_fields(record, out, [&]<class Value>(const auto& stored, Value& value, const char* name = "") {
             if constexpr (std::is_same_v<Value, bool>)
-                if (stored > 1) fail(id, name, " is ", stored, ", neither 0 nor 1");
-            if constexpr (std::is_same_v<Value, AlphaMode>)
-                if (stored > static_cast<uint32_t>(AlphaMode::kBlend)) fail(id, name, " ", stored, " is unknown");
+                if (stored > 1) fail(id, name, " is ", uint32_t{stored}, ", neither 0 nor 1");
+            if constexpr (std::is_enum_v<Value>)
+                if (uint32_t{stored} > static_cast<uint32_t>(last_of<Value>))
+                    fail(id, name, " ", uint32_t{stored}, " is unknown");
             value = static_cast<Value>(stored);
         });
     }
