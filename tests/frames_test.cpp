@@ -227,6 +227,31 @@ TEST(Frames, OnlyTheLastRecordIsDiscarded) {
     EXPECT_FALSE(driven.crowd.discard_last_record()) << "it has been discarded";
 }
 
+// Where validation layers see usages that buffers were not made with.
+TEST(Frames, OutputsMayBeBoundAsVertexBuffers) {
+    const Character character = creature(20, 8);
+    const Controller controller = example("walker");
+    Crowd crowd = create({.groups = {{.character = &character,
+                                      .instance_count = 4,
+                                      .controller = &controller,
+                                      .sockets = {3},
+                                      .outfits = {Outfit{}}}},
+                          .keep_model_matrices = true,
+                          .keep_previous_matrices = true,
+                          .culling = Culling{},
+                          .skins_once = true});
+    ASSERT_TRUE(crowd.update(0.1f));
+    const OutputBlock& block = crowd.outputs()[0];
+    const std::array views{block.skin,      block.previous_skin, block.model, block.placement, block.socket,
+                           block.parameter, block.look,          block.list,  block.draw,      block.skinned};
+    Recorder().record([&](VkCommandBuffer commands) {
+        for (const BufferView& view : views) {
+            ASSERT_TRUE(view);
+            test_gpu()->vk.vkCmdBindVertexBuffers(commands, 0, 1, &view.buffer, &view.offset_bytes);
+        }
+    });
+}
+
 // What has been recorded and has neither run nor been discarded is named, where something is asked that goes by it.
 TEST(Frames, WhatHasNotRunIsNotRead) {
     DrivenCrowd driven;

@@ -134,8 +134,7 @@ SceneCast::SceneCast(const SceneOptions& options) {
     looks.resize(characters.size());
     for (size_t k = 0; k < characters.size(); ++k) {
         if (characters[k].indices.empty())
-            print_warnings(
-                {characters[k].name + ": has no mesh: of its characters there are only skeletons to be seen"});
+            print_warnings({characters[k].name + ": has no mesh: only its skeleton can be drawn (--skeletons)"});
         if (!looks_of[k].empty()) looks[k].emplace(looks_of[k], characters[k]);
         if (controller_of[k].empty()) continue;
         controllers[k] = unwrap(load_controller(controller_of[k]));
