@@ -245,8 +245,10 @@ TEST_F(SavedState, RefusesWhatIsNotIts) {
     other.groups[0].pose_margin = 3;
     EXPECT_EQ(refusal(create(other).restore_state(saved)), of_group);
     other = settings();
-    other.scan = "serial";
-    EXPECT_EQ(refusal(create(other).restore_state(saved)),
+    other.path = UpdatePath::kStaged;
+    Crowd staged = create(other);
+    ASSERT_NE(staged.path(0)->is_fused, crowd.path(0)->is_fused);
+    EXPECT_EQ(refusal(staged.restore_state(saved)),
               fits_not +
                   "that one is updated in another way: natively or on a device, by another CrowdSettings::path "
                   "or scan");
