@@ -35,20 +35,30 @@ public:
         return known->second;
     }
 
-    // Where the texture's sampler says something.
+    // A character whose texture is read in another way is still a character.
     void read_sampler(const JsonView& texture_info, AssetMaterial& material) {
+        try {
+            read_sampler_of(texture_info, material);
+        } catch (const Failure& failure) {
+            if (failure.error.code != ErrorCode::kInvalidFile) throw;
+            reading_.warnings.add(failure.error.place, failure.error.message, ": the sampler is not used");
+        }
+    }
+
+private:
+    void read_sampler_of(const JsonView& texture_info, AssetMaterial& material) {
         const JsonView texture =
             textures_[texture_info.required_index("index", textures_.size(), "textures")].as_object();
         if (!texture.has("sampler")) return;
         const JsonView samplers = reading_.root.optional_array("samplers");
         const JsonView sampler = samplers[texture.required_index("sampler", samplers.size(), "samplers")].as_object();
         constexpr uint64_t kNearest = 9728;
+        const TextureWrap wrap_u = wrap_of(sampler, "wrapS"), wrap_v = wrap_of(sampler, "wrapT");
         if (sampler.optional_uint("magFilter", 0) == kNearest) material.filter = TextureFilter::kNearest;
-        material.wrap_u = wrap_of(sampler, "wrapS");
-        material.wrap_v = wrap_of(sampler, "wrapT");
+        material.wrap_u = wrap_u;
+        material.wrap_v = wrap_v;
     }
 
-private:
     static TextureWrap wrap_of(const JsonView& sampler, const char* key) {
         constexpr uint64_t kClamp = 33071, kMirror = 33648, kRepeat = 10497;
         const uint64_t wrap = sampler.optional_uint(key, kRepeat);

@@ -1352,7 +1352,12 @@ TEST(Import, AMaterialHasTheSamplerOfItsFirstTexture) {
     EXPECT_EQ(sampler_of(2), std::tuple(TextureFilter::kNearest, TextureWrap::kClamp, TextureWrap::kMirror));
     EXPECT_EQ(sampler_of(3), usual);
     b.json["textures"][3]["sampler"] = 3;
-    expect_refused(b, "textures[3].sampler", "index 3");
+    EXPECT_EQ(sampler_of(3), usual);
+    EXPECT_TRUE(has_warning(loaded(b), "textures[3].sampler: index 3"));
+    b.json["textures"][3]["sampler"] = 1;
+    b.json["samplers"][1]["wrapT"] = "up";
+    EXPECT_EQ(sampler_of(3), usual);
+    EXPECT_TRUE(has_warning(loaded(b), "samplers[1].wrapT: "));
 }
 
 TEST(Import, ColoursOfSpecularGlossinessAreReadWhereThereAreNoOthers) {
