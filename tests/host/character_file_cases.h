@@ -1,0 +1,57 @@
+// Files of small characters, and what changes them by hand.
+#pragma once
+
+#include "compile/file/character_file.h"
+#include "compile/file/character_layout.h"
+#include "tests/test_rig.h"
+
+#include <gtest/gtest.h>
+
+#include <cstddef>
+#include <vector>
+
+namespace throng::test {
+
+using Bytes = std::vector<std::byte>;
+
+inline constexpr double kErrors[] = {0, 1e-4};  // exact and packed
+
+// With all that a character may have, and names that are no plain text.
+Asset make_full_asset(const AssetSettings& settings);
+
+// A file of a few kilobytes.
+Bytes small_file(double error);
+
+inline Result<Character> load(const Bytes& bytes) { return load_compiled_character(bytes, "small.throng"); }
+
+// A file changed by hand, with its checksum made right again.
+class Forged {
+public:
+    explicit Forged(Bytes bytes) : bytes_(std::move(bytes)) {}
+
+    const Bytes& sealed() {
+        header().checksum = checksum_of(bytes_);
+        return bytes_;
+    }
+    Bytes& bytes() { return bytes_; }
+    file::Header& header() { return *reinterpret_cast<file::Header*>(bytes_.data()); }
+    file::SectionEntry& entry(file::SectionId id) {
+        return *reinterpret_cast<file::SectionEntry*>(bytes_.data() + sizeof(file::Header) +
+                                                      static_cast<size_t>(id) * sizeof(file::SectionEntry));
+    }
+    // Element of a section; from behind where `index` is negative.
+    template <class T>
+    T& at(file::SectionId id, int64_t index = 0) {
+        const file::SectionEntry& of = entry(id);
+        EXPECT_EQ(of.element_bytes, sizeof(T));
+        const auto count = static_cast<int64_t>(of.element_count);
+        EXPECT_TRUE(index < count && -index <= count) << "the case has nothing to change";
+        return *reinterpret_cast<T*>(bytes_.data() + of.offset_bytes +
+                                     static_cast<uint64_t>(index < 0 ? count + index : index) * sizeof(T));
+    }
+
+private:
+    Bytes bytes_;
+};
+
+}  // namespace throng::test
