@@ -280,11 +280,21 @@ TEST(Frames, WhatHasNotRunIsNotRead) {
                        : "discard: there is no record() to discard, or it has been discarded, or an update() has run "
                          "since");
     }
-    for (int frame = 0; frame < 100; ++frame) {  // dropped without a word
-        recorder.record([&](VkCommandBuffer commands) { static_cast<void>(crowd.record(commands, 0.1f)); });
-        EXPECT_TRUE(frame % 3 > 0 || crowd.update(0.1f));
-    }
-    EXPECT_EQ(refusal(crowd.update(0.1f)), "");
+}
+
+// More than are kept in mind, of a crowd without feedback, which would refuse the fifth.
+TEST(Frames, TheLastOfManyDroppedWithoutAWordIsNotRead) {
+    const Character character = creature(20, 8);
+    Crowd crowd = create({.groups = {{.character = &character, .instance_count = 2}}});
+    ASSERT_TRUE(crowd.update(0.1f));
+    Recorder recorder;
+    for (int frame = 0; frame < 100; ++frame)
+        recorder.record([&](VkCommandBuffer commands) { EXPECT_EQ(refusal(crowd.record(commands, 0.1f)), ""); });
+    EXPECT_FALSE(crowd.read_skin_matrices(InstanceHandle{0}));
+    EXPECT_EQ(refusal(crowd.discard_last_record()), "");
+    EXPECT_EQ(refusal(crowd.read_skin_matrices(InstanceHandle{0})), "");
+    recorder.record([&](VkCommandBuffer commands) { EXPECT_TRUE(crowd.record(commands, 0.1f)); });
+    EXPECT_EQ(refusal(crowd.update(0.1f)), "") << "which takes it for dropped";
     EXPECT_EQ(refusal(crowd.read_skin_matrices(InstanceHandle{0})), "");
 }
 
