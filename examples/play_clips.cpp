@@ -13,7 +13,7 @@ int main(int argc, char** argv) {
         return 2;
     }
     const Character character = load_character(argv[1]).expect();
-    // What a name is misspelt of ends the program with a line that says which there are.
+    // A name that is not there ends the program, with a line that says which there are.
     const uint32_t clips[]{character.clip_named(argv[2]).expect(), character.clip_named(argv[3]).expect()};
     const uint32_t joint = character.rig.joint_named(argv[4]).expect();
 
@@ -21,7 +21,7 @@ int main(int argc, char** argv) {
     Controller controller = direct_layers(1);
     controller.events = {{.name = "step", .clip = argv[2], .time_s = character.clips[clips[0]].duration_s / 2.0}};
 
-    // Instances come and go, and there is room for eight. Of a socket the placement in the world comes back.
+    // Instances come and go, and there is room for eight. Where the joint is in the world comes back with the feedback.
     const Device device = Device::create().expect();
     CrowdGroup group{.character = &character, .controller = &controller, .sockets = {joint}, .capacity = 8};
     Crowd crowd = Crowd::create(device, {.groups = {group}}).expect();
@@ -35,7 +35,7 @@ int main(int argc, char** argv) {
 
     uint32_t step_count = 0;
     for (int frame = 0; frame < 180; ++frame) {
-        const auto turn = static_cast<size_t>(frame / 36);  // each in its turn
+        const auto turn = static_cast<size_t>(frame / 36);  // one after the other
         if (frame % 36 == 18) crowd.play(walkers[turn], 0, {.clip = {.clip = clips[1]}, .fade_s = 0.3f}).expect();
         crowd.update(1.0f / 60).expect();
         for (const Feedback& feedback : crowd.feedback().expect()) {  // of the updates that have finished since

@@ -107,7 +107,7 @@ TEST(FirstUploads, OfAnUpdateThatIsDiscardedGoWithTheNext) {
     }
 }
 
-// Of a crowd without an update: nobody is drawn, and pictures and states come back; matrices there are none.
+// Before its first update a crowd can be drawn, where it shows nobody, and saved; there are no matrices to read.
 TEST(FirstUploads, AreThereForWhoeverReadsFirst) {
     const Cast cast;
     Crowd listed = cast.make();

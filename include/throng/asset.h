@@ -62,8 +62,8 @@ struct AssetClip {
 };
 
 enum class AlphaMode : uint8_t { kOpaque, kMask, kBlend };
-enum class TextureFilter : uint8_t { kLinear, kNearest };       // where a texel is larger than a pixel
-enum class TextureWrap : uint8_t { kRepeat, kClamp, kMirror };  // where a coordinate lies outside of 0..1
+enum class TextureFilter : uint8_t { kLinear, kNearest };       // how texels that are larger than pixels are read
+enum class TextureWrap : uint8_t { kRepeat, kClamp, kMirror };  // what a coordinate outside of 0..1 reads
 
 struct AssetMaterial {
     std::string name{};
@@ -72,7 +72,7 @@ struct AssetMaterial {
     AlphaMode alpha_mode = AlphaMode::kOpaque;
     float alpha_cutoff = 0.5f;
     bool double_sided = false;
-    // Of all textures of the material. Where a texel is smaller than a pixel, its neighbours and mips are mixed
+    // How all textures of the material are read. Texels that are smaller than pixels are always mixed, with mipmaps
     TextureFilter filter = TextureFilter::kLinear;
     TextureWrap wrap_u = TextureWrap::kRepeat, wrap_v = TextureWrap::kRepeat;
     float metallic = 1, roughness = 1;          // 0..1

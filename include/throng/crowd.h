@@ -214,7 +214,7 @@ public:
     // twice), kLimit (more than there is room for).
     Result<std::vector<InstanceHandle>> spawn(uint32_t group, std::span<const Affine> world_from_model);
     Result<void> despawn(std::span<const InstanceHandle> instances);
-    // One of them. (Templates, so that what stands in braces is taken for a span.)
+    // The same for one instance. They are templates so that an argument in braces still is a span.
     template <std::same_as<Affine> One>
     Result<InstanceHandle> spawn(uint32_t group, const One& world_from_model) {
         const Result<std::vector<InstanceHandle>> spawned = spawn(group, std::span<const Affine>(&world_from_model, 1));

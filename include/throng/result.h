@@ -36,7 +36,7 @@ struct Error {
     std::exit(1);
 }
 
-// Of a programmer's mistake.
+// For what only a mistake in the program leads to: prints what it is, and aborts.
 [[noreturn]] inline void abort_with(const char* what, const Error& error) {
     std::fprintf(stderr, "%s: %s\n", what, error.text().c_str());
     std::abort();

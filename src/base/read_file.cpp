@@ -12,7 +12,7 @@ std::vector<std::byte> read_file(const std::filesystem::path& path, uint64_t lim
     namespace fs = std::filesystem;
     std::error_code error;
     const fs::file_status status = fs::status(path, error);
-    // Places have the name alone, and the folder may be what is wrong.
+    // `place` names the file without its folder, which may be what is wrong.
     const std::string where = path.has_parent_path() ? ": " + printable(path.string(), 1000) : "";
     if (status.type() == fs::file_type::not_found) throw Failure(ErrorCode::kFile, place, "no such file", where);
     // A pipe or a device could be read for ever.

@@ -33,7 +33,8 @@ struct Batch {
     native::AlignedBytes inertia_states;
     uint64_t inertia_bytes = 0;
     bool has_updated = false, had_updated = false;  // ever; and before the last record()
-    // Whether an update has written these buffers, as has_updated, which a restored state brings along
+    // Whether an update has written these buffers; and before the last record(). A restored state sets has_updated as
+    // it was in its crowd, but brings no outputs
     bool has_outputs = false, had_outputs = false;
 
     Buffer& operator[](uint32_t number) { return buffers[number]; }

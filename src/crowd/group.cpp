@@ -51,7 +51,7 @@ struct PoseBox {
     Vec3<float> min, max;
 };
 
-// Of the poses of all clips, of which there is one at least.
+// The box around the poses of all clips. The character has at least one.
 PoseBox box_of_clips(const Character& character) {
     PoseBox box{character.clips[0].bounds_min, character.clips[0].bounds_max};
     for (const Clip& clip : character.clips)
@@ -62,8 +62,8 @@ PoseBox box_of_clips(const Character& character) {
     return box;
 }
 
-// That of the rest pose, unless no clip comes near to the ground that this has, as where motion capture has the hips at
-// the origin at rest: then that of all clips.
+// What pictures are fitted to: the rest pose. But motion capture often has the hips at the origin at rest, so that the
+// feet lie below the ground of all clips; then the box of the clips.
 PoseBox shown_box(const Character& character) {
     constexpr float kNear = 0.1f;  // of its height
     const PoseBox rest{character.bounds_min, character.bounds_max};

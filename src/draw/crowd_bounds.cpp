@@ -90,7 +90,7 @@ struct Growing {
     }
 
 private:
-    // Beyond it, what a clip throws away is a stray too: games hide things far away.
+    // Shadows are fitted to no more than this, since games hide things by moving them far away in a clip.
     static Bounds near_box(const Group& group) {
         constexpr float kSizes = 4;
         const float reach = kSizes * length(group.shown_max - group.shown_min);

@@ -7,6 +7,10 @@
 namespace throng {
 namespace {
 
+static_assert(raster::Wrap(TextureWrap::kRepeat) == raster::Wrap::kRepeat &&
+              raster::Wrap(TextureWrap::kClamp) == raster::Wrap::kClamp &&
+              raster::Wrap(TextureWrap::kMirror) == raster::Wrap::kMirror);
+
 raster::Material to_raster(const TexturedMaterial<raster::OwnedTexture>& material) {
     const AssetMaterial& f = material.factors;
     raster::Material to{.metallic = f.metallic,

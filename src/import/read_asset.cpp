@@ -47,8 +47,8 @@ bool is_known(const std::string& extension) {
            std::find(std::begin(kKnown), std::end(kKnown), extension) != std::end(kKnown);
 }
 
-// What materials say beyond metal and roughness, and would be seen.
-void warn_of_looks(const JsonView& root, Warnings& warnings) {
+// Warns of extensions of materials that would change the picture, and are not drawn.
+void warn_of_ignored_materials(const JsonView& root, Warnings& warnings) {
     constexpr std::string_view kSeen[] = {"anisotropy",  "clearcoat", "diffuse_transmission", "dispersion",
                                           "iridescence", "sheen",     "transmission",         "unlit",
                                           "variants",    "volume"};
@@ -116,7 +116,7 @@ Asset read_parts(std::span<const std::byte> bytes, const SideFiles& side_files, 
     root.as_object();
     check_version(root);
     const bool quantized = check_extensions(root);
-    warn_of_looks(root, warnings);
+    warn_of_ignored_materials(root, warnings);
     Buffers buffers(root, container, side_files, budget);
     Accessors accessors(root, buffers, budget, warnings);
     Reading reading{root, buffers, accessors, budget, warnings, quantized};

@@ -41,7 +41,7 @@ struct TextureCoordinates {
 void read_nodes(Reading& reading, Asset& asset);
 void read_skins(Reading& reading, Asset& asset);
 void read_clips(Reading& reading, Asset& asset);
-// Returns those of each material.
+// Returns the texture coordinates that each material uses.
 std::vector<TextureCoordinates> read_materials(Reading& reading, Asset& asset);
 void read_meshes(Reading& reading, std::span<const TextureCoordinates> of_materials, Asset& asset);
 void read_mesh_instances(Reading& reading, Asset& asset);

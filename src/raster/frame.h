@@ -32,12 +32,12 @@ struct Texture {
     uint32_t mip_begins[kMipLimit] = {};  // among texels; each has max(width >> mip, 1) columns
 };
 
-// Where a coordinate lies outside of 0..1; by TextureWrap.
+// What a coordinate outside of 0..1 reads; numbered as TextureWrap.
 enum class Wrap : uint8_t { kRepeat, kClamp, kMirror };
 
 // How textures are read.
 struct Sampling {
-    bool is_nearest = false;  // where a texel is larger than a pixel; else linear
+    bool is_nearest = false;  // of texels that are larger than pixels; else they are mixed
     Wrap wrap_u = Wrap::kRepeat, wrap_v = Wrap::kRepeat;
 };
 

@@ -1,5 +1,5 @@
-// Textures read as samplers of the Vulkan renderer do: linear, between mips too; where texels are larger than pixels
-// perhaps the nearest one.
+// Textures read as samplers of the Vulkan renderer do: linear, between mips too, or the nearest of texels that are
+// larger than pixels.
 #pragma once
 
 #include "raster/frame.h"
@@ -61,17 +61,17 @@ INLINE Whole size_of_mip(uint32_t size, Whole mip) {
     return max(Whole(Whole(static_cast<int32_t>(size)).v >> mip.v), Whole(1));
 }
 
-// All of the one that is nearer.
-INLINE Real nearer(Real part) { return choose(part < 0.5f, Real(0), Real(1)); }
+// The nearer of two neighbours in place of a mixture.
+INLINE Real rounded(Real part) { return choose(part < 0.5f, Real(0), Real(1)); }
 
-// Between four texels of a mip; 0..65535. `exact`: the mip, with a fraction.
-INLINE vec4 bilinear(const Texture& texture, const Sampling& sampling, vec2 texcoord, Whole mip, Real exact) {
+// Between four texels of a mip; 0..65535. `is_magnified`: a texel is larger than a pixel.
+INLINE vec4 bilinear(const Texture& texture, const Sampling& sampling, vec2 texcoord, Whole mip, Mask is_magnified) {
     const Whole width = size_of_mip(texture.width, mip);
     Neighbours column = neighbours(texcoord.x, width, sampling.wrap_u),
                row = neighbours(texcoord.y, size_of_mip(texture.height, mip), sampling.wrap_v);
     if (sampling.is_nearest) {
-        column.part = choose(exact <= 0.0f, nearer(column.part), column.part);
-        row.part = choose(exact <= 0.0f, nearer(row.part), row.part);
+        column.part = choose(is_magnified, rounded(column.part), column.part);
+        row.part = choose(is_magnified, rounded(row.part), row.part);
     }
     const Whole begin = gather(texture.mip_begins, mip), top = begin + row.first * width,
                 bottom = begin + row.second * width;
@@ -83,10 +83,11 @@ INLINE vec4 bilinear(const Texture& texture, const Sampling& sampling, vec2 texc
 
 INLINE vec4 sampled(const Texture& texture, const Sampling& sampling, vec2 texcoord, Real mip) {
     const Real finer = floor(mip);
-    vec4 texel = bilinear(texture, sampling, texcoord, truncated(finer), mip);
+    const Mask is_magnified = mip <= 0.0f;
+    vec4 texel = bilinear(texture, sampling, texcoord, truncated(finer), is_magnified);
     if (any(mip > finer)) {
         const Whole coarser = min(truncated(finer) + 1, Whole(static_cast<int32_t>(texture.mip_count) - 1));
-        texel = mix(texel, bilinear(texture, sampling, texcoord, coarser, mip), mip - finer);
+        texel = mix(texel, bilinear(texture, sampling, texcoord, coarser, is_magnified), mip - finer);
     }
     return texel * (1 / 65535.0f);
 }

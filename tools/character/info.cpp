@@ -197,7 +197,7 @@ void print_text(const Character& character) {
     for (const std::string& warning : character.warnings) std::printf("  warning    %s\n", warning.c_str());
 }
 
-// By number, since what is written by hand, as masks and rules, goes by names, and what is called by numbers.
+// In the order of their numbers, which calls take; masks and rules take the names.
 nlohmann::json joints_json(const Rig& rig) {
     nlohmann::json joints = nlohmann::json::array();
     for (uint32_t joint = 0; joint < rig.joint_count(); ++joint) {
@@ -208,7 +208,7 @@ nlohmann::json joints_json(const Rig& rig) {
     return joints;
 }
 
-// As a tree.
+// As a tree, likewise in order: parents come first.
 void print_joints(const Rig& rig) {
     constexpr uint32_t kMostShown = 40;  // levels, beyond which lines are indented no more
     std::vector<uint32_t> levels(rig.joint_count());
