@@ -94,7 +94,7 @@ void visit_images(const Visit& visit) {
         visit(member);
 }
 
-// A texture in use: PNG or JPEG bytes, still encoded.
+// A texture in use: PNG, JPEG or WebP bytes, still encoded.
 struct AssetImage {
     std::string name{};
     std::vector<std::byte> encoded{};  // empty where the file could not be found; a warning says so
@@ -153,7 +153,8 @@ struct Asset {
 
 // Reads a .glb or .gltf file (glTF 2.0), its buffers and its images.
 // Extensions: KHR_mesh_quantization, EXT_ and KHR_meshopt_compression, KHR_draco_mesh_compression,
-// KHR_texture_transform, KHR_materials_emissive_strength, and of KHR_materials_pbrSpecularGlossiness the colours.
+// KHR_texture_transform, EXT_texture_webp, KHR_materials_emissive_strength, and of KHR_materials_pbrSpecularGlossiness
+// the colours.
 // Others of materials and images are left out, with a warning where that is seen; another one in `extensionsRequired`
 // is refused by name. Side files must lie in the file's own folder or below it. Errors: kFile, kInvalidFile,
 // kUnsupported, kLimit, kCancelled; each names the file and the place in it. Thread-safe.
@@ -170,5 +171,16 @@ using AssetResolver = std::function<Result<std::vector<std::byte>>(std::string_v
 // files: a buffer in one is refused with kFile. The side files may have 2 GiB in all, as those on disk.
 Result<Asset> load_asset(std::span<const std::byte> bytes, std::string_view name, const AssetResolver& resolver = {},
                          const LoadHooks& hooks = {});
+
+// Adds the clips of another asset to `asset`, behind its own, for the nodes that have the same names: of files with
+// nothing but animation, or of another character on such a rig. Names may differ in case, in a namespace ("mixamorig:")
+// and in what is neither letter nor digit. What has no node of its name is left out, with a warning. Rotations are
+// taken as they are, so joints must have the same axes in both. Where bones are not as long as in `from`, they keep
+// their own length, and roots move by the ratio of the mean lengths; where what holds the roots is turned in another
+// way, they are turned back. A clip keeps its name; one without a name, or with one that is there already, is called
+// by `from.name` without its extension.
+// Errors: kInvalidArgument: no clips in `from`, none that animates a node of a name that `asset` has, or an asset that
+// compile_character() would not take; `asset` is as before then.
+Result<void> add_clips(Asset& asset, const Asset& from);
 
 }  // namespace throng

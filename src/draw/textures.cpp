@@ -2,78 +2,30 @@
 
 #include "base/failure.h"
 #include "crowd/shared_images.h"
+#include "draw/image_file.h"
 #include "gpu/buffer.h"
 
 #include <algorithm>
 #include <bit>
-#include <limits>
-
-// Static, so that an application may have an stb of its own.
-#define STB_IMAGE_STATIC
-#define STB_IMAGE_IMPLEMENTATION
-#define STBI_ONLY_PNG
-#define STBI_ONLY_JPEG
-#define STBI_NO_STDIO
-#define STBI_MAX_DIMENSIONS 16384
-#include <stb/stb_image.h>
 
 namespace throng {
 
-static_assert(STBI_MAX_DIMENSIONS == kTextureDimensionLimit);
-
-namespace {
-
-struct Encoded {
-    explicit Encoded(const AssetImage& image)
-        : place("image '" + image.name + "'"), bytes(reinterpret_cast<const stbi_uc*>(image.encoded.data())) {
-        if (image.encoded.empty()) throw Failure(ErrorCode::kInvalidFile, place, "has no content");
-        if (image.encoded.size() > static_cast<size_t>(std::numeric_limits<int>::max()))
-            throw Failure(ErrorCode::kLimit, place, "is larger than 2 GiB");
-        size_bytes = static_cast<int>(image.encoded.size());
-    }
-    Failure undecodable() const {
-        return Failure(ErrorCode::kInvalidFile, place, std::string("cannot be decoded: ") + stbi_failure_reason());
-    }
-
-    std::string place;
-    const stbi_uc* bytes;
-    int size_bytes = 0;
-};
-
-Picture decode(const AssetImage& image) {
-    const Encoded encoded(image);
-    int width = 0, height = 0, channels = 0;
-    const std::unique_ptr<stbi_uc, decltype(&stbi_image_free)> pixels(
-        stbi_load_from_memory(encoded.bytes, encoded.size_bytes, &width, &height, &channels, STBI_rgb_alpha),
-        &stbi_image_free);
-    if (!pixels) throw encoded.undecodable();
-    Picture picture{.width = static_cast<uint32_t>(width), .height = static_cast<uint32_t>(height)};
-    picture.rgba.assign(pixels.get(), pixels.get() + uint64_t{picture.width} * picture.height * 4);
-    return picture;
-}
-
-}  // namespace
-
 void take_room(const AssetImage& image, uint64_t& room_bytes) {
-    const Encoded encoded(image);
-    int width = 0, height = 0, channels = 0;
-    if (!stbi_info_from_memory(encoded.bytes, encoded.size_bytes, &width, &height, &channels))
-        throw encoded.undecodable();
-    const uint64_t pixel_count = static_cast<uint64_t>(width) * static_cast<uint64_t>(height),
-                   with_mips_bytes = pixel_count * 4 * 4 / 3;
-    const std::string size = std::to_string(width) + " x " + std::to_string(height);
+    const ImageFile file(image);
+    const uint64_t pixel_count = uint64_t{file.width()} * file.height(), with_mips_bytes = pixel_count * 4 * 4 / 3;
+    const std::string size = std::to_string(file.width()) + " x " + std::to_string(file.height());
     if (pixel_count > kTexturePixelLimit)
-        throw Failure(ErrorCode::kLimit, encoded.place,
+        throw Failure(ErrorCode::kLimit, file.place(),
                       size + " exceeds the limit of " + std::to_string(kTexturePixelLimit) + " pixels");
     if (with_mips_bytes > room_bytes)
-        throw Failure(ErrorCode::kLimit, encoded.place,
+        throw Failure(ErrorCode::kLimit, file.place(),
                       size + " is more than the other textures leave of the limit of " +
                           std::to_string(kTexturesLimit_bytes) + " bytes for those of a crowd");
     room_bytes -= with_mips_bytes;
 }
 
 std::shared_ptr<const Picture> decoded_picture(Gpu& gpu, const AssetImage& image) {
-    return gpu.values.get<Picture>(image_key(SharedValue::kPicture, image), [&] { return decode(image); });
+    return gpu.values.get<Picture>(image_key(SharedValue::kPicture, image), [&] { return ImageFile(image).decode(); });
 }
 
 Image upload_texture(Uploads& uploads, std::string_view what, const Picture& picture, VkFormat format) {

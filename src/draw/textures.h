@@ -14,7 +14,6 @@
 
 namespace throng {
 
-inline constexpr uint32_t kTextureDimensionLimit = 16'384;
 inline constexpr uint64_t kTexturePixelLimit = uint64_t{1} << 26;  // 256 MiB decoded
 // Size of all textures of a crowd, with mipmaps: a small file may ask for a lot
 inline constexpr uint64_t kTexturesLimit_bytes = uint64_t{1} << 31;
@@ -22,7 +21,7 @@ inline constexpr uint64_t kTexturesLimit_bytes = uint64_t{1} << 31;
 // Takes what an image needs with mipmaps from `room_bytes`. Throws kInvalidFile where that cannot be read, and kLimit
 // above the limits.
 void take_room(const AssetImage& image, uint64_t& room_bytes);
-// Decodes a PNG or JPEG, unless somebody on the device holds the picture already. Throws kInvalidFile.
+// Decodes an image's file, unless somebody on the device holds the picture already. Throws kInvalidFile.
 std::shared_ptr<const Picture> decoded_picture(Gpu& gpu, const AssetImage& image);
 
 inline constexpr VkFormat kColorTexture = VK_FORMAT_R8G8B8A8_SRGB, kNumberTexture = VK_FORMAT_R8G8B8A8_UNORM;

@@ -25,7 +25,9 @@ public:
     uint32_t of_texture(const JsonView& texture_info) {
         const JsonView texture =
             textures_[texture_info.required_index("index", textures_.size(), "textures")].as_object();
-        const uint32_t source = texture.optional_index("source", images_.size(), "images");
+        uint32_t source = texture.optional_index("source", images_.size(), "images");
+        if (const auto webp = texture.extension("EXT_texture_webp"); webp && source == kNone)
+            source = webp->required_index("source", images_.size(), "images");
         if (source == kNone) {
             warn_of_format(texture);
             return kNone;
@@ -65,17 +67,16 @@ private:
         return wrap == kClamp ? TextureWrap::kClamp : wrap == kMirror ? TextureWrap::kMirror : TextureWrap::kRepeat;
     }
 
-    // That of the image which an extension has in place of `source`.
+    // That of the image which another extension has in place of `source`.
     void warn_of_format(const JsonView& texture) {
         constexpr std::pair<const char*, const char*> kFormats[] = {{"KHR_texture_basisu", "a KTX2 image"},
-                                                                    {"EXT_texture_webp", "a WebP image"},
                                                                     {"EXT_texture_avif", "an AVIF image"},
                                                                     {"MSFT_texture_dds", "a DDS image"}};
         for (const auto& [extension, format] : kFormats)
             if (texture.extension(extension))
                 return reading_.warnings.add(
                     texture.place(), "is ", format, " (", extension,
-                    "), which is not read: the texture is left out. Convert it to PNG or JPEG");
+                    "), which is not read: the texture is left out. Convert it to PNG, JPEG or WebP");
         reading_.warnings.add(texture.place(), "has no image: the texture is left out");
     }
 

@@ -90,6 +90,27 @@ TEST_F(CliCompile, ItSaysWhatItWroteAndHowExactItIs) {
     fs::remove("creature.throng");
 }
 
+TEST_F(CliCompile, ClipsOfOtherFilesAreAdded) {
+    generate("other.glb", "--joints 30 --levels 9 --faces 200 --seed 2");
+    const Json own = json_of("compile creature.glb -o creature.throng");
+    const Json json = json_of("compile creature.glb --clips other.glb creature.glb -o creature.throng");
+    EXPECT_EQ(json["clips_from"], Json({"other.glb", "creature.glb"}));
+    const size_t count = own["clips"].size();
+    ASSERT_EQ(json["clips"].size(), 3 * count);
+    for (size_t i = 0; i < count; ++i) {
+        const std::string name = own["clips"][i]["name"];
+        EXPECT_EQ(json["clips"][i]["name"], name);
+        EXPECT_EQ(json["clips"][count + i]["name"], "other " + name);
+        EXPECT_EQ(json["clips"][2 * count + i]["name"], "creature " + name);
+    }
+    EXPECT_TRUE(json["warnings"].empty());
+    const std::string of = "pose creature.throng --time 0.4 --vertices all --clip ";
+    EXPECT_EQ(json_of(of + "walk")["vertices"], json_of({"pose", "creature.throng", "--time", "0.4", "--vertices",
+                                                         "all", "--clip", "creature walk"})["vertices"]);
+    fs::remove("creature.throng");
+    fs::remove("other.glb");
+}
+
 // And used while the file is the same; damaged, they are made anew.
 TEST_F(CliCompile, CommandsKeepWhatTheyHaveCompiled) {
     const fs::path cache = file("cache"), kept = cache / "throng" / "characters";
@@ -150,6 +171,7 @@ TEST_F(CliCompile, WrongInputIsRefusedAndNothingIsLeftBehind) {
     write("newer.throng", bytes);
     write("cut.throng", bytes.substr(0, 5) + '\0');
     write("text.glb", "This is not glTF.\n");
+    fs::copy_file("sound.throng", "taken.throng");
     fs::create_directory("folder");
     const std::string source_before = read_file("creature.glb"), compiled_before = read_file("sound.throng");
     expect_refused(
@@ -164,6 +186,10 @@ TEST_F(CliCompile, WrongInputIsRefusedAndNothingIsLeftBehind) {
          {"compile creature.glb -o /dev/null", "/dev/null"},
          {"compile creature.glb -o creature.glb", "would be written over creature.glb"},
          {"compile sound.throng -o out.throng", "compiled already"},
+         {"compile creature.glb -o out.throng --clips missing.glb", "missing.glb"},
+         {"compile creature.glb -o out.throng --clips text.glb", "text.glb"},
+         {"compile creature.glb -o out.throng --clips sound.throng", "sound.throng is compiled already"},
+         {"compile creature.glb --clips taken.throng -o taken.throng", "would be written over taken.throng"},
          {"compile damaged.throng -o out.throng", "damaged.throng: is damaged"},
          {"compile newer.throng -o out.throng", "newer.throng: version 4, this throng reads version 3"},
          {"compile creature.glb -o text.glb", "text.glb is there, and not a compiled character"},

@@ -1250,6 +1250,25 @@ TEST(Import, Materials) {
     expect_refused(b, "materials[0]", "must be an object");
 }
 
+TEST(Import, TexturesMayBeOfWebPAlone) {
+    GlbBuilder b = tiny_character();
+    const std::vector<std::byte> png(3, std::byte(1)), webp(5, std::byte(2));
+    b.json["images"] = {{{"bufferView", b.add_view(png)}, {"mimeType", "image/png"}},
+                        {{"bufferView", b.add_view(webp)}, {"mimeType", "image/webp"}}};
+    const GltfJson of_webp{{"EXT_texture_webp", {{"source", 1}}}};
+    b.json["textures"] = {{{"extensions", of_webp}}, {{"source", 0}, {"extensions", of_webp}}};
+    for (const char* list : {"extensionsUsed", "extensionsRequired"}) b.json[list] = {"EXT_texture_webp"};
+    b.json["materials"] = {{{"pbrMetallicRoughness", {{"baseColorTexture", {{"index", 0}}}}}},
+                           {{"pbrMetallicRoughness", {{"baseColorTexture", {{"index", 1}}}}}}};
+    const Asset asset = loaded(b);
+    EXPECT_TRUE(asset.warnings.empty());
+    ASSERT_EQ(asset.images.size(), 2u);
+    EXPECT_EQ(asset.images[asset.materials[0].image].encoded, webp);
+    EXPECT_EQ(asset.images[asset.materials[1].image].encoded, png) << "which stands beside it";
+    b.json["textures"][0]["extensions"]["EXT_texture_webp"]["source"] = 2;
+    expect_refused(b, "textures[0].extensions.EXT_texture_webp.source", "index 2, but images has 2 entries");
+}
+
 TEST(Import, MaterialsHaveAllTexturesThatShareTheirCoordinates) {
     GlbBuilder b = tiny_character();
     const size_t view = b.add_view(std::vector<std::byte>(3));

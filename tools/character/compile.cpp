@@ -11,15 +11,19 @@ namespace {
 
 struct CompileOptions {
     std::string file, out;
+    std::vector<std::string> clips;  // files to take them from
     CompileSettings settings;
     bool json = false;
 };
 
 Character compile(const CompileOptions& options) {
-    keep_inputs({options.file}, {options.out});
-    if (is_compiled_file(options.file)) {
-        unwrap(load_character(options.file));  // a damaged one says so
-        throw CommandError(options.file + " is compiled already; give its source, a glTF file");
+    std::vector<std::string> inputs = options.clips;
+    inputs.push_back(options.file);
+    keep_inputs(inputs, {options.out});
+    for (const std::string& input : inputs) {
+        if (!is_compiled_file(input)) continue;
+        unwrap(load_character(input));  // a damaged one says so
+        throw CommandError(input + " is compiled already; give its source, a glTF file");
     }
     // It may be another file's.
     std::error_code unknown;
@@ -27,7 +31,11 @@ Character compile(const CompileOptions& options) {
         throw CommandError(options.out +
                            " is there, and not a compiled character; give --out another name, or remove it");
     print_progress("reading " + options.file);
-    const Asset asset = unwrap(load_asset(options.file));
+    Asset asset = unwrap(load_asset(options.file));
+    for (const std::string& file : options.clips) {
+        print_progress("reading " + file);
+        unwrap(add_clips(asset, unwrap(load_asset(file))));
+    }
     print_progress("compiling " + options.file);
     Character character = unwrap(compile_character(asset, options.settings));
     print_warnings(character.warnings);
@@ -47,6 +55,7 @@ nlohmann::json to_json(const CompileOptions& options, const Character& character
                          {"raw_bytes", clip.raw_size_bytes},
                          {"error_percent", clip.error * 100}});
     return {{"file", options.file},
+            {"clips_from", options.clips},
             {"out", options.out},
             {"bytes", bytes},
             {"joints", character.rig.joint_count()},
@@ -90,13 +99,16 @@ void add_compile(Command app) {
     CompileOptions& options = command.options_of(run_compile);
     command.add_option("file", options.file, "a glTF 2.0 file").required();
     add_out_option(command, options.out, "the .throng file to write; every command takes it in place of its source");
+    command.add_option("--clips", options.clips,
+                       "files whose clips to add: animation alone, or characters with joints of the same names");
     add_error_option(command, options.settings);
     add_root_motion_option(command, options.settings);
     command.add_flag("--json", options.json, "as JSON");
     command.footer(
         "Examples:\n  throng compile fox.glb -o fox.throng\n  throng compile fox.glb -o fox.throng --error 0.1\n"
         "  throng compile fox.glb -o fox.throng --error exact --json | jq .ratio\n"
-        "  throng compile fox.glb -o fox.throng --root-motion hips\n  throng info fox.throng");
+        "  throng compile fox.glb -o fox.throng --root-motion hips\n"
+        "  throng compile knight.glb --clips walk.glb jump.glb -o knight.throng\n  throng info fox.throng");
 }
 
 }  // namespace throng::tools

@@ -90,7 +90,9 @@ RigMap build_rig(const Asset& asset) {
     }
     if (roots.empty())
         throw Failure(ErrorCode::kUnsupported, asset.name, "no skin and no mesh: there is nothing to draw",
-                      asset.clips.empty() ? "" : ", only animation; clips are read from the file of the character");
+                      asset.clips.empty() ? ""
+                                          : ", only animation; add_clips() and 'throng compile CHARACTER --clips FILE' "
+                                            "add it to a character");
 
     RigMap map;
     map.joint_of_node.assign(node_count, kNone);

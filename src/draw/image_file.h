@@ -1,0 +1,35 @@
+// Images as files have them.
+#pragma once
+
+#include <throng/asset.h>
+#include <throng/draw.h>
+
+#include <cstdint>
+#include <span>
+#include <string>
+
+namespace throng {
+
+inline constexpr uint32_t kTextureDimensionLimit = 16'384;
+
+// A PNG, JPEG or WebP file in memory; which of them, its content says.
+class ImageFile {
+public:
+    // Reads no more than its head. `image` must live as long. Throws kInvalidFile where that is none, and kLimit above
+    // 2 GiB; all failures name the image.
+    explicit ImageFile(const AssetImage& image);
+
+    uint32_t width() const { return width_; }
+    uint32_t height() const { return height_; }
+    const std::string& place() const { return place_; }  // of messages
+    // Throws kInvalidFile.
+    Picture decode() const;
+
+private:
+    std::string place_;
+    std::span<const uint8_t> bytes_;
+    bool is_webp_ = false;
+    uint32_t width_ = 0, height_ = 0;
+};
+
+}  // namespace throng

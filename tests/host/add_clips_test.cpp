@@ -1,0 +1,298 @@
+// Clips of another file: what they are on a rig with the same names.
+#include "tests/test_rig.h"
+#include "tests/text.h"
+
+#include "tools/creatures/creature.h"
+
+#include <throng/character.h>
+#include <throng/reference.h>
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace throng {
+namespace {
+
+using namespace test;
+
+Asset walker() {
+    CreatureSettings settings = creature_settings(CreatureKind::kWalker);
+    settings.joint_count = 40;
+    settings.level_count = 10;
+    settings.face_count = 200;
+    Asset asset = make_creature(settings).expect();
+    asset.name = "walker.glb";
+    return asset;
+}
+
+Asset without_clips(Asset asset) {
+    asset.clips.clear();
+    return asset;
+}
+
+// Nothing but nodes, the last first, and clips; as exporters write it beside a character.
+Asset animation_of(const Asset& asset) {
+    const auto count = static_cast<uint32_t>(asset.nodes.size());
+    const auto moved = [&](uint32_t node) { return node == kNone ? kNone : count - 1 - node; };
+    Asset out{.name = "moves.glb", .nodes = {asset.nodes.rbegin(), asset.nodes.rend()}, .clips = asset.clips};
+    for (AssetNode& node : out.nodes) node.parent = moved(node.parent);
+    for (AssetClip& clip : out.clips)
+        for (AssetTrack& track : clip.tracks) track.node = moved(track.node);
+    return out;
+}
+
+// [joint] Where clip `clip` has the joints after `time_s`, by their names.
+std::vector<std::pair<std::string, Vec3<double>>> places(const Asset& asset, uint32_t clip, float time_s) {
+    const Character character = compile_character(asset, {.error = 0}).expect();
+    const ReferencePose pose = reference_pose(character, {.first = {.clip = clip, .time_s = time_s}}).expect();
+    std::vector<std::pair<std::string, Vec3<double>>> out;
+    for (uint32_t joint = 0; joint < character.rig.joint_count(); ++joint) {
+        const AffineT<double>& m = pose.model_from_joint[joint];
+        out.emplace_back(character.rig.names[joint], Vec3<double>{m.row[0][3], m.row[1][3], m.row[2][3]});
+    }
+    std::ranges::sort(out, {}, &std::pair<std::string, Vec3<double>>::first);
+    return out;
+}
+
+// All joints of the skins of `got` are where those of `wanted` are, times `scale`.
+void expect_same_places(const Asset& got, const Asset& wanted, double scale = 1, double bound = 1e-5) {
+    ASSERT_EQ(got.clips.size(), wanted.clips.size());
+    for (uint32_t clip = 0; clip < wanted.clips.size(); ++clip)
+        for (const float time_s : {0.0f, 0.3f, 0.71f}) {
+            const auto found = places(got, clip, time_s), expected = places(wanted, clip, time_s);
+            size_t compared = 0;
+            for (const auto& [name, place] : expected) {
+                const auto same = std::ranges::find(found, name, &std::pair<std::string, Vec3<double>>::first);
+                if (same == found.end()) continue;
+                ++compared;
+                EXPECT_LT(length(same->second - place * scale), bound * scale)
+                    << name << " in " << wanted.clips[clip].name << " after " << time_s << " s";
+            }
+            EXPECT_GE(compared, 40u);
+        }
+}
+
+void expect_refused(Asset asset, const Asset& from, const char* message) {
+    const size_t clip_count = asset.clips.size();
+    const Result<void> added = add_clips(asset, from);
+    ASSERT_FALSE(added) << message;
+    EXPECT_EQ(added.error().code, ErrorCode::kInvalidArgument);
+    EXPECT_TRUE(contains(added.error().text(), message)) << added.error().text();
+    EXPECT_EQ(asset.clips.size(), clip_count);
+    EXPECT_TRUE(asset.warnings.empty());
+}
+
+TEST(AddClips, AreTheCharactersOwnOnItsOwnRig) {
+    const Asset whole = walker();
+    Asset asset = without_clips(whole);
+    const Result<void> added = add_clips(asset, animation_of(whole));
+    ASSERT_TRUE(added) << added.error().text();
+    EXPECT_TRUE(asset.warnings.empty());
+    ASSERT_EQ(asset.clips.size(), whole.clips.size());
+    for (size_t i = 0; i < whole.clips.size(); ++i) {
+        const AssetClip &clip = asset.clips[i], &wanted = whole.clips[i];
+        EXPECT_EQ(clip.name, wanted.name);
+        EXPECT_EQ(clip.duration_s, wanted.duration_s);
+        ASSERT_EQ(clip.tracks.size(), wanted.tracks.size());
+        for (size_t t = 0; t < wanted.tracks.size(); ++t) {
+            EXPECT_EQ(clip.tracks[t].node, wanted.tracks[t].node);
+            EXPECT_EQ(clip.tracks[t].target, wanted.tracks[t].target);
+            EXPECT_EQ(clip.tracks[t].times_s, wanted.tracks[t].times_s);
+            EXPECT_EQ(clip.tracks[t].values, wanted.tracks[t].values) << "bit for bit";
+        }
+    }
+}
+
+TEST(AddClips, NamesMayDifferInWhatExportersChange) {
+    const Asset whole = walker();
+    Asset from = animation_of(whole), asset = without_clips(whole);
+    for (AssetNode& node : from.nodes) {
+        node.name[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(node.name[0])));
+        node.name = "mixamorig:" + node.name + "_";
+    }
+    ASSERT_TRUE(add_clips(asset, from));
+    EXPECT_TRUE(asset.warnings.empty());
+    expect_same_places(asset, whole, 1, 1e-12);
+    // The one of exactly the name comes before one that is like it, whichever stands first.
+    asset = without_clips(whole);
+    const std::string name = asset.nodes[1].name;
+    asset.nodes.push_back({.name = name});
+    asset.nodes[1].name = "_" + name;
+    from = animation_of(whole);
+    ASSERT_TRUE(add_clips(asset, from));
+    const auto moves = [&](uint32_t node) {
+        return std::ranges::any_of(asset.clips[0].tracks, [&](const AssetTrack& t) { return t.node == node; });
+    };
+    EXPECT_FALSE(moves(1));
+    EXPECT_TRUE(moves(static_cast<uint32_t>(asset.nodes.size() - 1)));
+}
+
+// Files with animation alone have for a rest pose what their exporter had on screen.
+TEST(AddClips, DoNotGoByTheOtherRestPoseWhereBonesAreAsLong) {
+    const Asset whole = walker();
+    Asset from = animation_of(whole), asset = without_clips(whole);
+    Random random(5);
+    for (AssetNode& node : from.nodes) node.parent_from_node.rotation = random.rotation();
+    for (const AssetTrack& track : from.clips[0].tracks)
+        if (track.target == TrackTarget::kTranslation)
+            from.nodes[track.node].parent_from_node.translation = {track.values[0], track.values[1] / 2,
+                                                                   track.values[2]};
+    ASSERT_TRUE(add_clips(asset, from));
+    expect_same_places(asset, whole, 1, 1e-12);
+}
+
+// As characters are that were modelled in another unit, or are larger.
+TEST(AddClips, BonesKeepTheirOwnLength) {
+    const Asset whole = walker();
+    Asset asset = without_clips(whole);
+    const auto enlarge = [](Asset& of, double scale) {
+        for (AssetNode& node : of.nodes) node.parent_from_node.translation = node.parent_from_node.translation * scale;
+        for (AssetSkin& skin : of.skins)
+            for (Affine& bind : skin.inverse_binds)
+                for (auto& row : bind.row) row[3] *= static_cast<float>(scale);
+    };
+    enlarge(asset, 3);
+    ASSERT_TRUE(add_clips(asset, animation_of(whole)));
+    expect_same_places(asset, whole, 3);
+
+    // One that is not, with keys of splines: its way from the rest pose is what counts.
+    Asset from = animation_of(whole);
+    asset = without_clips(whole);
+    enlarge(asset, 0.5);
+    const uint32_t node = whole.clips[0].tracks.back().node;
+    const auto name = [&](const AssetNode& of) { return of.name == whole.nodes[node].name; };
+    const auto from_node = static_cast<uint32_t>(std::ranges::find_if(from.nodes, name) - from.nodes.begin());
+    const Vec3<double> rest = from.nodes[from_node].parent_from_node.translation;
+    const auto x = static_cast<float>(rest.x), y = static_cast<float>(rest.y), z = static_cast<float>(rest.z);
+    std::erase_if(from.clips[0].tracks, [&](const AssetTrack& track) {
+        return track.node == from_node && track.target == TrackTarget::kTranslation;
+    });
+    from.clips[0].tracks.push_back({.node = from_node,
+                                    .target = TrackTarget::kTranslation,
+                                    .interpolation = Interpolation::kCubicSpline,
+                                    .times_s = {0, 1},
+                                    .values = {0, 0, 0, x, y, z, 0, 4, 0, 8, 0, 0, x, y + 2, z, 0, 0, 0}});
+    ASSERT_TRUE(add_clips(asset, from));
+    const AssetTrack& track = asset.clips[0].tracks.back();
+    const std::vector<float> wanted{0, 0, 0, x / 2, y / 2, z / 2, 0, 2, 0, 4, 0, 0, x / 2, y / 2 + 1, z / 2, 0, 0, 0};
+    ASSERT_EQ(track.values.size(), wanted.size());
+    for (size_t i = 0; i < wanted.size(); ++i) EXPECT_NEAR(track.values[i], wanted[i], 1e-6) << i;
+}
+
+// "Armature", which many exporters turn and scale, and give keys without movement.
+TEST(AddClips, WhatHoldsARigIsNotCarriedOver) {
+    const Asset whole = walker();
+    const auto held = [](Asset asset, const Trs<double>& model_from_holder) {
+        const auto holder = static_cast<uint32_t>(asset.nodes.size());
+        for (AssetNode& node : asset.nodes)
+            if (node.parent == kNone) node.parent = holder;
+        asset.nodes.push_back({.name = "Armature", .parent_from_node = model_from_holder});
+        for (AssetClip& clip : asset.clips)
+            clip.tracks.push_back({.node = holder,
+                                   .target = TrackTarget::kScale,
+                                   .times_s = {0},
+                                   .values = {static_cast<float>(model_from_holder.scale.x),
+                                              static_cast<float>(model_from_holder.scale.y),
+                                              static_cast<float>(model_from_holder.scale.z)}});
+        return asset;
+    };
+    const Trs<double> turned{.rotation = axis_angle<double>({1, 0, 0}, -1.5707963267948966),
+                             .scale = {0.01, 0.01, 0.01}};
+    // Written for a rig that is turned and scaled in its parts, so that on the whole it is as the other.
+    Asset asset = without_clips(whole);
+    const Quaternion<double> back{-turned.rotation.x, -turned.rotation.y, -turned.rotation.z, turned.rotation.w};
+    for (uint32_t i = 0; i < asset.nodes.size(); ++i) {
+        auto& [rotation, translation, scale] = asset.nodes[i].parent_from_node;
+        translation = translation * 100.0;
+        if (asset.nodes[i].parent != kNone) continue;
+        const Quaternion<double> t = back * Quaternion<double>{translation.x, translation.y, translation.z, 0} *
+                                     turned.rotation;
+        translation = {t.x, t.y, t.z};
+        rotation = back * rotation;
+    }
+    asset = held(asset, turned);
+    ASSERT_TRUE(add_clips(asset, held(animation_of(whole), {})));
+    EXPECT_TRUE(asset.warnings.empty());
+    expect_same_places(asset, whole);
+}
+
+TEST(AddClips, WhatHasNoNodeIsLeftOutAndNamed) {
+    const Asset whole = walker();
+    Asset from = animation_of(whole), asset = without_clips(whole);
+    const size_t track_count = whole.clips[0].tracks.size();
+    from.nodes.push_back({.name = "tail"});
+    from.clips[0].tracks.push_back({.node = static_cast<uint32_t>(from.nodes.size() - 1),
+                                    .target = TrackTarget::kTranslation,
+                                    .times_s = {0, 1},
+                                    .values = {0, 0, 0, 1, 0, 0}});
+    from.clips.push_back({.name = "wag", .duration_s = 1, .tracks = {from.clips[0].tracks.back()}});
+    ASSERT_TRUE(add_clips(asset, from));
+    ASSERT_EQ(asset.clips.size(), whole.clips.size()) << "without the one of which nothing is left";
+    EXPECT_EQ(asset.clips[0].tracks.size(), track_count);
+    ASSERT_EQ(asset.warnings.size(), 1u);
+    EXPECT_EQ(asset.warnings[0], "moves.glb: its clips also animate 'tail', which walker.glb does not have");
+
+    asset = without_clips(whole);
+    for (AssetNode& node : from.nodes) node.name = "of another " + node.name;
+    expect_refused(asset, from, "and walker.glb has no such nodes");
+    from.clips.clear();
+    expect_refused(asset, from, "moves.glb: has no clips to add to walker.glb");
+}
+
+TEST(AddClips, HaveNamesOfTheirOwn) {
+    const Asset whole = walker();
+    Asset from = animation_of(whole), asset = without_clips(whole);
+    from.clips.resize(1);
+    const auto add = [&](const char* file, const char* clip) {
+        from.name = file;
+        from.clips[0].name = clip;
+        EXPECT_TRUE(add_clips(asset, from));
+        return asset.clips.back().name;
+    };
+    EXPECT_EQ(add("walk.glb", "mixamo.com"), "walk");
+    EXPECT_EQ(add("run.glb", "Armature|mixamo.com|Layer0"), "run");
+    EXPECT_EQ(add("run.glb", ""), "run 2");
+    EXPECT_EQ(add("idle.v2.gltf", "Take 001"), "idle.v2");
+    EXPECT_EQ(add("moves.glb", "Jump"), "Jump");
+    EXPECT_EQ(add("more.glb", "Jump"), "more Jump");
+    EXPECT_EQ(add("more.glb", "Jump"), "more Jump 2");
+}
+
+TEST(AddClips, MorphWeightsGoToAMeshWithAsManyTargets) {
+    const auto face = [](size_t target_count) {
+        Asset asset{.name = "face.glb", .nodes = {{.name = "Face"}}};
+        AssetPrimitive primitive{.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, .indices = {0, 1, 2}};
+        primitive.targets.resize(target_count, {.positions = std::vector<Vec3<float>>(3, {0, 0, 1})});
+        asset.meshes = {{.weights = std::vector<float>(target_count), .primitives = {primitive}}};
+        asset.mesh_instances = {{.node = 0, .mesh = 0}};
+        return asset;
+    };
+    Asset from = face(2);
+    from.name = "talk.glb";
+    from.clips = {{.name = "talk", .duration_s = 1}};
+    from.clips[0].morph_tracks = {{.node = 0, .times_s = {0, 1}, .values = {0, 1, 1, 0}}};
+    Asset asset = face(2);
+    asset.nodes.insert(asset.nodes.begin(), {.name = "root"});
+    asset.nodes[1].parent = 0;
+    asset.mesh_instances[0].node = 1;
+    ASSERT_TRUE(add_clips(asset, from));
+    ASSERT_EQ(asset.clips.size(), 1u);
+    EXPECT_EQ(asset.clips[0].morph_tracks.at(0).node, 1u);
+    EXPECT_EQ(asset.clips[0].morph_tracks[0].values, from.clips[0].morph_tracks[0].values);
+    EXPECT_TRUE(compile_character(asset));
+    expect_refused(face(3), from, "animate 'Face' (2 morph targets), and face.glb has no such nodes");
+}
+
+TEST(AddClips, RefuseAssetsThatAreNotSound) {
+    const Asset whole = walker();
+    Asset from = animation_of(whole), asset = without_clips(whole);
+    from.clips[1].tracks[2].node = 1000;
+    expect_refused(asset, from, "moves.glb: clips[1].tracks[2]");
+    asset.nodes[3].parent = 1000;
+    expect_refused(asset, animation_of(whole), "walker.glb: nodes[3]");
+}
+
+}  // namespace
+}  // namespace throng
