@@ -330,6 +330,8 @@ TEST(Cull, WrongViewsAreRefused) {
              [](CrowdView& v) { v.pixels = 0; }, [](CrowdView& v) { v.lod_pixels = -1; },
              [](CrowdView& v) { v.shadow.x = NAN; }, [](CrowdView& v) { v.ground = NAN; },
              [](CrowdView& v) { v.full_rate_pixels = std::numeric_limits<float>::infinity(); },
+             [](CrowdView& v) { v.pixels = v.lod_pixels = std::numeric_limits<float>::infinity(); },
+             [](CrowdView& v) { v.pixels = v.shared_pose_pixels = std::numeric_limits<float>::infinity(); },
              [](CrowdView& v) { v.budget_ms = -1; }}) {
         CrowdView view = sound;
         spoil(view);

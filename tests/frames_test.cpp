@@ -227,6 +227,53 @@ TEST(Frames, OnlyTheLastRecordIsDiscarded) {
     EXPECT_FALSE(driven.crowd.discard_last_record()) << "it has been discarded";
 }
 
+// The update that comes is its first, as if nothing had been recorded.
+TEST(Frames, WhoIsSpawnedBeforeADiscardIsNewInTheNextUpdate) {
+    const Character character = creature(20, 8);
+    Recorder recorder;
+    std::array<Crowd, 2> crowds;
+    for (Crowd& crowd : crowds) {
+        crowd = create(
+            {.groups = {{.character = &character, .steering = Steering{.radius = 0.5f, .speed = 3}, .capacity = 2}},
+             .path = UpdatePath::kDevice});
+        ASSERT_TRUE(crowd.update(0.1f));
+        const bool discards = &crowd == &crowds[1];
+        if (discards) recorder.record([&](VkCommandBuffer commands) { EXPECT_TRUE(crowd.record(commands, 0.1f)); });
+        const InstanceHandle walker = *crowd.spawn(0, Affine{});
+        EXPECT_TRUE(!discards || crowd.discard_last_record());
+        ASSERT_TRUE(crowd.set_destination(walker, Vec3<float>{0, 0, 10}));
+    }
+    for (int update = 0; update < 4; ++update) {
+        std::array<std::vector<Affine>, 2> places;
+        for (size_t i = 0; i < crowds.size(); ++i) {
+            ASSERT_TRUE(crowds[i].update(0.05f));
+            places[i] = output<Affine>(crowds[i].outputs()[0], &OutputBlock::placement, 1);
+        }
+        EXPECT_EQ(places[0][0].row, places[1][0].row) << update;
+        EXPECT_GT(places[0][0].row[2][3], 0) << update;
+    }
+}
+
+// Inertia begins with the first update of its group, whichever way those before it went.
+TEST(Frames, InertialGroupsMayComeAfterARecordedUpdate) {
+    const Character character = creature(20, 8);
+    const Controller inertial = direct_layers(1, {}, true);
+    Crowd crowd = create({.groups = {{.character = &character, .instance_count = 1}}});
+    ASSERT_TRUE(crowd.update(0.1f));
+    Recorder recorder;
+    for (const bool runs : {true, false}) {
+        const VkCommandBuffer commands = recorder.record(
+            [&](VkCommandBuffer into) { EXPECT_EQ(refusal(crowd.record(into, 0.1f)), ""); });
+        if (runs) recorder.submit(commands);
+        EXPECT_TRUE(runs || crowd.discard_last_record());
+        const auto added = crowd.add_groups(
+            create({.groups = {{.character = &character, .instance_count = 1, .controller = &inertial}}}));
+        ASSERT_TRUE(added) << added.error().text();
+        EXPECT_EQ(refusal(crowd.update(0.1f)), "") << runs;
+        ASSERT_TRUE(crowd.remove_group(added->front()));
+    }
+}
+
 // Where validation layers see usages that buffers were not made with.
 TEST(Frames, OutputsMayBeBoundAsVertexBuffers) {
     const Character character = creature(20, 8);

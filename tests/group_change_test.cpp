@@ -87,6 +87,24 @@ TEST_F(GroupChanges, GroupsMayHaveSeveralBatches) {
     EXPECT_EQ(next, crowd.instance_count());
 }
 
+// Also where no group has a number below them.
+TEST_F(GroupChanges, HandlesOfRemovedGroupsAreRefused) {
+    Crowd crowd = create(settings(4, 4));
+    ASSERT_TRUE(crowd.add_groups(create(settings(4, 4))));
+    ASSERT_TRUE(crowd.add_groups(create(settings(4, 4))));
+    go_on(crowd);
+    for (const uint32_t group : {0u, 1u}) {
+        const InstanceHandle gone = there_in(crowd, group)[1];
+        ASSERT_TRUE(crowd.remove_group(group));
+        const std::string why = "instance " + std::to_string(gone.instance) +
+                                " of generation 0 is not there: its group has been removed";
+        EXPECT_FALSE(crowd.is_alive(gone));
+        EXPECT_EQ(refusal(crowd.despawn(gone)), "despawn: " + why);
+        EXPECT_EQ(refusal(crowd.read_skin_matrices(gone)), "read-back: " + why);
+        EXPECT_EQ(refusal(crowd.read_positions(gone)), "read-back: " + why);
+    }
+}
+
 TEST_F(GroupChanges, NumbersAreGivenAgainAndHandlesAreNot) {
     Crowd crowd = create(settings(3));
     EXPECT_EQ(crowd.add_groups(create(settings(4, 4))).value(), std::vector<uint32_t>{1});

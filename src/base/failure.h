@@ -64,6 +64,8 @@ auto as_result(Body&& body, std::string place = {}) -> Result<std::invoke_result
         return Error{ErrorCode::kOutOfMemory, std::move(place), "out of memory"};
     } catch (const std::exception& other) {
         return Error{ErrorCode::kInvalidArgument, std::move(place), other.what()};
+    } catch (...) {  // of an application's JobSystem
+        return Error{ErrorCode::kInvalidArgument, std::move(place), "something was thrown that is no std::exception"};
     }
 }
 

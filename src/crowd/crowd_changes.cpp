@@ -24,6 +24,12 @@ void CrowdState::check_handle(const InstanceHandle& handle, const char* what) co
     check_range(handle.instance, 1, what);
 }
 
+void CrowdState::check_in_group(const InstanceHandle& handle, const char* what) const {
+    check_handle(handle, what);
+    if (!batch_at(batches, handle.instance))
+        throw Failure(ErrorCode::kInvalidArgument, what, name_of(handle), " is not there: its group has been removed");
+}
+
 void CrowdState::check_there(const Instances& instances, const char* what) const {
     if (!instances.handles()) return check_there(instances.first(), instances.size(), what);
     const Batch* batch = nullptr;  // often that of the one before

@@ -43,7 +43,7 @@ std::vector<InstanceHandle> CrowdState::spawn(uint32_t group, std::span<const Af
 void CrowdState::despawn(std::span<const InstanceHandle> instances) {
     for (size_t i = 0; i < instances.size(); ++i) {
         const InstanceHandle& gone = instances[i];
-        check_handle(gone, "despawn");
+        check_in_group(gone, "despawn");
         refuse_if_shaders_populate(group_of(gone.instance), "despawn");
         if (!is_alive(gone)) throw Failure(ErrorCode::kInvalidArgument, "despawn", name_of(gone) + " is not there");
         if (!group_of(gone.instance).varies)

@@ -97,7 +97,7 @@ std::vector<Feedback> CrowdState::take_feedback() {
 
 // Of a group that shaders populate: whoever has the number, if anybody.
 void CrowdState::check_readable(const InstanceHandle& handle) const {
-    check_handle(handle, "read-back");
+    check_in_group(handle, "read-back");
     if (!group_of(handle.instance).shaders_populate) check_there(handle, "read-back");
     if (!batch_of(handle.instance).has_outputs)
         throw Failure(ErrorCode::kInvalidArgument, "read-back", "no update of ", group_of(handle.instance).name,

@@ -172,20 +172,21 @@ void CrowdState::update(float time_step_s, const CrowdView* view) {
 }
 
 // What a native update keeps for itself, kernels of the device do not find, and the other way round.
-void CrowdState::check_runs(bool natively) {
+void CrowdState::check_runs(bool natively) const {
     for (const Group& group : groups) {
         if (natively) break;
         if (group.sockets_only)
             throw Failure(ErrorCode::kUnsupported, group.name + ": sockets only",
                           "they are computed natively alone: by update(), and without occlusion");
     }
-    const bool is_inertial = std::ranges::any_of(
-        groups, [](const Group& group) { return group.native && group.controller && group.controller->is_inertial; });
-    if (is_inertial && has_updated_ && natively != was_native_)
+    const bool has_inertia = std::ranges::any_of(batches, [&](const Batch& batch) {
+        const Group& group = groups[batch.group];
+        return batch.has_updated && group.native && group.controller && group.controller->is_inertial;
+    });
+    if (has_inertia && natively != was_native_)
         throw Failure(ErrorCode::kUnsupported, "crowd",
                       "with inertial transitions, updates by update() and those that are recorded cannot take turns: "
                       "UpdatePath::kDevice runs both on the device");
-    was_native_ = natively;
 }
 
 void CrowdState::check_last_has_run(const char* what) const {
@@ -211,6 +212,7 @@ void CrowdState::record(VkCommandBuffer commands, float time_step_s, const Crowd
     if (feedback) feedback->begin(commands);  // before anything is taken up, since it may refuse
     for (const auto& uploads : first_uploads_) uploads->begin_update(commands);
     free_what_may_go();
+    had_native_ = std::exchange(was_native_, commands == VK_NULL_HANDLE);
     awaits_commands_ = can_discard_ = commands != VK_NULL_HANDLE;  // a native update has run when this returns
     const Update update = update_of(commands, time_step_s, seen);
     for (const auto& stage : stages) stage->begin(update);
@@ -267,6 +269,7 @@ void CrowdState::discard_last_record() {
     can_discard_ = false;
     recorded_.discard();
     has_updated_ = had_updated_;
+    was_native_ = had_native_;
     for (Batch& batch : batches) {
         batch.has_updated = batch.had_updated;
         batch.has_outputs = batch.had_outputs;

@@ -142,7 +142,7 @@ private:
     std::unique_ptr<StageTimer> make_timer(const Stages& of) const;
     void make_outputs();
     Update update_of(VkCommandBuffer commands, float time_step_s, const io::CullView& view) const;
-    void check_runs(bool natively);
+    void check_runs(bool natively) const;
     // Throws kInvalidArgument where the last record() was not discarded and its commands have not run. May wait for the
     // device's queue.
     void check_last_has_run(const char* what) const;
@@ -168,6 +168,8 @@ private:
     void check_readable(const InstanceHandle& handle) const;
     static void refuse_if_shaders_populate(const Group& group, const char* what);
     void check_handle(const InstanceHandle& handle, const char* what) const;
+    // And that a group has its number; whoever else may be there by now.
+    void check_in_group(const InstanceHandle& handle, const char* what) const;
     void check_range(uint32_t first_instance, uint32_t count, const char* what) const;
     InBatch at(uint32_t instance) const { return in_batch(batches, instance); }
     const Group& group_of(uint32_t instance) const { return groups[batch_of(instance).group]; }
@@ -221,7 +223,8 @@ private:
     bool is_in_flight_ = false;          // drawing may read the outputs of one update while the next one runs
     std::optional<Kernel> skin_kernel_;  // made when positions are first read back
     bool has_updated_ = false;
-    bool was_native_ = false;       // the last record() that was begun
+    bool was_native_ = false;       // the last record()
+    bool had_native_ = false;       // the one before it
     bool had_updated_ = false;      // before the last record()
     bool awaits_commands_ = false;  // the last update has been recorded, discarded or not
     bool can_discard_ = false;      // the last record() has not been discarded

@@ -24,6 +24,9 @@ io::CullView cull_view_of(const CrowdView* view, float full_rate_pixels) {
         throw Failure(ErrorCode::kInvalidArgument, "view", "shared_pose_pixels must not be negative");
     if (!(view->pixels > 0) || !(view->lod_pixels > 0))
         throw Failure(ErrorCode::kInvalidArgument, "view", "pixels and lod_pixels must be above 0");
+    if (!std::isfinite(view->pixels) && !(std::isfinite(view->lod_pixels) && std::isfinite(view->shared_pose_pixels)))
+        throw Failure(ErrorCode::kInvalidArgument, "view",
+                      "where pixels is infinite, lod_pixels and shared_pose_pixels must not be");
     if (!(full_rate_pixels >= 0 && full_rate_pixels <= kMost) || !(view->budget_ms >= 0))
         throw Failure(ErrorCode::kInvalidArgument, "view",
                       "full_rate_pixels and budget_ms must not be negative, and the first is at most 1e30");

@@ -102,6 +102,8 @@ void PlacementStage::end(VkCommandBuffer commands) {
 
 void PlacementStage::discard() {
     dirty_.put_back();
+    // What has been set since is for the update that will have this number.
+    for (uint32_t& update : set_for_) update = std::min(update, update_count_);
     --update_count_;
     if (followed_) followed_->discard();
 }

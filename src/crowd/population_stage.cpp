@@ -192,6 +192,9 @@ void PopulationStage::begin(const Update& update) {
 // Those born in that update are born in the next one, which will have its number.
 void PopulationStage::discard() {
     dirty_.put_back();
+    // And those that were spawned since.
+    for (Population& population : populations_)
+        std::ranges::replace(population.births, birth_of(update_number_ + 1), birth_of(update_number_));
     const uint64_t discarded = update_number_--;
     if (deaths_.empty() || deaths_.back().update != discarded) return;
     std::unordered_map<uint32_t, uint32_t> generations = std::move(deaths_.back().generations);
