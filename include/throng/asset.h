@@ -173,13 +173,12 @@ Result<Asset> load_asset(std::span<const std::byte> bytes, std::string_view name
                          const LoadHooks& hooks = {});
 
 // Adds the clips of another asset to `asset`, behind its own, for the nodes that have the same names: of files with
-// nothing but animation, or of another character on such a rig. Names may differ in case, in a namespace ("mixamorig:")
-// and in what is neither letter nor digit. What has no node of its name is left out, with a warning. Rotations are
-// taken as they are, so joints must have the same axes in both. Where bones are not as long as in `from`, they keep
-// their own length, and roots move by the ratio of the mean lengths; where what holds the roots is turned in another
-// way, they are turned back. A clip keeps its name; one without a name, or with one that is there already, is called
-// by `from.name` without its extension.
-// Errors: kInvalidArgument: no clips in `from`, none that animates a node of a name that `asset` has, or an asset that
+// nothing but animation, or of another character on such a rig. Names may differ in case, in a prefix that all have
+// ("mixamorig:") and in what is neither letter nor digit. What has no node of its name is left out, with a warning.
+// Joints turn in model space as they do in `from`, so they must have the same axes in both; bones of another length
+// keep their own, and ways over the ground are scaled by the mean length of bones. A clip keeps its name; one without a
+// name of its own, or with one that is there already, is called by `from.name` without its extension. Errors:
+// kInvalidArgument: no clips in `from`, none that animates a node of a name that `asset` has, or an asset that
 // compile_character() would not take; `asset` is as before then.
 Result<void> add_clips(Asset& asset, const Asset& from);
 

@@ -6,11 +6,14 @@
 #include "compile/asset_check.h"
 
 #include <algorithm>
+#include <array>
 #include <cctype>
 #include <cmath>
 #include <iterator>
 #include <numeric>
 #include <unordered_map>
+#include <unordered_set>
+#include <utility>
 
 namespace throng {
 namespace {
@@ -33,10 +36,97 @@ std::vector<bool> joints_of(const Asset& asset) {
     return is_joint;
 }
 
+enum class NameForm { kExact, kLoose, kWithoutPrefix, kWithoutNumber };
+
+// Names as they are compared.
+class Names {
+public:
+    // `is_chosen`: the nodes that matter, of which a prefix may be common to all.
+    Names(const Asset& asset, const std::vector<bool>& is_chosen) : asset_(asset) {
+        bool is_first = true;
+        for (uint32_t node = 0; node < is_chosen.size(); ++node) {
+            if (!is_chosen[node]) continue;
+            const std::string name = loose_name(asset.nodes[node].name);
+            if (std::exchange(is_first, false)) prefix_ = name;
+            prefix_.erase(std::ranges::mismatch(prefix_, name).in1, prefix_.end());
+        }
+    }
+    std::string of(uint32_t node, NameForm form) const {
+        const std::string& name = asset_.nodes[node].name;
+        if (form == NameForm::kExact) return name;
+        // Sketchfab numbers nodes: "Hips_03".
+        const size_t last = name.find_last_not_of("0123456789");
+        const bool is_numbered = last != name.npos && last + 1 < name.size() && name[last] == '_';
+        const bool cuts_number = form == NameForm::kWithoutNumber && is_numbered;
+        const std::string loose = loose_name(cuts_number ? name.substr(0, last) : name);
+        return form != NameForm::kLoose && loose.starts_with(prefix_) ? loose.substr(prefix_.size()) : loose;
+    }
+
+private:
+    const Asset& asset_;
+    std::string prefix_;  // three.js writes "mixamorig:Hips" as "mixamorigHips"
+};
+
+// [node of `to`] The node of `from` that has its name, or kNone. Joints and what is animated come first. One node moves
+// all that have its name, as where clothes have a skeleton of their own; of several with one name each moves one.
+std::vector<uint32_t> find_sources(const Asset& from, const std::vector<bool>& is_animated, const Asset& to,
+                                   const std::vector<bool>& is_joint) {
+    struct Step {
+        NameForm from, to;
+        bool is_unique = true;  // names that several have in this form tell nothing
+    };
+    constexpr std::array kSteps{Step{NameForm::kExact, NameForm::kExact, false},
+                                Step{NameForm::kLoose, NameForm::kLoose, false},
+                                Step{NameForm::kWithoutPrefix, NameForm::kWithoutPrefix},
+                                Step{NameForm::kWithoutNumber, NameForm::kWithoutPrefix},
+                                Step{NameForm::kWithoutPrefix, NameForm::kWithoutNumber}};
+    const Names from_names(from, is_animated), to_names(to, is_joint);
+    std::vector<uint32_t> sources(to.nodes.size(), kNone);
+    std::vector<bool> is_taken(from.nodes.size(), false);
+    using NodesByName = std::unordered_map<std::string, std::vector<uint32_t>>;
+    for (const Step& step : kSteps) {
+        const auto by_name = [](const Names& names, NameForm form, const std::vector<bool>& comes_first,
+                                const auto& is_free) {
+            NodesByName nodes;
+            for (const bool first : {true, false})
+                for (uint32_t node = 0; node < comes_first.size(); ++node)
+                    if (comes_first[node] == first && is_free(node)) nodes[names.of(node, form)].push_back(node);
+            return nodes;
+        };
+        const NodesByName there = by_name(from_names, step.from, is_animated,
+                                          [&](uint32_t node) { return !is_taken[node]; }),
+                          wanted = by_name(to_names, step.to, is_joint,
+                                           [&](uint32_t node) { return sources[node] == kNone; });
+        for (const auto& [name, nodes] : wanted) {
+            const auto found = there.find(name);
+            if (name.empty() || found == there.end()) continue;
+            const std::vector<uint32_t>& named = found->second;
+            if (step.is_unique && (nodes.size() > 1 || named.size() > 1)) continue;
+            for (size_t i = 0; i < nodes.size(); ++i) {
+                const bool is_another = named.size() == 1 && i > 0;
+                if (is_another ? !is_joint[nodes[i]] : i >= named.size()) break;
+                sources[nodes[i]] = named[is_another ? 0 : i];
+                is_taken[sources[nodes[i]]] = true;
+            }
+        }
+    }
+    return sources;
+}
+
 size_t components(const AssetTrack& track) { return track.target == TrackTarget::kRotation ? 4 : 3; }
 
 bool is_tangent(const AssetTrack& track, size_t value) {
     return track.interpolation == Interpolation::kCubicSpline && value % 3 != 1;
+}
+
+Vec3<double> vector_of(const float* value) { return {value[0], value[1], value[2]}; }
+
+// Calls visit(value) for each key.
+template <class Visit>
+void for_each_key(const AssetTrack& track, const Visit& visit) {
+    const size_t width = components(track);
+    for (size_t i = 0; i < track.values.size() / width; ++i)
+        if (!is_tangent(track, i)) visit(&track.values[i * width]);
 }
 
 // Whether its node stays in its rest pose, as far as exporters' rounding goes.
@@ -55,78 +145,96 @@ bool holds_rest(const Asset& asset, const AssetTrack& track) {
         }
         return difference > kRounding * size;
     };
-    for (size_t i = 0; i < track.values.size() / width; ++i) {
-        const float* value = &track.values[i * width];
-        if (is_tangent(track, i) || !differs(value, 1)) continue;
-        if (track.target != TrackTarget::kRotation || differs(value, -1)) return false;  // -q is the rotation of q
-    }
-    return true;
-}
-
-// Moved away from their rest pose by some clip.
-std::vector<bool> animated_nodes(const Asset& asset) {
-    std::vector<bool> is_animated(asset.nodes.size(), false);
-    for (const AssetClip& clip : asset.clips) {
-        for (const AssetTrack& track : clip.tracks)
-            if (!holds_rest(asset, track)) is_animated[track.node] = true;
-        for (const AssetMorphTrack& track : clip.morph_tracks) is_animated[track.node] = true;
-    }
-    return is_animated;
-}
-
-std::vector<bool> nodes_with_morph_tracks(const Asset& asset) {
-    std::vector<bool> has_track(asset.nodes.size(), false);
-    for (const AssetClip& clip : asset.clips)
-        for (const AssetMorphTrack& track : clip.morph_tracks) has_track[track.node] = true;
-    return has_track;
-}
-
-// Those that are chosen, then the others.
-std::vector<uint32_t> first_of_all(const std::vector<bool>& is_chosen) {
-    std::vector<uint32_t> nodes(is_chosen.size());
-    std::iota(nodes.begin(), nodes.end(), 0u);
-    std::ranges::stable_partition(nodes, [&](uint32_t node) { return is_chosen[node]; });
-    return nodes;
-}
-
-// [node of `from`] The node of `to` with its name, or kNone; each at most once. Where several have one name, joints and
-// what is animated come first.
-std::vector<uint32_t> matched_nodes(const Asset& from, const std::vector<bool>& is_animated, const Asset& to,
-                                    const std::vector<bool>& is_joint) {
-    std::vector<uint32_t> match(from.nodes.size(), kNone);
-    std::vector<bool> is_taken(to.nodes.size(), false);
-    for (const bool exact : {true, false}) {
-        const auto key = [&](const AssetNode& node) { return exact ? node.name : loose_name(node.name); };
-        std::unordered_map<std::string, uint32_t> free;
-        for (const uint32_t node : first_of_all(is_joint))
-            if (!is_taken[node] && !key(to.nodes[node]).empty()) free.emplace(key(to.nodes[node]), node);
-        for (const uint32_t node : first_of_all(is_animated)) {
-            const auto found = free.find(key(from.nodes[node]));
-            if (match[node] != kNone || found == free.end() || is_taken[found->second]) continue;
-            match[node] = found->second;
-            is_taken[found->second] = true;
-        }
-    }
-    return match;
+    bool holds = true;
+    for_each_key(track, [&](const float* value) {
+        const bool is_negative = track.target == TrackTarget::kRotation && !differs(value, -1);  // the same rotation
+        holds = holds && (!differs(value, 1) || is_negative);
+    });
+    return holds;
 }
 
 Quaternion<double> conjugate(const Quaternion<double>& q) { return {-q.x, -q.y, -q.z, q.w}; }
 
-Quaternion<double> model_rotation(const Asset& asset, uint32_t node) {
-    Quaternion<double> rotation;
-    for (; node != kNone; node = asset.nodes[node].parent)
-        rotation = asset.nodes[node].parent_from_node.rotation * rotation;
-    return rotation;
+Vec3<double> rotated(const Quaternion<double>& q, const Vec3<double>& v) {
+    const Quaternion<double> out = q * Quaternion<double>{v.x, v.y, v.z, 0} * conjugate(q);
+    return {out.x, out.y, out.z};
 }
 
-// What keys of one node of `from` become on its match.
-struct NodeChange {
-    // Of translations. All but the roots of skeletons go by their rest pose, where the skeletons differ.
+// model_from_node, of scales that are the same along all axes, or nearly so.
+struct Frame {
+    Quaternion<double> rotation{};
+    Vec3<double> origin{};
     double scale = 1;
-    Vec3<double> old_rest{}, new_rest{};
-    // Of roots, whose ancestors may be turned in another way: new_parent_from_old_parent
+
+    Frame child(const Quaternion<double>& q, const Vec3<double>& t, const Vec3<double>& s) const {
+        return {normalized(rotation * q), origin + rotated(rotation, t * scale),
+                scale * std::cbrt(std::abs(s.x * s.y * s.z))};
+    }
+};
+
+std::vector<uint32_t> parents_first(const Asset& asset) {
+    std::vector<std::vector<uint32_t>> children(asset.nodes.size());
+    std::vector<uint32_t> order;
+    for (uint32_t node = 0; node < asset.nodes.size(); ++node) {
+        const uint32_t parent = asset.nodes[node].parent;
+        (parent == kNone ? order : children[parent]).push_back(node);
+    }
+    for (size_t i = 0; i < order.size(); ++i)
+        for (const uint32_t child : children[order[i]]) order.push_back(child);
+    return order;
+}
+
+// [node] In the rest pose.
+std::vector<Frame> rest_frames(const Asset& asset) {
+    std::vector<Frame> frames(asset.nodes.size());
+    for (const uint32_t node : parents_first(asset)) {
+        const auto& [q, t, s] = asset.nodes[node].parent_from_node;
+        const uint32_t parent = asset.nodes[node].parent;
+        frames[node] = (parent == kNone ? Frame() : frames[parent]).child(q, t, s);
+    }
+    return frames;
+}
+
+// What the clips do to a node.
+struct Animated {
+    bool moves = false;  // away from its rest pose
+    bool has_rotation = false, has_translation = false, has_morphs = false;
+    bool changes_length = false;  // its distance to its parent is not that of a bone
+};
+
+std::vector<Animated> animated_nodes(const Asset& asset) {
+    constexpr double kSamePlace = 0.01;  // as a part of the distance
+    std::vector<Animated> nodes(asset.nodes.size());
+    for (const AssetClip& clip : asset.clips) {
+        for (const AssetTrack& track : clip.tracks) {
+            Animated& node = nodes[track.node];
+            node.moves = node.moves || !holds_rest(asset, track);
+            node.has_rotation = node.has_rotation || track.target == TrackTarget::kRotation;
+            if (track.target != TrackTarget::kTranslation) continue;
+            node.has_translation = true;
+            const bool is_cubic = track.interpolation == Interpolation::kCubicSpline;
+            const Vec3<double> first = vector_of(&track.values[is_cubic ? 3 : 0]);
+            for_each_key(track, [&](const float* value) {
+                const double way = length(vector_of(value) - first);
+                node.changes_length = node.changes_length || way > kSamePlace * length(first);
+            });
+        }
+        for (const AssetMorphTrack& track : clip.morph_tracks)
+            nodes[track.node].moves = nodes[track.node].has_morphs = true;
+    }
+    return nodes;
+}
+
+// What keys of a node of `from` become on a node of `to`: a translation base + turn (translation - old_rest) scale.
+struct NodeChange {
     bool is_turned = false;
-    Quaternion<double> turn{};
+    Quaternion<double> turn{};  // new_parent_from_old_parent
+    double scale = 1;
+    Vec3<double> old_rest{}, base{};
+
+    bool keeps_translations() const {
+        return !is_turned && scale == 1 && old_rest == Vec3<double>() && base == Vec3<double>();
+    }
 };
 
 class ClipAdder {
@@ -134,11 +242,19 @@ public:
     ClipAdder(const Asset& from, const Asset& to)
         : from_(from),
           to_(to),
-          is_animated_(animated_nodes(from)),
-          has_morph_track_(nodes_with_morph_tracks(from)),
+          animated_(animated_nodes(from)),
           is_joint_(joints_of(to)),
-          match_(matched_nodes(from, is_animated_, to, is_joint_)) {
+          changes_(to.nodes.size()),
+          targets_(from.nodes.size()) {
+        std::vector<bool> moves;
+        for (const Animated& node : animated_) moves.push_back(node.moves);
+        sources_ = find_sources(from, moves, to, is_joint_);
+        for (uint32_t node = 0; node < sources_.size(); ++node)
+            if (sources_[node] != kNone) targets_[sources_[node]].push_back(node);
+        old_frames_ = rest_frames(from);
+        frames_ = rest_frames(to);
         compare_bones();
+        for (const uint32_t node : parents_first(to)) find_change(node);
     }
 
     // The clips as they are on `to`, without those that nothing is left of.
@@ -146,153 +262,217 @@ public:
         std::vector<AssetClip> out;
         for (const AssetClip& clip : from_.clips) {
             AssetClip changed{.name = clip.name, .duration_s = clip.duration_s};
-            for (const AssetTrack& track : clip.tracks)
-                if (is_of_use(track)) changed.tracks.push_back(changed_track(track));
-            for (const AssetMorphTrack& track : clip.morph_tracks) {
-                if (!has_same_targets(track.node)) continue;
-                changed.morph_tracks.push_back(track);
-                changed.morph_tracks.back().node = match_[track.node];
+            for (const AssetTrack& track : clip.tracks) {
+                const bool holds = holds_rest(from_, track);
+                for (const uint32_t node : targets_[track.node])
+                    if (!holds || is_joint_[node]) changed.tracks.push_back(changed_track(track, node, holds));
             }
+            for (const AssetMorphTrack& track : clip.morph_tracks)
+                for (const uint32_t node : targets_[track.node])
+                    if (has_same_targets(track.node, node)) {
+                        changed.morph_tracks.push_back(track);
+                        changed.morph_tracks.back().node = node;
+                    }
             if (!changed.tracks.empty() || !changed.morph_tracks.empty()) out.push_back(std::move(changed));
         }
         return out;
     }
 
-    // What is animated and has no match, the first few; nothing where all have one.
-    std::string without_match() const {
+    // "2 of its 40 animated nodes ('tail', 'wing')", those that move nothing; nothing where there are none.
+    std::string without_target() const {
         constexpr size_t kShown = 5;
         std::string list;
-        size_t count = 0;
-        for (uint32_t node = 0; node < match_.size(); ++node) {
-            const bool has_morphs = has_morph_track_[node] && !has_same_targets(node);
-            if (!is_animated_[node] || (match_[node] != kNone && !has_morphs) || count++ >= kShown) continue;
-            list += joined(list.empty() ? "'" : ", '", printable(from_.nodes[node].name), "'");
-            if (has_morphs) list += joined(" (", target_count(from_, node), " morph targets)");
+        size_t count = 0, animated_count = 0;
+        for (uint32_t node = 0; node < targets_.size(); ++node) {
+            if (!animated_[node].moves) continue;
+            ++animated_count;
+            const bool has_morphs = animated_[node].has_morphs &&
+                                    std::ranges::none_of(targets_[node], [&](uint32_t target) {
+                                        return has_same_targets(node, target);
+                                    });
+            if ((!targets_[node].empty() && !has_morphs) || count++ >= kShown) continue;
+            const std::string& name = from_.nodes[node].name;
+            list += joined(list.empty() ? "" : ", ", name.empty() ? "one without a name" : "'" + printable(name) + "'");
+            if (has_morphs) list += joined(" with ", target_count(from_, node), " morph targets");
         }
-        return count > kShown ? joined(list, " and ", count - kShown, " more") : list;
+        if (count == 0) return {};
+        return joined(count, " of its ", animated_count, " animated nodes (", list,
+                      count > kShown ? joined(" and ", count - kShown, " more") : "", ")");
+    }
+
+    // A few names of what there is, for a message.
+    std::string some_joints() const {
+        constexpr size_t kShown = 3;
+        std::string list;
+        for (uint32_t node = 0, count = 0; node < is_joint_.size() && count < kShown; ++node)
+            if (is_joint_[node] && ++count > 0)
+                list += joined(list.empty() ? "'" : ", '", printable(to_.nodes[node].name), "'");
+        return list;
     }
 
 private:
-    // What holds a skeleton may be turned and scaled in another way than in `from`, and stays as it is.
-    bool is_of_use(const AssetTrack& track) const {
-        const uint32_t match = match_[track.node];
-        return match != kNone && (is_joint_[match] || !holds_rest(from_, track));
-    }
-
-    // Whether it hangs on a joint as its match does, so that the distance between the two is the length of a bone.
+    // A joint that hangs on a joint.
     bool is_bone(uint32_t node) const {
-        const uint32_t match = match_[node], parent = from_.nodes[node].parent;
-        if (match == kNone || parent == kNone || !is_joint_[match]) return false;
-        const uint32_t new_parent = to_.nodes[match].parent;
-        return new_parent != kNone && is_joint_[new_parent] && match_[parent] == new_parent;
+        const uint32_t parent = to_.nodes[node].parent;
+        return is_joint_[node] && parent != kNone && is_joint_[parent];
     }
 
-    // Bones keep their length in nearly all clips, so the rest pose tells it even where it is a frame of a clip.
+    static double parent_scale(const Asset& asset, const std::vector<Frame>& frames, uint32_t node) {
+        const uint32_t parent = asset.nodes[node].parent;
+        return parent == kNone ? 1 : frames[parent].scale;
+    }
+    double old_length(uint32_t node) const {
+        return length(from_.nodes[node].parent_from_node.translation) * parent_scale(from_, old_frames_, node);
+    }
+    double new_length(uint32_t node) const {
+        return length(to_.nodes[node].parent_from_node.translation) * parent_scale(to_, frames_, node);
+    }
+    bool is_as_long(uint32_t node) const {
+        constexpr double kSameLength = 0.01;  // exporters round less
+        const double old_one = old_length(sources_[node]), new_one = new_length(node);
+        return std::abs(old_one - new_one) <= kSameLength * std::max(old_one, new_one);
+    }
+
+    // Bones keep their length in nearly all clips, so rest poses tell it even where one is a frame of a clip.
     void compare_bones() {
-        constexpr double kSameLength = 0.01;  // as a part of the mean length; exporters round less
-        constexpr double kMostBones = 0.9;    // hips and faces move, and a rest pose may be a frame of a clip
-        std::vector<double> differences;
+        constexpr double kMostBones = 0.9;  // hips and faces move
+        size_t count = 0, same_count = 0;
         double old_sum = 0, new_sum = 0;
-        for (uint32_t node = 0; node < match_.size(); ++node) {
-            if (!is_bone(node)) continue;
-            const Vec3<double>& old_rest = from_.nodes[node].parent_from_node.translation;
-            const Vec3<double>& new_rest = to_.nodes[match_[node]].parent_from_node.translation;
-            differences.push_back(length(new_rest - old_rest));
-            old_sum += length(old_rest);
-            new_sum += length(new_rest);
+        for (uint32_t node = 0; node < sources_.size(); ++node) {
+            const uint32_t source = sources_[node];
+            if (source == kNone || !is_bone(node)) continue;
+            const uint32_t old_parent = from_.nodes[source].parent;
+            if (old_parent == kNone || sources_[to_.nodes[node].parent] != old_parent) continue;
+            ++count;
+            same_count += is_as_long(node);
+            old_sum += old_length(source);
+            new_sum += new_length(node);
         }
-        const auto count = static_cast<double>(differences.size());
-        const auto same = std::ranges::count_if(
-            differences, [&](double difference) { return difference * count <= kSameLength * new_sum; });
-        is_same_skeleton_ = static_cast<double>(same) >= kMostBones * count;
-        if (!is_same_skeleton_ && old_sum > 0 && new_sum > 0) scale_ = new_sum / old_sum;
+        is_same_skeleton_ = static_cast<double>(same_count) >= kMostBones * static_cast<double>(count);
+        if (same_count < count && old_sum > 0 && new_sum > 0) size_ratio_ = new_sum / old_sum;
     }
 
-    NodeChange change_of(uint32_t node) const {
-        NodeChange change;
-        if (!is_same_skeleton_) change.scale = scale_;
-        if (is_bone(node)) {
-            if (is_same_skeleton_) return change;
-            change.old_rest = from_.nodes[node].parent_from_node.translation;
-            change.new_rest = to_.nodes[match_[node]].parent_from_node.translation;
-            return change;
-        }
-        const auto has_ancestor = [](const Asset& asset, uint32_t child, const std::vector<bool>& among) {
-            uint32_t up = asset.nodes[child].parent;
-            while (up != kNone && !among[up]) up = asset.nodes[up].parent;
-            return up != kNone;
-        };
-        if (has_ancestor(from_, node, is_animated_) || has_ancestor(to_, match_[node], is_joint_)) return change;
+    // After those of its ancestors, whose frames then are those that they have while `from` rests: joints are turned in
+    // model space as in `from`, whatever holds them.
+    void find_change(uint32_t node) {
         constexpr double kRounding = 1e-5;
-        change.turn = conjugate(model_rotation(to_, to_.nodes[match_[node]].parent)) *
-                      model_rotation(from_, from_.nodes[node].parent);
-        const Vec3<double> axis{change.turn.x, change.turn.y, change.turn.z};
-        change.is_turned = length(axis) > kRounding;
-        return change;
+        const uint32_t parent = to_.nodes[node].parent, source = sources_[node];
+        const Frame frame = parent == kNone ? Frame() : frames_[parent];
+        auto [rotation, translation, scale] = to_.nodes[node].parent_from_node;
+        if (source != kNone) {
+            const AssetNode& old_node = from_.nodes[source];
+            const Frame old_frame = old_node.parent == kNone ? Frame() : old_frames_[old_node.parent];
+            NodeChange& change = changes_[node];
+            change.turn = conjugate(frame.rotation) * old_frame.rotation;
+            change.is_turned = length(Vec3<double>{change.turn.x, change.turn.y, change.turn.z}) > kRounding;
+            if (!change.is_turned) change.turn = {};
+            const double unit = frame.scale > 0 && old_frame.scale > 0 ? old_frame.scale / frame.scale : 1;
+            change.scale = unit * size_ratio_;
+            if (is_bone(node)) {
+                const bool is_below_root = !is_bone(parent);
+                if (is_as_long(node)) {
+                    change.scale = unit;
+                } else if (!animated_[source].changes_length || !(is_same_skeleton_ || is_below_root)) {
+                    change.old_rest = old_node.parent_from_node.translation;
+                    change.base = translation;
+                }
+            } else if (frame.scale > 0) {
+                const Vec3<double> way = old_frame.origin * size_ratio_ - frame.origin;
+                if (length(way) > kRounding * std::max(length(frame.origin), length(old_frame.origin)))
+                    change.base = rotated(conjugate(frame.rotation), way) * (1 / frame.scale);
+            }
+            if (std::abs(change.scale - 1) < kRounding) change.scale = 1;
+            const bool is_carried = is_joint_[node] || animated_[source].moves;
+            if (is_carried && animated_[source].has_rotation)
+                rotation = change.turn * old_node.parent_from_node.rotation;
+            if (is_carried && animated_[source].has_translation)
+                translation = changed(change, old_node.parent_from_node.translation);
+        }
+        frames_[node] = frame.child(rotation, translation, scale);
     }
 
-    AssetTrack changed_track(const AssetTrack& track) const {
+    static Vec3<double> changed(const NodeChange& change, const Vec3<double>& translation) {
+        return change.base + rotated(change.turn, (translation - change.old_rest) * change.scale);
+    }
+
+    AssetTrack changed_track(const AssetTrack& track, uint32_t node, bool holds) const {
         AssetTrack out = track;
-        out.node = match_[track.node];
-        const NodeChange change = change_of(track.node);
+        out.node = node;
+        const NodeChange& change = changes_[node];
         const size_t width = components(track);
+        const auto set = [&](size_t i, const auto&... parts) {
+            size_t c = i * width;
+            ((out.values[c++] = static_cast<float>(parts)), ...);
+        };
         for (size_t i = 0; i < out.values.size() / width; ++i) {
-            float* value = &out.values[i * width];
-            if (track.target == TrackTarget::kTranslation) change_translation(change, is_tangent(track, i), value);
-            if (track.target == TrackTarget::kRotation && change.is_turned) {
+            const float* value = &track.values[i * width];
+            if (track.target == TrackTarget::kTranslation && !change.keeps_translations()) {
+                const Vec3<double> t = is_tangent(track, i) ? rotated(change.turn, vector_of(value) * change.scale)
+                                                            : changed(change, vector_of(value));
+                set(i, t.x, t.y, t.z);
+            } else if (track.target == TrackTarget::kRotation && change.is_turned) {
                 const auto q = change.turn * Quaternion<double>{value[0], value[1], value[2], value[3]};
-                for (size_t c = 0; const double part : {q.x, q.y, q.z, q.w}) value[c++] = static_cast<float>(part);
+                set(i, q.x, q.y, q.z, q.w);
+            } else if (track.target == TrackTarget::kScale && holds && !is_tangent(track, i) &&
+                       length(vector_of(value)) > 0) {
+                const Vec3<double>& s = to_.nodes[node].parent_from_node.scale;  // which may be that of a unit
+                set(i, s.x, s.y, s.z);
             }
         }
         return out;
     }
 
-    static void change_translation(const NodeChange& change, bool is_tangent, float* value) {
-        Vec3<double> t{value[0], value[1], value[2]};
-        if (!is_tangent) t = t - change.old_rest;
-        t = t * change.scale;
-        if (change.is_turned) {
-            const Quaternion<double> turned = change.turn * Quaternion<double>{t.x, t.y, t.z, 0} *
-                                              conjugate(change.turn);
-            t = {turned.x, turned.y, turned.z};
-        }
-        if (!is_tangent) t = t + change.new_rest;
-        for (size_t c = 0; const double part : {t.x, t.y, t.z}) value[c++] = static_cast<float>(part);
-    }
-
     static size_t target_count(const Asset& asset, uint32_t node) {
         size_t count = 0;
-        for (const AssetMeshInstance& instance : asset.mesh_instances)
-            if (instance.node == node) count = std::max(count, asset.meshes[instance.mesh].weights.size());
+        for (const AssetMeshInstance& instance :
+             std::ranges::equal_range(asset.mesh_instances, node, {}, &AssetMeshInstance::node))
+            count = std::max(count, asset.meshes[instance.mesh].weights.size());
         return count;
     }
-
-    bool has_same_targets(uint32_t node) const {
-        return match_[node] != kNone && target_count(from_, node) > 0 &&
-               target_count(from_, node) == target_count(to_, match_[node]);
+    bool has_same_targets(uint32_t source, uint32_t node) const {
+        const size_t count = target_count(from_, source);
+        return count > 0 && count == target_count(to_, node);
     }
 
     const Asset &from_, &to_;
-    std::vector<bool> is_animated_, has_morph_track_;  // of `from`
-    std::vector<bool> is_joint_;                       // of `to`
-    std::vector<uint32_t> match_;
+    std::vector<Animated> animated_;  // [node of `from`]
+    std::vector<bool> is_joint_;      // [node of `to`]
+    std::vector<uint32_t> sources_;   // [node of `to`]
+    std::vector<NodeChange> changes_;
+    std::vector<std::vector<uint32_t>> targets_;  // [node of `from`]
+    std::vector<Frame> old_frames_, frames_;
     bool is_same_skeleton_ = true;
-    double scale_ = 1;  // mean length of new bones over that of old ones
+    double size_ratio_ = 1;  // mean length of bones in `to` over that in `from`
 };
 
 // Files of Mixamo and of FBX name all of their clips so.
 bool says_nothing(std::string_view name) {
-    return name.empty() || name == "Take 001" || name.find("mixamo.com") != name.npos;
+    return name.empty() || name.find("Take 001") != name.npos || name.find("mixamo.com") != name.npos;
+}
+
+// "walk" of "moves/walk.glb".
+std::string stem_of(const std::string& file) {
+    const std::string name = file.substr(file.find_last_of("/\\") + 1), stem = name.substr(0, name.rfind('.'));
+    return stem.empty() ? "clip" : stem;
 }
 
 // What a clip is called beside those in `names`; `stem` is the name of its file without extension.
-std::string free_name(const std::string& name, const std::string& stem, const std::vector<std::string>& names) {
-    const auto is_free = [&](const std::string& wanted) { return find_name(names, wanted) == kNone; };
-    if (!says_nothing(name) && is_free(name)) return name;
+std::string free_name(const std::string& name, const std::string& stem, const std::unordered_set<std::string>& names) {
+    if (!says_nothing(name) && !names.contains(name)) return name;
     const std::string base = says_nothing(name) ? stem : stem + " " + name;
     std::string numbered = base;
-    for (uint32_t number = 2; !is_free(numbered); ++number) numbered = joined(base, " ", number);
+    for (uint32_t number = 2; names.contains(numbered); ++number) numbered = joined(base, " ", number);
     return numbered;
+}
+
+// Those of `from` that tell of its clips, and are not there yet.
+std::vector<std::string> new_warnings(const Asset& asset, const Asset& from) {
+    const std::unordered_set<std::string> there(asset.warnings.begin(), asset.warnings.end());
+    std::vector<std::string> out;
+    std::ranges::copy_if(from.warnings, std::back_inserter(out), [&](const std::string& line) {
+        return !there.contains(line) && (line.find(": animations[") != line.npos || line.find(": nodes[") != line.npos);
+    });
+    return out;
 }
 
 }  // namespace
@@ -300,23 +480,22 @@ std::string free_name(const std::string& name, const std::string& stem, const st
 Result<void> add_clips(Asset& asset, const Asset& from) {
     return as_result(
         [&] {
-            check_asset(asset);
+            check_rig(asset);
             check_asset(from);
             if (from.clips.empty()) refuse(from.name, "has no clips to add to ", asset.name);
             const ClipAdder adder(from, asset);
             std::vector<AssetClip> clips = adder.clips();
-            std::vector<std::string> warnings = from.warnings, names;
-            const std::string without = adder.without_match();
+            std::vector<std::string> warnings = new_warnings(asset, from);
+            const std::string without = adder.without_target();
             if (clips.empty())
-                refuse(from.name, "its clips animate ", without.empty() ? "nothing" : without, ", and ", asset.name,
-                       " has no such nodes: clips are added to nodes of the same names");
-            if (!without.empty())
-                warnings.push_back(
-                    joined(from.name, ": its clips also animate ", without, ", which ", asset.name, " does not have"));
-            for (const AssetClip& clip : asset.clips) names.push_back(clip.name);
+                refuse(from.name, without.empty() ? "its clips move nothing" : without, " are not in ", asset.name,
+                       ", which has ", adder.some_joints(), ", …: clips are added to nodes of the same names");
+            if (!without.empty()) warnings.push_back(joined(from.name, ": ", without, " are not in ", asset.name));
+            std::unordered_set<std::string> names;
+            for (const AssetClip& clip : asset.clips) names.insert(clip.name);
             for (AssetClip& clip : clips) {
-                clip.name = free_name(clip.name, from.name.substr(0, from.name.rfind('.')), names);
-                names.push_back(clip.name);
+                clip.name = free_name(clip.name, stem_of(from.name), names);
+                names.insert(clip.name);
             }
             // Room first: after that nothing fails half-way.
             asset.clips.reserve(asset.clips.size() + clips.size());

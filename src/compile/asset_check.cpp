@@ -17,15 +17,23 @@ class Checker {
 public:
     explicit Checker(const Asset& asset) : asset_(asset) {}
 
-    void run() {
+    void run_on_rig() {
         each(asset_.nodes, "nodes", [&](const AssetNode& node) { check(node); });
         check_ancestors();
         each(asset_.skins, "skins", [&](const AssetSkin& skin) { check(skin); });
+        each(asset_.mesh_instances, "mesh_instances", [&](const AssetMeshInstance& instance) {
+            require_index(instance.node, asset_.nodes.size(), "node", "nodes");
+            require_index(instance.mesh, asset_.meshes.size(), "mesh", "meshes");
+        });
+        require(std::ranges::is_sorted(asset_.mesh_instances, {}, &AssetMeshInstance::node),
+                "mesh_instances must be ordered by node");
+    }
+
+    void run() {
+        run_on_rig();
         each(asset_.materials, "materials", [&](const AssetMaterial& material) { check(material); });
         each(asset_.meshes, "meshes", [&](const AssetMesh& mesh) { check(mesh); });
         each(asset_.mesh_instances, "mesh_instances", [&](const AssetMeshInstance& instance) { check(instance); });
-        require(std::ranges::is_sorted(asset_.mesh_instances, {}, &AssetMeshInstance::node),
-                "mesh_instances must be ordered by node");
         each(asset_.clips, "clips", [&](const AssetClip& clip) { check(clip); });
     }
 
@@ -130,8 +138,6 @@ private:
     }
 
     void check(const AssetMeshInstance& instance) const {
-        require_index(instance.node, asset_.nodes.size(), "node", "nodes");
-        require_index(instance.mesh, asset_.meshes.size(), "mesh", "meshes");
         require_optional(instance.skin, asset_.skins.size(), "skin", "skins");
         const AssetMesh& mesh = asset_.meshes[instance.mesh];
         require_size_or_none(instance.weights, mesh.weights.size(), "weights");
@@ -179,5 +185,6 @@ private:
 }  // namespace
 
 void check_asset(const Asset& asset) { Checker(asset).run(); }
+void check_rig(const Asset& asset) { Checker(asset).run_on_rig(); }
 
 }  // namespace throng

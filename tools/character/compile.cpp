@@ -99,8 +99,10 @@ void add_compile(Command app) {
     CompileOptions& options = command.options_of(run_compile);
     command.add_option("file", options.file, "a glTF 2.0 file").required();
     add_out_option(command, options.out, "the .throng file to write; every command takes it in place of its source");
-    command.add_option("--clips", options.clips,
-                       "files whose clips to add: animation alone, or characters with joints of the same names");
+    command.add_option(
+        "--clips", options.clips,
+        "files whose clips to add, behind the character's: animation alone, or characters with joints of "
+        "the same names");
     add_error_option(command, options.settings);
     add_root_motion_option(command, options.settings);
     command.add_flag("--json", options.json, "as JSON");
