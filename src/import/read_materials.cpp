@@ -26,8 +26,9 @@ public:
         const JsonView texture =
             textures_[texture_info.required_index("index", textures_.size(), "textures")].as_object();
         uint32_t source = texture.optional_index("source", images_.size(), "images");
-        if (const auto webp = texture.extension("EXT_texture_webp"); webp && source == kNone)
-            source = webp->required_index("source", images_.size(), "images");
+        if (const auto webp = texture.extension("EXT_texture_webp"))
+            if (const uint32_t own = webp->optional_index("source", images_.size(), "images"); own != kNone)
+                source = own;
         if (source == kNone) {
             warn_of_format(texture);
             return kNone;

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <fstream>
 #include <set>
+#include <sys/stat.h>
 
 namespace throng {
 namespace {
@@ -173,6 +174,7 @@ TEST_F(CliCompile, WrongInputIsRefusedAndNothingIsLeftBehind) {
     write("text.glb", "This is not glTF.\n");
     fs::copy_file("sound.throng", "taken.throng");
     fs::create_directory("folder");
+    ASSERT_EQ(::mkfifo("pipe", 0600), 0);
     const std::string source_before = read_file("creature.glb"), compiled_before = read_file("sound.throng");
     expect_refused(
         {{"compile", "file"},
@@ -184,6 +186,11 @@ TEST_F(CliCompile, WrongInputIsRefusedAndNothingIsLeftBehind) {
          {"compile creature.glb -o nowhere/out.throng", "nowhere"},
          {"compile creature.glb -o folder", "folder"},
          {"compile creature.glb -o /dev/null", "/dev/null"},
+         {{"compile", "creature.glb", "-o", ""}, "the name of the file is empty"},
+         {{"compile", "creature.glb", "-o", std::string(300, 'x')}, "File name too long"},
+         {{"compile", "creature.glb", "-o", "no\nfolder/x"}, "no?folder/x cannot be written"},
+         {"compile pipe -o out.throng", "pipe: not a regular file"},
+         {"info pipe", "pipe: not a regular file"},
          {"compile creature.glb -o creature.glb", "would be written over creature.glb"},
          {"compile sound.throng -o out.throng", "compiled already"},
          {"compile creature.glb -o out.throng --clips missing.glb", "missing.glb"},

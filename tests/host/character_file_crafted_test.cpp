@@ -325,6 +325,8 @@ TEST(CharacterFile, CraftedContentIsRefused) {
                 {"the largest index", [](Forged& f) { f.at<uint32_t>(S::kIndices, -1) = kAllOnes; }, "indices["},
                 {"an influence of no palette entry",
                  [](Forged& f) { f.at<Influences>(S::kInfluences, 3).entries[2] = 4; }, "influences[3]"},
+                {"a negative weight",
+                 [](Forged& f) { f.at<Influences>(S::kInfluences, 2).weights[1] = -0.25f; }, "influences[2]"},
                 {"the largest palette entry",
                  [](Forged& f) { f.at<Influences>(S::kInfluences, -1).entries[3] = 0xFFFF; }, "influences["},
                 {"a weight that is no number", [](Forged& f) { f.at<Influences>(S::kInfluences, 0).weights[0] = kNan; },

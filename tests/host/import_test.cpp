@@ -1262,9 +1262,9 @@ TEST(Import, TexturesMayBeOfWebPAlone) {
                            {{"pbrMetallicRoughness", {{"baseColorTexture", {{"index", 1}}}}}}};
     const Asset asset = loaded(b);
     EXPECT_TRUE(asset.warnings.empty());
-    ASSERT_EQ(asset.images.size(), 2u);
+    ASSERT_EQ(asset.images.size(), 1u);
     EXPECT_EQ(asset.images[asset.materials[0].image].encoded, webp);
-    EXPECT_EQ(asset.images[asset.materials[1].image].encoded, png) << "which stands beside it";
+    EXPECT_EQ(asset.materials[1].image, asset.materials[0].image) << "what stands beside it is for others";
     b.json["textures"][0]["extensions"]["EXT_texture_webp"]["source"] = 2;
     expect_refused(b, "textures[0].extensions.EXT_texture_webp.source", "index 2, but images has 2 entries");
 }

@@ -56,11 +56,12 @@ bool add_file(Key& key, const std::string& file) {
     };
     static_assert(sizeof(Head) == 20);
     constexpr uint32_t kMostJson_bytes = 1u << 28;
+    std::error_code error;
+    if (!fs::is_regular_file(file, error)) return false;  // load_character() says so, where a pipe would be waited for
     std::ifstream stream(file, std::ios::binary);
     Head head{};
     stream.read(reinterpret_cast<char*>(&head), sizeof head);
     if (!stream || std::string_view(head.magic, 4) != "glTF" || head.json_bytes > kMostJson_bytes) return false;
-    std::error_code error;
     if (const uint64_t size_bytes = fs::file_size(file, error); error || head.json_bytes > size_bytes) return false;
     std::string part(head.json_bytes, '\0');
     stream.read(part.data(), head.json_bytes);

@@ -1,5 +1,6 @@
 #include "tools/cli/program.h"
 
+#include "base/text.h"
 #include "tools/cli/command.h"
 
 #include <unistd.h>
@@ -25,7 +26,8 @@ int run_program(int argc, char** argv, void (*run)(int argc, char** argv)) {
     try {
         run(argc, argv);
     } catch (const UsageError& error) {
-        std::cerr << "throng: " << error.what() << " (throng --help)\n";
+        // Words of the command line may hold anything
+        std::cerr << "throng: " << printable(error.what(), std::string::npos) << " (throng --help)\n";
         return 2;
     } catch (const std::exception& error) {
         print_progress("");

@@ -285,6 +285,9 @@ private:
                     fail(at("influences", i), "palette entry ", entry, " of ", c_.palette.size());
         check_finite("influences", c_.influences,
                      [](const Influences& influences_of_vertex) { return all_finite(influences_of_vertex.weights); });
+        for (size_t i = 0; i < c_.influences.size(); ++i)
+            for (const float weight : c_.influences[i].weights)
+                if (weight < 0) fail(at("influences", i), "a weight is negative");
     }
 
     void check_triangles(const std::string& where, const char* array, const std::vector<uint32_t>& indices,
