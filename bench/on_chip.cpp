@@ -182,6 +182,7 @@ CheckedOnChip check(const std::shared_ptr<Gpu>& gpu, const GpuClock& clock, cons
         best_ns = ns;
         checked.choice = choice;
         checked.counts = runner.plan().counts;
+        checked.workgroup_size = runner.plan().workgroup_size;
         checked.max_error = max_error;
         checked.runner = std::move(runner);
         if (is_wrong(max_error)) break;
@@ -194,7 +195,6 @@ Json record_of(const Entrant& entrant, const CheckedOnChip& checked, const Json&
     if (!checked.runs()) return record;
     const Spread ns = spread_of(checked.ns), barriers_twice_ns = spread_of(checked.barriers_twice_ns);
     record.update({{"samples", checked.ns.size()},
-                   {"workgroup_size", checked.runner->plan().workgroup_size},
                    {"on_chip_ns_per_joint", ns.median},
                    {"on_chip_p5", ns.p5},
                    {"on_chip_p95", ns.p95},

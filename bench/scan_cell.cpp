@@ -32,6 +32,7 @@ Json describe_check(const Json& cell_record, const Entrant& entrant, const ScanC
                    {"longest_thread", check.counts.longest_thread},
                    {"barriers", check.counts.barriers},
                    {"shared_bytes", check.counts.shared_bytes},
+                   {"workgroup_size", check.workgroup_size},
                    {"max_error", check.max_error}});  // null where it is not a number
     if (is_wrong(check.max_error)) record["wrong"] = true;
     return record;

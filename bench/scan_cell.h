@@ -30,6 +30,7 @@ struct ScanCheck {
     std::string unsupported_reason;
     std::optional<ScanChoice> choice;  // the fastest; none where no choice applies
     ScanCounts counts;
+    uint32_t workgroup_size = 0;
     double max_error = 0;
 
     bool runs() const;

@@ -86,6 +86,7 @@ CheckedRun check(const std::shared_ptr<Gpu>& gpu, const GpuClock& clock, const E
     const ScanStage& stage = checked.runner->stage;
     checked.choice = stage.choice();
     checked.counts = stage.counts();
+    checked.workgroup_size = stage.workgroup_size();
     crowd.poison();
     gpu->submit_and_wait([&](VkCommandBuffer commands) { checked.runner->record(commands, crowd); });
     checked.max_error = crowd.max_error(stage.choice().method->layout);

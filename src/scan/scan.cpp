@@ -32,6 +32,7 @@ ScanStage::ScanStage(Uploads& uploads, const ScanChoice& choice, const ScanRig& 
         throw Failure(ErrorCode::kUnsupported, "scan method '" + std::string(method.name) + "'",
                       plan.unsupported_reason);
     counts_ = plan.counts;
+    workgroup_size_ = plan.workgroup_size;
     instances_per_workgroup_ = plan.instances_per_workgroup;
     links_ = upload(uploads, "scan links", plan.links);
     const ScanShaders& shaders = scan_shaders(method.name);

@@ -28,6 +28,7 @@ public:
 
     const ScanChoice& choice() const { return choice_; }
     const ScanCounts& counts() const { return counts_; }
+    uint32_t workgroup_size() const { return workgroup_size_; }
     const Buffer& links() const { return links_; }
     Bindings bind(const BufferTable& buffers) const { return kernel_.bind(buffers); }
     void record(VkCommandBuffer commands, const Bindings& bindings, uint32_t instance_count) const;
@@ -35,7 +36,7 @@ public:
 private:
     ScanChoice choice_;
     ScanCounts counts_;
-    uint32_t joint_count_ = 0, instances_per_workgroup_ = 1;
+    uint32_t joint_count_ = 0, workgroup_size_ = 0, instances_per_workgroup_ = 1;
     Buffer links_;
     Kernel kernel_;
 };

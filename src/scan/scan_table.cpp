@@ -12,6 +12,12 @@ namespace throng {
 
 #include "scan/scan_method_rows.inc"
 
+namespace {
+
+constexpr uint32_t kFewThreads = 256;  // of strided_workgroup_size()
+
+}  // namespace
+
 std::span<const ScanMethod> scan_table() {
     static const auto methods = [] {
         auto rows = scan_method_rows();
@@ -57,10 +63,16 @@ SharedJoints::SharedJoints(uint32_t joint_count, const ScanLimits& limits) {
     constants = {fit ? joint_count : 1u, fit ? 1u : 0u};
 }
 
-uint32_t strided_workgroup_size(uint32_t joint_count, const ScanLimits& limits) {
-    constexpr uint32_t kWarp = 32, kLargest = 256;
-    const uint32_t step = std::max(kWarp, limits.subgroup_size);
-    return std::min(std::clamp((joint_count + step - 1) / step * step, step, kLargest), limits.workgroup_size);
+uint32_t strided_workgroup_size(uint32_t joint_count, const ScanLimits& limits, uint32_t threads) {
+    constexpr uint32_t kWarp = 32;
+    const uint32_t step = std::max(kWarp, limits.subgroup_size), most = threads == 0 ? kFewThreads : threads;
+    return std::min(std::clamp((joint_count + step - 1) / step * step, step, most), limits.workgroup_size);
+}
+
+std::vector<uint32_t> strided_choices(const ScanLimits& limits) {
+    std::vector<uint32_t> choices{0};
+    if (limits.workgroup_size > kFewThreads) choices.push_back(limits.workgroup_size);
+    return choices;
 }
 
 std::string memory_unsupported_reason(uint64_t shared_bytes, const std::string& what_for, const ScanLimits& limits) {

@@ -63,7 +63,7 @@ struct ScanMethod {
     ScanOrigin origin = ScanOrigin::kOurs;
     ScanLayout layout = ScanLayout::kCharacterMajor;
     ScanFormat format = ScanFormat::kAffine;  // kSimilarity: for rigs of uniform scale only
-    // Invocations per character that the method can be told to use, best guess first; {0}: it is not a choice.
+    // Invocations per character that the method can be told to use, best guess first; 0: as many as it chooses.
     std::vector<uint32_t> (*thread_choices)(const ScanLimits& limits);
     // Any joint count from 1 to 65,535; `threads` is one of thread_choices().
     ScanPlan (*plan)(const ScanRig& rig, const ScanLimits& limits, uint32_t threads);
@@ -97,8 +97,11 @@ struct SharedJoints {
     std::vector<uint32_t> constants;  // the kernel's first two: joints in shared memory, and whether they fit
 };
 
-// As many invocations as joints, in steps of 32 or the subgroup's size, at most 256: more lower the occupancy of GPUs.
-uint32_t strided_workgroup_size(uint32_t joint_count, const ScanLimits& limits);
+// As many invocations as joints, in steps of 32 or the subgroup's size, at most `threads`, or 256 where that is 0.
+uint32_t strided_workgroup_size(uint32_t joint_count, const ScanLimits& limits, uint32_t threads = 0);
+// For methods with a thread for each joint: 256 at most, since more may lower the occupancy of GPUs, or all that a
+// workgroup can have, as the paper has them.
+std::vector<uint32_t> strided_choices(const ScanLimits& limits);
 
 // Why so much shared memory, `what_for`, is more than the device has; empty where it is not.
 std::string memory_unsupported_reason(uint64_t shared_bytes, const std::string& what_for, const ScanLimits& limits);

@@ -47,7 +47,9 @@ public:
             baseline_.emplace(device.gpu(), *method.baseline, *method.stored, playbacks);
             return;
         }
-        crowd_ = unwrap(Crowd::create(device, {.groups = {{method.stored, static_cast<uint32_t>(playbacks.size())}}}));
+        // By the device's shaders, as the baselines, also where a software device would update natively.
+        crowd_ = unwrap(Crowd::create(device, {.groups = {{method.stored, static_cast<uint32_t>(playbacks.size())}},
+                                               .path = UpdatePath::kDevice}));
         unwrap(crowd_->set_playback(crowd_->instances(), playbacks));
     }
 

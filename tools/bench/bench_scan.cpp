@@ -106,7 +106,7 @@ void add_bench_scan(Command bench_command) {
     Option chosen = command
                         .add_option("--experiments", settings.experiments,
                                     "levels: the paper's; joints: 16 to 4096; characters: 1 to 100,000; on_chip: "
-                                    "without memory; grid: 42 cases for the planner")
+                                    "without memory; grid: 39 cases for the planner")
                         .delimiter(',')
                         .check(is_member(experiments))
                         .capture_default_str();

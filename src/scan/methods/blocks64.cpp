@@ -7,10 +7,10 @@ namespace {
 
 constexpr uint32_t kBlock = 64;
 
-ScanPlan plan(const ScanRig& rig, const ScanLimits& limits, uint32_t) {
+ScanPlan plan(const ScanRig& rig, const ScanLimits& limits, uint32_t threads) {
     const uint32_t joint_count = rig.joint_count();
     const SharedJoints shared(joint_count, limits);
-    ScanPlan plan{.workgroup_size = strided_workgroup_size(joint_count, limits),
+    ScanPlan plan{.workgroup_size = strided_workgroup_size(joint_count, limits, threads),
                   .constants = shared.constants,
                   .on_chip = shared.fit};
     const bool reloads = joint_count > plan.workgroup_size;
@@ -45,7 +45,7 @@ ScanMethod blocks64() {
             .summary = "blocks of 64 joints, doubling inside a block, then hops between blocks",
             .source = "the paper's Algorithm 3",
             .origin = ScanOrigin::kPaper,
-            .thread_choices = no_thread_choice,
+            .thread_choices = strided_choices,
             .plan = plan,
             .picture = {simulate, "Drawn with blocks of 8 joints; the method has blocks of 64.", true},
             .rank = 70,

@@ -6,9 +6,9 @@ namespace {
 
 constexpr uint32_t kBlock = 64, kStride = 8;
 
-ScanPlan plan(const ScanRig& rig, const ScanLimits& limits, uint32_t) {
+ScanPlan plan(const ScanRig& rig, const ScanLimits& limits, uint32_t threads) {
     const SharedJoints shared(rig.joint_count(), limits);
-    ScanPlan plan{.workgroup_size = strided_workgroup_size(rig.joint_count(), limits),
+    ScanPlan plan{.workgroup_size = strided_workgroup_size(rig.joint_count(), limits, threads),
                   .constants = shared.constants,
                   .on_chip = shared.fit};
 
@@ -61,7 +61,7 @@ ScanMethod compressed() {
             .summary = "blocks of 64 joints, two strides of 8 inside a block, then hops between blocks",
             .source = "the paper's final method (Algorithm 4)",
             .origin = ScanOrigin::kPaper,
-            .thread_choices = no_thread_choice,
+            .thread_choices = strided_choices,
             .plan = plan,
             .picture = {simulate,
                         "Drawn with blocks of 8 joints and strides of 3; the method has blocks of 64 and strides of 8.",

@@ -4,12 +4,12 @@
 namespace throng {
 namespace {
 
-ScanPlan plan(const ScanRig& rig, const ScanLimits& limits, uint32_t) {
+ScanPlan plan(const ScanRig& rig, const ScanLimits& limits, uint32_t threads) {
     DoublingTable table = doubling_table(rig.parents);
     const uint32_t rounds = table.round_count;
     // GLSL has no empty arrays
     const SharedJoints shared(rounds > 1 ? rig.joint_count() : 1, limits);
-    ScanPlan plan{.workgroup_size = strided_workgroup_size(rig.joint_count(), limits),
+    ScanPlan plan{.workgroup_size = strided_workgroup_size(rig.joint_count(), limits, threads),
                   .constants = shared.constants,
                   .on_chip = shared.fit};
     const bool reloads = rig.joint_count() > plan.workgroup_size;
@@ -38,7 +38,7 @@ ScanMethod doubling() {
             .summary = "one thread per joint, ancestors twice as far up each round",
             .source = "Hillis and Steele, CACM 1986 (the paper's Algorithm 2)",
             .origin = ScanOrigin::kPaper,
-            .thread_choices = no_thread_choice,
+            .thread_choices = strided_choices,
             .plan = plan,
             .picture = {simulate, "A product covers twice as many joints after each round."},
             .rank = 60,
