@@ -332,6 +332,11 @@ TEST(AddClips, FitRigsThatAreHeldInAnotherWay) {
     expect_near(
         place_at_end(lying_armature, clip_of(in_m, {moving(0, {0, 0, 0}, {0, 0, 1}), turning(1, none, none)}), "Head"),
         {0, 1.7, 1}, "what holds the rig is turned, and walks");
+    expect_near(
+        place_at_end(lying_armature,
+                     clip_of(in_m, {moving(0, {0, 0, 0}, {0, 0, 1}), turning(0, none, none), turning(1, none, none)}),
+                     "Head"),
+        {0, 1.7, 1}, "the same, with keys of what holds it");
     const Asset lying_root = rig_of("root.glb", {{"root", kNone, turned},
                                                  {"Hips", 0, {.rotation = upright, .translation = {0, 0, 1}}},
                                                  {"Head", 1, at(0, 0.7, 0)}});

@@ -1,0 +1,101 @@
+#include "compile/transfer/node_names.h"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <string>
+#include <string_view>
+#include <unordered_map>
+#include <utility>
+
+namespace throng {
+namespace {
+
+// "mixamorig:Left Hand" as "lefthand": exporters put a namespace in front of names, and take characters out of them.
+std::string loose_name(std::string_view name) {
+    std::string out;
+    for (const char c : name.substr(name.rfind(':') + 1)) {
+        const auto byte = static_cast<unsigned char>(c);
+        if (byte >= 0x80 || std::isalnum(byte)) out += static_cast<char>(std::tolower(byte));
+    }
+    return out;
+}
+
+enum class NameForm { kExact, kLoose, kWithoutPrefix, kWithoutNumber };
+
+// Names as they are compared.
+class Names {
+public:
+    // `is_chosen`: the nodes that matter, of which a prefix may be common to all.
+    Names(const Asset& asset, const std::vector<bool>& is_chosen) : asset_(asset) {
+        bool is_first = true;
+        for (uint32_t node = 0; node < is_chosen.size(); ++node) {
+            if (!is_chosen[node]) continue;
+            const std::string name = loose_name(asset.nodes[node].name);
+            if (std::exchange(is_first, false)) prefix_ = name;
+            prefix_.erase(std::ranges::mismatch(prefix_, name).in1, prefix_.end());
+        }
+    }
+    std::string of(uint32_t node, NameForm form) const {
+        const std::string& name = asset_.nodes[node].name;
+        if (form == NameForm::kExact) return name;
+        // Sketchfab numbers nodes: "Hips_03".
+        const size_t last = name.find_last_not_of("0123456789");
+        const bool is_numbered = last != name.npos && last + 1 < name.size() && name[last] == '_';
+        const bool cuts_number = form == NameForm::kWithoutNumber && is_numbered;
+        const std::string loose = loose_name(cuts_number ? name.substr(0, last) : name);
+        return form != NameForm::kLoose && loose.starts_with(prefix_) ? loose.substr(prefix_.size()) : loose;
+    }
+
+private:
+    const Asset& asset_;
+    std::string prefix_;  // three.js writes "mixamorig:Hips" as "mixamorigHips"
+};
+
+}  // namespace
+
+std::vector<uint32_t> find_sources(const Asset& from, const std::vector<bool>& is_animated, const Asset& to,
+                                   const std::vector<bool>& is_joint) {
+    struct Step {
+        NameForm from, to;
+        bool is_unique = true;  // names that several have in this form tell nothing
+    };
+    constexpr std::array kSteps{Step{NameForm::kExact, NameForm::kExact, false},
+                                Step{NameForm::kLoose, NameForm::kLoose, false},
+                                Step{NameForm::kWithoutPrefix, NameForm::kWithoutPrefix},
+                                Step{NameForm::kWithoutNumber, NameForm::kWithoutPrefix},
+                                Step{NameForm::kWithoutPrefix, NameForm::kWithoutNumber}};
+    const Names from_names(from, is_animated), to_names(to, is_joint);
+    std::vector<uint32_t> sources(to.nodes.size(), kNone);
+    std::vector<bool> is_taken(from.nodes.size(), false);
+    using NodesByName = std::unordered_map<std::string, std::vector<uint32_t>>;
+    for (const Step& step : kSteps) {
+        const auto by_name = [](const Names& names, NameForm form, const std::vector<bool>& comes_first,
+                                const auto& is_free) {
+            NodesByName nodes;
+            for (const bool first : {true, false})
+                for (uint32_t node = 0; node < comes_first.size(); ++node)
+                    if (comes_first[node] == first && is_free(node)) nodes[names.of(node, form)].push_back(node);
+            return nodes;
+        };
+        const NodesByName there = by_name(from_names, step.from, is_animated,
+                                          [&](uint32_t node) { return !is_taken[node]; }),
+                          wanted = by_name(to_names, step.to, is_joint,
+                                           [&](uint32_t node) { return sources[node] == kNone; });
+        for (const auto& [name, nodes] : wanted) {
+            const auto found = there.find(name);
+            if (name.empty() || found == there.end()) continue;
+            const std::vector<uint32_t>& named = found->second;
+            if (step.is_unique && (nodes.size() > 1 || named.size() > 1)) continue;
+            for (size_t i = 0; i < nodes.size(); ++i) {
+                const bool is_another = named.size() == 1 && i > 0;
+                if (is_another ? !is_joint[nodes[i]] : i >= named.size()) break;
+                sources[nodes[i]] = named[is_another ? 0 : i];
+                is_taken[sources[nodes[i]]] = true;
+            }
+        }
+    }
+    return sources;
+}
+
+}  // namespace throng

@@ -1,0 +1,74 @@
+// From the nodes of one file to those of another with the same names: what local transforms become.
+#pragma once
+
+#include "compile/transfer/animated_nodes.h"
+
+#include <throng/asset.h>
+
+#include <cstdint>
+#include <vector>
+
+namespace throng {
+
+// model_from_node, of scales that are the same along all axes, or nearly so.
+struct NodeFrame {
+    Quaternion<double> rotation{};
+    Vec3<double> origin{};
+    double scale = 1;
+
+    NodeFrame child(const Trs<double>& parent_from_node) const;
+};
+
+// What a local transform of a node of `from` becomes on one of `to`.
+struct NodeChange {
+    bool is_turned = false;
+    Quaternion<double> turn{};  // new_parent_from_old_parent
+    double scale = 1;
+    Vec3<double> old_rest{}, base{};
+
+    Quaternion<double> rotation(const Quaternion<double>& old) const { return turn * old; }
+    Vec3<double> translation(const Vec3<double>& old) const { return base + way((old - old_rest)); }
+    // Of a difference of translations.
+    Vec3<double> way(const Vec3<double>& old) const;
+    bool keeps_translations() const {
+        return !is_turned && scale == 1 && old_rest == Vec3<double>() && base == Vec3<double>();
+    }
+};
+
+// Joints are turned in model space as in `from`, whatever holds them or lies between a joint and its parent. Bones of
+// another length keep their own; other ways are scaled by the mean length of bones.
+class RigTransfer {
+public:
+    RigTransfer(const Asset& from, const Asset& to);
+
+    // Nodes of `to` that move as this one of `from`.
+    const std::vector<uint32_t>& targets(uint32_t source) const { return targets_[source]; }
+    const NodeChange& change(uint32_t node) const { return changes_[node]; }
+    // Of the clips of `from`, to its node.
+    const AnimatedNode& animated(uint32_t source) const { return animated_[source]; }
+    bool is_joint(uint32_t node) const { return is_joint_[node]; }
+    // What holds a rig may be turned and scaled in another way, and stays as it is, unless it moves.
+    bool takes(uint32_t node, bool holds_rest) const { return is_joint_[node] || !holds_rest; }
+
+private:
+    bool is_bone(uint32_t node) const;
+    double old_length(uint32_t source) const;
+    double new_length(uint32_t node) const;
+    bool is_as_long(uint32_t node) const;
+    void compare_bones();
+    NodeChange change_of(uint32_t node, const NodeFrame& parent) const;
+    Trs<double> rest_of(uint32_t node) const;
+
+    const Asset &from_, &to_;
+    std::vector<AnimatedNode> animated_;  // [node of `from`]
+    std::vector<bool> is_joint_;          // [node of `to`]
+    std::vector<uint32_t> sources_;       // [node of `to`]
+    std::vector<std::vector<uint32_t>> targets_;
+    std::vector<NodeFrame> old_frames_;  // [node of `from`] in its rest pose
+    std::vector<NodeFrame> frames_;      // [node of `to`] in its own; once changes are known, while `from` rests
+    std::vector<NodeChange> changes_;
+    bool is_same_skeleton_ = true;
+    double size_ratio_ = 1;  // mean length of bones in `to` over that in `from`
+};
+
+}  // namespace throng
