@@ -51,7 +51,7 @@ struct ShownPose {
 struct Feedback {
     uint64_t update = 0;                     // counted from 1
     std::vector<CharacterEvent> events{};    // by instance, then layer, then time
-    uint64_t lost_event_count = 0;           // that found no room; modulo 2^32, with those that did
+    uint64_t lost_event_count = 0;           // that found no room; right below 2^32 events an update
     std::vector<WatchedInstance> watched{};  // of watch(), in its order
     std::vector<ShownPose> poses{};          // of request_poses(), in the order of the calls
 

@@ -347,6 +347,7 @@ TEST_F(Cli, WrongInputIsRefusedInOneLineThatNamesIt) {
         {"info text.glb", "text.glb"},
         {"info json.gltf", "json.gltf"},
         {"info creature.glb --colour", "--colour"},
+        {"generate --out text.glb", "text.glb is there, and not a binary glTF file"},
         {"pose missing.glb", "missing.glb"},
         {"pose creature.glb --clip swim", "0 'idle', 1 'walk', 2 'fly'"},
         {"pose creature.glb --clip 5", "'5'"},

@@ -4,6 +4,8 @@
 #include "tools/commands.h"
 
 #include <cstdio>
+#include <filesystem>
+#include <fstream>
 
 namespace throng::tools {
 namespace {
@@ -14,7 +16,18 @@ struct GenerateOptions {
     uint64_t seed = 1;
 };
 
+// What stands there may be another file's.
+void check_out(const std::string& out) {
+    std::error_code unknown;
+    if (!std::filesystem::exists(out, unknown)) return;
+    std::string magic(4, '\0');
+    std::ifstream(out, std::ios::binary).read(magic.data(), std::ssize(magic));
+    if (magic != "glTF")
+        throw CommandError(out + " is there, and not a binary glTF file; give --out another name, or remove it");
+}
+
 void run_generate(const GenerateOptions& options) {
+    check_out(options.out);
     CreatureSettings settings = creature_settings(unwrap(creature_kind(options.kind)));
     settings.joint_count = options.joints.value_or(settings.joint_count);
     settings.level_count = options.levels.value_or(settings.level_count);

@@ -1,6 +1,7 @@
 #include "tools/cli/command.h"
 
 #include "base/replace_file.h"
+#include "base/text.h"
 #include "tools/cli/kept_characters.h"
 
 #include <nlohmann/json.hpp>
@@ -89,7 +90,7 @@ uint32_t find_clip(const Character& character, const std::string& name_or_index)
     constexpr size_t kShown = 20;
     std::string names;
     for (size_t i = 0; i < std::min(character.clips.size(), kShown); ++i)
-        names += (i ? ", " : "") + std::to_string(i) + " '" + character.clips[i].name + "'";
+        names += (i ? ", " : "") + std::to_string(i) + " '" + printable(character.clips[i].name) + "'";
     if (character.clips.size() > kShown) names += ", …";
     throw CommandError(character.name + ": no clip '" + name_or_index + "'; " +
                        (names.empty() ? "the file has none" : "there are: " + names));
