@@ -23,7 +23,7 @@ std::vector<ScanObservation> observe_scans(const std::shared_ptr<Gpu>& gpu, bool
     std::vector<Entrant> entrants;
     for (const ScanMethod& method : scan_table())
         if (method.layout == ScanLayout::kCharacterMajor)
-            for (const uint32_t threads : method.thread_choices(limits))
+            for (const uint32_t threads : planned_choices(method, limits))
                 entrants.push_back({name_of(ScanChoice{&method, threads}), {{&method, threads}}});
 
     // What launches, what latency holds back, and what fills the device; a GPU is not full before.

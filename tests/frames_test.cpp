@@ -254,6 +254,31 @@ TEST(Frames, WhoIsSpawnedBeforeADiscardIsNewInTheNextUpdate) {
     }
 }
 
+// Those of a record() that never runs wait before others that were made since: more than one update has room for.
+TEST(Frames, PoseRequestsOfADiscardedRecordAreSaved) {
+    const Character character = creature(20, 5);
+    Crowd crowd = create(
+        {.groups = {{.character = &character, .instance_count = 4, .pose_capacity = 4}}, .pose_request_capacity = 2});
+    ASSERT_TRUE(crowd.update(0));
+    const Instances first = Instances::numbered(0, 2), last = Instances::numbered(2, 2);
+    ASSERT_TRUE(crowd.request_poses(first));
+    Recorder recorder;
+    recorder.record([&](VkCommandBuffer commands) { EXPECT_TRUE(crowd.record(commands, 0)); });
+    ASSERT_TRUE(crowd.request_poses(last) && crowd.discard_last_record());
+    const Result<std::vector<std::byte>> saved = crowd.save_state();
+    ASSERT_TRUE(saved);
+    EXPECT_EQ(refusal(crowd.restore_state(*saved)), "");
+    std::vector<uint32_t> shown;
+    for (int update = 0; update < 2; ++update) {
+        ASSERT_TRUE(crowd.update(0));
+        const Result<std::vector<Feedback>> told = crowd.feedback();
+        ASSERT_TRUE(told);
+        for (const Feedback& one : *told)
+            for (const ShownPose& pose : one.poses) shown.push_back(pose.instance.instance);
+    }
+    EXPECT_EQ(shown, (std::vector<uint32_t>{0, 1, 2, 3}));
+}
+
 // Inertia begins with the first update of its group, whichever way those before it went.
 TEST(Frames, InertialGroupsMayComeAfterARecordedUpdate) {
     const Character character = creature(20, 8);

@@ -2,7 +2,6 @@
 #include "tests/crowd_cases.h"
 #include "tests/goldens.h"
 #include "tests/lively_crowd.h"
-#include "tests/recorder.h"
 #include "tests/subset.h"
 
 namespace throng::test {
@@ -97,28 +96,6 @@ TEST(ShownPose, ComesOnceAndOfWhoWasAskedAbout) {
     EXPECT_EQ(asked(), std::vector<InstanceHandle>()) << "what was refused is not asked";
     Crowd without = create({.groups = {{.character = &character, .instance_count = 1, .pose_capacity = 1}}});
     EXPECT_EQ(without.request_poses(InstanceHandle{0}).error().code, ErrorCode::kLimit);
-}
-
-// Those of a record() that never runs wait before others that were made since: more than one update has room for.
-TEST(ShownPose, RequestsOfADiscardedRecordAreSaved) {
-    const Character character = creature(20, 5);
-    Crowd crowd = create(
-        {.groups = {{.character = &character, .instance_count = 4, .pose_capacity = 4}}, .pose_request_capacity = 2});
-    ASSERT_TRUE(crowd.update(0));
-    const Instances first = Instances::numbered(0, 2), last = Instances::numbered(2, 2);
-    ASSERT_TRUE(crowd.request_poses(first));
-    Recorder recorder;
-    recorder.record([&](VkCommandBuffer commands) { EXPECT_TRUE(crowd.record(commands, 0)); });
-    ASSERT_TRUE(crowd.request_poses(last) && crowd.discard_last_record());
-    const Result<std::vector<std::byte>> saved = crowd.save_state();
-    ASSERT_TRUE(saved);
-    EXPECT_EQ(refusal(crowd.restore_state(*saved)), "");
-    std::vector<uint32_t> shown;
-    for (int update = 0; update < 2; ++update) {
-        ASSERT_TRUE(crowd.update(0));
-        for (const ShownPose& pose : feedback_of(crowd).poses) shown.push_back(pose.instance.instance);
-    }
-    EXPECT_EQ(shown, (std::vector<uint32_t>{0, 1, 2, 3}));
 }
 
 }  // namespace

@@ -58,7 +58,10 @@ std::vector<CompiledRig> compile_rigs(const Compiler& compiler, const Progress& 
         CompiledRig& of = compiled.emplace_back(
             CompiledRig{ScanRig(make_skeleton(SkeletonShape::kRandom, joints, levels, 1), true), {}});
         visit_scan_works(compiler, of.rig, ScanPlace::kMemory, [&](const ScanWork& work) {
-            if (!work.plan.counts.scattered && work.choice.method->layout == ScanLayout::kCharacterMajor)
+            const ScanMethod& method = *work.choice.method;
+            const std::vector<uint32_t> planned = planned_choices(method, compiler.scan_limits());
+            const bool is_planned = std::ranges::find(planned, work.choice.threads) != planned.end();
+            if (is_planned && !work.plan.counts.scattered && method.layout == ScanLayout::kCharacterMajor)
                 of.works.push_back(work);
         });
     }

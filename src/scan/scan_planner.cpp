@@ -26,7 +26,7 @@ std::string join_names() {
 std::vector<ScanPrediction> predict_method(const ScanMethod& method, const ScanRig& rig, uint32_t instance_count,
                                            const ScanLimits& limits, const ScanCosts& costs) {
     std::vector<ScanPrediction> out;
-    for (const uint32_t threads : method.thread_choices(limits)) {
+    for (const uint32_t threads : planned_choices(method, limits)) {
         const ScanPlan plan = plan_scan(method, rig, limits, threads);
         if (plan.unsupported_reason.empty())
             out.push_back({{&method, threads}, predict_ms(plan, rig, method, instance_count, limits, costs)});

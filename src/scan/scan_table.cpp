@@ -69,6 +69,12 @@ uint32_t strided_workgroup_size(uint32_t joint_count, const ScanLimits& limits, 
     return std::min(std::clamp((joint_count + step - 1) / step * step, step, most), limits.workgroup_size);
 }
 
+std::vector<uint32_t> planned_choices(const ScanMethod& method, const ScanLimits& limits) {
+    std::vector<uint32_t> choices = method.thread_choices(limits);
+    if (!choices.empty() && choices.front() == 0) choices.resize(1);
+    return choices;
+}
+
 std::vector<uint32_t> strided_choices(const ScanLimits& limits) {
     std::vector<uint32_t> choices{0};
     if (limits.workgroup_size > kFewThreads) choices.push_back(limits.workgroup_size);

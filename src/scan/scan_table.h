@@ -99,6 +99,9 @@ struct SharedJoints {
 
 // As many invocations as joints, in steps of 32 or the subgroup's size, at most `threads`, or 256 where that is 0.
 uint32_t strided_workgroup_size(uint32_t joint_count, const ScanLimits& limits, uint32_t threads = 0);
+// Those that the planner considers: a method that chooses by itself is left to.
+std::vector<uint32_t> planned_choices(const ScanMethod& method, const ScanLimits& limits);
+
 // For methods with a thread for each joint: 256 at most, since more may lower the occupancy of GPUs, or all that a
 // workgroup can have, as the paper has them.
 std::vector<uint32_t> strided_choices(const ScanLimits& limits);

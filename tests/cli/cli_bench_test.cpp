@@ -111,9 +111,11 @@ TEST_F(CliBench, BenchScanHasARecordForEachMethodAndCase) {
             "bench experiment method shape seed characters joints levels "
             "mean_depth leaves device driver subgroup_size commit date");
         if (!record.contains("unsupported_reason")) {
-            wanted.merge(set_of("threads multiplications longest_thread barriers shared_bytes max_error samples"));
+            wanted.merge(
+                set_of("threads workgroup_size multiplications longest_thread barriers shared_bytes max_error "
+                       "samples"));
             if (on_chip)
-                wanted.merge(set_of("workgroup_size on_chip_ns_per_joint on_chip_p5 on_chip_p95 barrier_share"));
+                wanted.merge(set_of("on_chip_ns_per_joint on_chip_p5 on_chip_p95 barrier_share"));
             else
                 wanted.merge(set_of("bytes median_ms p5_ms p95_ms copy_ms times_copy ns_per_joint"));
             EXPECT_LE(record["max_error"], 1e-5);
