@@ -8,7 +8,7 @@ namespace throng {
 // Throws kInvalidArgument, which names the place: indices out of range, arrays of another length than asset.h says,
 // numbers that are not finite, keys out of order, nodes that are their own ancestors.
 void check_asset(const Asset& asset);
-// The same of nodes, skins and what they are used for alone, which takes no time.
+// The same for nodes, skins and the nodes of meshes alone: without going through vertices and keys.
 void check_rig(const Asset& asset);
 
 }  // namespace throng

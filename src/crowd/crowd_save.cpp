@@ -151,7 +151,7 @@ void CrowdState::exchange(StateArchive& archive) {
     std::vector<uint32_t> watched;
     for (const Watched& one : as_asked) watched.push_back(one.instance);
     archive.list(watched, watch_capacity_);
-    // Those of a record() that was discarded stand before others that were made since.
+    // Twice the capacity: discard_last_record() puts the requests of its update back, in front of newer ones.
     archive.list(pose_requests_, 2 * uint64_t{pose_request_capacity_});
     if (!archive.reads()) return;
     recorded_pose_requests_.clear();

@@ -168,7 +168,8 @@ private:
     void check_readable(const InstanceHandle& handle) const;
     static void refuse_if_shaders_populate(const Group& group, const char* what);
     void check_handle(const InstanceHandle& handle, const char* what) const;
-    // And that a group has its number; whoever else may be there by now.
+    // Throws also where the group that had this number has been removed. Whether the number is another instance's by
+    // now is not asked.
     void check_in_group(const InstanceHandle& handle, const char* what) const;
     void check_range(uint32_t first_instance, uint32_t count, const char* what) const;
     InBatch at(uint32_t instance) const { return in_batch(batches, instance); }

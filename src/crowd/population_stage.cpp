@@ -192,7 +192,7 @@ void PopulationStage::begin(const Update& update) {
 // Those born in that update are born in the next one, which will have its number.
 void PopulationStage::discard() {
     dirty_.put_back();
-    // And those that were spawned since.
+    // So are those that were spawned since, which expected to be born in the update after it.
     for (Population& population : populations_)
         std::ranges::replace(population.births, birth_of(update_number_ + 1), birth_of(update_number_));
     const uint64_t discarded = update_number_--;

@@ -15,8 +15,8 @@ inline constexpr uint32_t kTextureDimensionLimit = 16'384;
 // A PNG, JPEG or WebP file in memory; which of them, its content says.
 class ImageFile {
 public:
-    // Reads no more than its head. `image` must live as long. Throws kInvalidFile where that is none, and kLimit above
-    // 2 GiB; all failures name the image.
+    // Reads no more than the file's head. `image` must live as long as this. Throws kInvalidFile where it is no such
+    // file, and kLimit above 2 GiB; all failures name the image.
     explicit ImageFile(const AssetImage& image);
 
     uint32_t width() const { return width_; }

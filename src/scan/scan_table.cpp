@@ -14,7 +14,7 @@ namespace throng {
 
 namespace {
 
-constexpr uint32_t kFewThreads = 256;  // of strided_workgroup_size()
+constexpr uint32_t kFewThreads = 256;  // where a method chooses: more may lower the occupancy of a GPU
 
 }  // namespace
 

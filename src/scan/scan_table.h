@@ -99,7 +99,8 @@ struct SharedJoints {
 
 // As many invocations as joints, in steps of 32 or the subgroup's size, at most `threads`, or 256 where that is 0.
 uint32_t strided_workgroup_size(uint32_t joint_count, const ScanLimits& limits, uint32_t threads = 0);
-// Those that the planner considers: a method that chooses by itself is left to.
+// The thread_choices() that the planner considers: where a method can choose by itself (0), nothing else. What was
+// fitted for the planner is the cost of these; more threads are for comparing the paper's methods at their best.
 std::vector<uint32_t> planned_choices(const ScanMethod& method, const ScanLimits& limits);
 
 // For methods with a thread for each joint: 256 at most, since more may lower the occupancy of GPUs, or all that a

@@ -16,7 +16,7 @@ struct GenerateOptions {
     uint64_t seed = 1;
 };
 
-// What stands there may be another file's.
+// A mistyped --out could otherwise replace any file.
 void check_out(const std::string& out) {
     std::error_code unknown;
     if (!std::filesystem::exists(out, unknown)) return;

@@ -67,13 +67,16 @@ public:
                       count > kShown ? joined(" and ", count - kShown, " more") : "", ")");
     }
 
-    // A few names of what there is, for a message.
+    // The first joints of `to`, so that a message shows how its names look.
     std::string some_joints() const {
         constexpr size_t kShown = 3;
         std::string list;
-        for (uint32_t node = 0, count = 0; node < to_.nodes.size() && count < kShown; ++node)
-            if (transfer_.is_joint(node) && ++count > 0)
-                list += joined(list.empty() ? "'" : ", '", printable(to_.nodes[node].name), "'");
+        size_t count = 0;
+        for (uint32_t node = 0; node < to_.nodes.size() && count < kShown; ++node) {
+            if (!transfer_.is_joint(node)) continue;
+            list += joined(count == 0 ? "'" : ", '", printable(to_.nodes[node].name), "'");
+            ++count;
+        }
         return list;
     }
 
@@ -134,7 +137,8 @@ std::string free_name(const std::string& name, const std::string& stem, const st
     return numbered;
 }
 
-// Those of `from` that tell of its clips, and are not there yet.
+// The warnings of `from` about nodes and animations, without those that `asset` has already: what was mended in the
+// other file's meshes is no concern of this character.
 std::vector<std::string> new_warnings(const Asset& asset, const Asset& from) {
     const std::unordered_set<std::string> there(asset.warnings.begin(), asset.warnings.end());
     std::vector<std::string> out;

@@ -19,16 +19,19 @@ struct NodeFrame {
     NodeFrame child(const Trs<double>& parent_from_node) const;
 };
 
-// What a local transform of a node of `from` becomes on one of `to`.
+// What a local transform of a node of `from` becomes on one of `to`: a rotation turn * rotation, a translation
+// base + turn * scale * (translation - old_rest).
 struct NodeChange {
-    bool is_turned = false;
+    bool is_turned = false;     // else `turn` is the identity, and rotations stay as they are, bit for bit
     Quaternion<double> turn{};  // new_parent_from_old_parent
-    double scale = 1;
+    double scale = 1;           // of units, and of sizes where it is not a bone of the same length
+    // Where a bone keeps its own length: the rest poses' translations, of `from` and of `to`. Of a root: 0, and what
+    // the two holders' places differ by.
     Vec3<double> old_rest{}, base{};
 
     Quaternion<double> rotation(const Quaternion<double>& old) const { return turn * old; }
-    Vec3<double> translation(const Vec3<double>& old) const { return base + way((old - old_rest)); }
-    // Of a difference of translations.
+    Vec3<double> translation(const Vec3<double>& old) const { return base + way(old - old_rest); }
+    // The same for what has a direction and a length but no place, as tangents of splines.
     Vec3<double> way(const Vec3<double>& old) const;
     bool keeps_translations() const {
         return !is_turned && scale == 1 && old_rest == Vec3<double>() && base == Vec3<double>();
@@ -44,10 +47,11 @@ public:
     // Nodes of `to` that move as this one of `from`.
     const std::vector<uint32_t>& targets(uint32_t source) const { return targets_[source]; }
     const NodeChange& change(uint32_t node) const { return changes_[node]; }
-    // Of the clips of `from`, to its node.
+    // What the clips of `from` do to a node of `from`.
     const AnimatedNode& animated(uint32_t source) const { return animated_[source]; }
     bool is_joint(uint32_t node) const { return is_joint_[node]; }
-    // What holds a rig may be turned and scaled in another way, and stays as it is, unless it moves.
+    // Whether a track is taken over. Exporters write keys without movement for what holds a rig ("Armature"), which may
+    // be turned and scaled in another way here: it keeps its own rest pose.
     bool takes(uint32_t node, bool holds_rest) const { return is_joint_[node] || !holds_rest; }
 
 private:
