@@ -59,7 +59,7 @@ Vec3<double> place_at_end(Asset asset, const Asset& from, const std::string& joi
     EXPECT_TRUE(added) << added.error().text();
     if (!added) return {};
     const Character character = compile_character(asset, {.error = 0}).expect();
-    const ReferencePose pose = reference_pose(character, {.first = {.time_s = 1, .loop = false}}).expect();
+    const ReferencePose pose = reference_pose(character, {.first = {.clip = 0, .time_s = 1, .loop = false}}).expect();
     const AffineT<double>& m = pose.model_from_joint[character.rig.joint_named(joint).expect()];
     return {m.row[0][3], m.row[1][3], m.row[2][3]};
 }
