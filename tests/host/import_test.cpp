@@ -1263,7 +1263,8 @@ TEST(Import, TexturesMayBeOfWebPAlone) {
     const Asset asset = loaded(b);
     EXPECT_TRUE(asset.warnings.empty());
     ASSERT_EQ(asset.images.size(), 1u);
-    EXPECT_EQ(asset.images[asset.materials[0].image].encoded, webp);
+    ASSERT_EQ(asset.materials[0].image, 0u);
+    EXPECT_EQ(asset.images[0].encoded, webp);
     EXPECT_EQ(asset.materials[1].image, asset.materials[0].image) << "what stands beside it is for others";
     b.json["textures"][0]["extensions"]["EXT_texture_webp"]["source"] = 2;
     expect_refused(b, "textures[0].extensions.EXT_texture_webp.source", "index 2, but images has 2 entries");
