@@ -11,6 +11,7 @@
 #include "tests/subset.h"
 
 #include <cstdio>
+#include <cstring>
 #include <map>
 
 namespace throng {
@@ -411,6 +412,54 @@ TEST(Fused, AGpuTakesTheFirstMethodThatFits) {
             EXPECT_EQ(plan.tile_transforms, 0u) << where;
         } else {
             EXPECT_NE(plan.unsupported_reason.find("device's 64"), std::string::npos) << plan.unsupported_reason;
+        }
+    }
+}
+
+// Where a device has places for more subgroups than there are characters, as many share one as have chunks of their
+// own, but of small characters, several of which may share a chunk.
+TEST(Fused, SubgroupsShareTheCharactersOfSmallCrowds) {
+    const auto chosen = [](uint32_t joint_count, double subgroups, ScanLimits limits = kHardware) {
+        return name_of(choose_fused(FusedRig(character_of(joint_count, 0)), limits, subgroups).choice);
+    };
+    EXPECT_EQ(chosen(300, 0), "stream:32");
+    EXPECT_EQ(chosen(300, 1.9), "stream:32");
+    EXPECT_EQ(chosen(300, 2), "stream:64");
+    EXPECT_EQ(chosen(300, 3.9), "stream:64");
+    EXPECT_EQ(chosen(300, 1000), "stream:128");
+    EXPECT_EQ(chosen(97, 1000), "stream:128");
+    EXPECT_EQ(chosen(96, 1000), "stream:64");
+    EXPECT_EQ(chosen(65, 1000), "stream:64");
+    EXPECT_EQ(chosen(64, 1000), "stream:32");
+    ScanLimits limits = kHardware;
+    limits.workgroup_size = 64;
+    EXPECT_EQ(chosen(300, 1000, limits), "stream:64");
+    limits = kHardware;
+    limits.subgroup_size = 64;  // and no other: two chunks of 32 lanes share one
+    EXPECT_EQ(chosen(300, 1000, limits), "stream:32");
+}
+
+// However many subgroups share a character, each joint's products are the same.
+TEST(Fused, AnyNumberOfSubgroupsYieldsTheSameBits) {
+    if (!has_scan("stream")) GTEST_SKIP() << "no stream here";
+    const Character character = packed_character({.joint_count = 300, .seed = 5, .scale_spread = 0});
+    Random random(7);
+    const std::vector<Playback> playbacks = random_playbacks(random, character, 7);
+    std::vector<std::vector<Affine>> first;
+    for (const uint32_t subgroups : {1u, 2u, 4u}) {
+        const ScanLimits limits = scan_limits(*test_gpu());
+        const uint32_t lanes = std::min(32u, std::max(limits.subgroup_size, limits.largest_subgroup_size));
+        Crowd crowd = create({.groups = {{&character, 7}},
+                              .path = UpdatePath::kFused,
+                              .scan = "stream:" + std::to_string(subgroups * lanes)});
+        ASSERT_TRUE(crowd.set_playback(crowd.instances(), playbacks));
+        ASSERT_TRUE(crowd.update(0));
+        for (uint32_t i = 0; i < 7; ++i) {
+            const std::vector<Affine> skin = crowd.read_skin_matrices({i}).value();
+            if (subgroups == 1)
+                first.push_back(skin);
+            else
+                EXPECT_EQ(std::memcmp(skin.data(), first[i].data(), skin.size() * sizeof(Affine)), 0) << subgroups;
         }
     }
 }

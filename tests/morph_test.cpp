@@ -6,6 +6,7 @@
 #include "tests/crowd_cases.h"
 #include "tests/kernel_runner.h"
 #include "tests/morph_cases.h"
+#include "tests/shared.h"
 #include "tests/subset.h"
 #include "tests/upload_now.h"
 
@@ -441,8 +442,7 @@ TEST(Morph, AClipOfWeightsAloneIsPlayed) {
 // A real character, against the file itself: weights, differences and skinning written once more. Its clips keep all
 // weights at 0, so they are given some.
 TEST(Morph, ARealCharacterShowsWhatItsFileSays) {
-    const std::filesystem::path file = std::filesystem::path(THRONG_SHARED_DIR) /
-                                       "characters/robot_expressive/RobotExpressive.glb";
+    const std::filesystem::path file = shared_folder("characters") / "robot_expressive/RobotExpressive.glb";
     if (!std::filesystem::exists(file)) GTEST_SKIP() << file << " is missing";
     Asset asset = *load_asset(file);
     const Character as_it_is = compiled(asset);

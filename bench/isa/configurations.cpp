@@ -28,7 +28,9 @@ struct Visits {
                     uint32_t characters = 0) const {
         settings.groups = {group};
         settings.groups[0].character = &character;
-        settings.groups[0].instance_count = group.shaders_populate ? 0 : 1;
+        // What few characters take may be another form
+        constexpr uint32_t kMany = 10'000;
+        settings.groups[0].instance_count = group.shaders_populate ? 0 : std::max(characters, kMany);
         settings.timestamps = false;
         visit({name, characters, &character, settings});
     }

@@ -5,6 +5,7 @@
 #include "crowd/group_skin_pool.h"
 #include "crowd/look_stage.h"
 #include "sample/sample_io.h"
+#include "scan/stream_plan.h"
 #include "skin/skin_io.h"
 
 #include <algorithm>
@@ -187,7 +188,7 @@ Group::Group(Uploads& uploads, SharedRigs& rigs, const Character& character, con
 void Group::add_fused(Uploads& uploads, SharedRigs& rigs, const Character& character, FusedRig rig, FusedPlan plan,
                       bool may_have_rows) {
     if (may_have_rows) {
-        FusedRig in_order = rig.in_stream_order(plan.choice.threads);
+        FusedRig in_order = rig.in_stream_order(StreamTeam(scan_limits(*uploads.gpu()), plan.choice.threads).lanes);
         FusedPlan of_order = plan_fused(plan.choice, in_order, scan_limits(*uploads.gpu()));
         if (fused.empty() && of_order.unsupported_reason.empty()) {
             rows = GroupRows::make(uploads, rigs, character, in_order, buffers);

@@ -2,9 +2,12 @@
 
 #include "base/failure.h"
 #include "native/native.h"
+#include "scan/scan_costs.h"
 #include "scan/scan_shaders.h"
 
 #include <throng/device.h>
+
+#include <algorithm>
 
 namespace throng {
 namespace {
@@ -73,7 +76,10 @@ PathChoice device_path(const Gpu& gpu, const CrowdSettings& settings, const Crow
         unsupported_reason = reason;
     } else if (settings.path != UpdatePath::kStaged) {
         const FusedRig rig(character);
-        FusedPlan plan = any_scan ? choose_fused(rig, limits) : plan_named(settings.scan, rig, limits);
+        const double subgroups_a_character = built_in_scan_costs(gpu).resident_subgroups /
+                                             std::max({group.instance_count, group.capacity, 1u});
+        FusedPlan plan = any_scan ? choose_fused(rig, limits, subgroups_a_character)
+                                  : plan_named(settings.scan, rig, limits);
         // Poses from outside may have any scale, which rows have not; from keys the form of similarities is the faster
         const bool may_have_rows = group.pose_capacity == 0;
         if (any_scan && !may_have_rows && plan.unsupported_reason.empty() && plan.choice.method->name == "stream") {

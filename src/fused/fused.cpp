@@ -114,10 +114,11 @@ FusedPlan plan_fused(const ScanChoice& choice, const FusedRig& rig, const ScanLi
     return plan;
 }
 
-FusedPlan choose_fused(const FusedRig& rig, const ScanLimits& limits) {
+FusedPlan choose_fused(const FusedRig& rig, const ScanLimits& limits, double subgroups_a_character) {
+    const FusedNeed need{rig.rig.joint_count(), subgroups_a_character};
     std::multimap<uint32_t, ScanChoice> choices;  // by their order
     for (const ScanMethod& method : scan_table())
-        if (const FusedPlace place = method.fused_place(limits); place.order > 0)
+        if (const FusedPlace place = method.fused_place(limits, need); place.order > 0)
             choices.emplace(place.order, ScanChoice{&method, place.threads});
     FusedPlan plan{.unsupported_reason = "no scan method has a fused form here"};
     for (const auto& [order, choice] : choices) {

@@ -69,8 +69,9 @@ struct FusedPlan {
 
 FusedPlan plan_fused(const ScanChoice& choice, const FusedRig& rig, const ScanLimits& limits);
 
-// For a device: the first of the plans that are likely best that applies, or why the last one does not.
-FusedPlan choose_fused(const FusedRig& rig, const ScanLimits& limits);
+// For a device that holds so many subgroups at once for each character: the first of the plans that are likely best
+// that applies, or why the last one does not.
+FusedPlan choose_fused(const FusedRig& rig, const ScanLimits& limits, double subgroups_a_character = 0);
 
 // What the kernel reads of a character beside its clips: kScanLinksBuffer of the plan, kBindRangesBuffer,
 // kBindEntriesBuffer, kBindsBuffer and kAnimatedJointsBuffer of the rig's joints.

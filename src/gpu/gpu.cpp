@@ -34,6 +34,37 @@ VKAPI_ATTR VkBool32 VKAPI_CALL on_validation_message(VkDebugUtilsMessageSeverity
     return VK_FALSE;
 }
 
+bool has_extension(VkPhysicalDevice physical, std::string_view name) {
+    uint32_t count = 0;
+    check(vkEnumerateDeviceExtensionProperties(physical, nullptr, &count, nullptr),
+          "vkEnumerateDeviceExtensionProperties");
+    std::vector<VkExtensionProperties> extensions(count);
+    check(vkEnumerateDeviceExtensionProperties(physical, nullptr, &count, extensions.data()),
+          "vkEnumerateDeviceExtensionProperties");
+    return std::ranges::any_of(extensions, [&](const auto& extension) { return extension.extensionName == name; });
+}
+
+// 0 where the maker has no extension that says it.
+uint32_t count_simds(VkPhysicalDevice physical) {
+    VkPhysicalDeviceShaderSMBuiltinsPropertiesNV nvidia{
+        .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SHADER_SM_BUILTINS_PROPERTIES_NV};
+    VkPhysicalDeviceShaderCorePropertiesAMD amd{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SHADER_CORE_PROPERTIES_AMD};
+    VkPhysicalDeviceProperties2 properties{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2};
+    if (has_extension(physical, VK_NV_SHADER_SM_BUILTINS_EXTENSION_NAME)) {
+        properties.pNext = &nvidia;
+        vkGetPhysicalDeviceProperties2(physical, &properties);
+        constexpr uint32_t kSimds = 4;  // of a multiprocessor, since Maxwell
+        return kSimds * nvidia.shaderSMCount;
+    }
+    if (has_extension(physical, VK_AMD_SHADER_CORE_PROPERTIES_EXTENSION_NAME)) {
+        properties.pNext = &amd;
+        vkGetPhysicalDeviceProperties2(physical, &properties);
+        return amd.shaderEngineCount * amd.shaderArraysPerEngineCount * amd.computeUnitsPerShaderArray *
+               amd.simdPerComputeUnit;
+    }
+    return 0;
+}
+
 }  // namespace
 
 Gpu::Gpu(bool owns_device)
@@ -266,6 +297,7 @@ void Gpu::read_properties(VkPhysicalDevice physical) {
     can_choose_subgroup = (v13.requiredSubgroupSizeStages & VK_SHADER_STAGE_COMPUTE_BIT) != 0;
     has_shuffle = (v11.subgroupSupportedStages & VK_SHADER_STAGE_COMPUTE_BIT) &&
                   (v11.subgroupSupportedOperations & VK_SUBGROUP_FEATURE_SHUFFLE_BIT);
+    simd_count = count_simds(physical);
     vkGetPhysicalDeviceMemoryProperties(physical, &memory_properties);
     const std::vector<VkQueueFamilyProperties> families = queue_families(physical);
     if (queue_family >= families.size())

@@ -101,6 +101,7 @@ public:
     uint64_t max_allocation_bytes = 0;
     uint32_t smallest_subgroup = 1;  // of those that the driver may choose
     uint32_t largest_subgroup = 1;
+    uint32_t simd_count = 0;   // processors that run one subgroup at a time; 0: the driver does not say
     bool has_shuffle = false;  // subgroup shuffles in compute shaders
     bool has_int64 = false;    // 64-bit integers, enabled
     // A compute pipeline can ask for a size, from the smallest to the largest; enabled

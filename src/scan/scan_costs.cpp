@@ -47,13 +47,13 @@ struct DataSheet {
 // for other makers' too; what an H100 measures is in docs/scan.md, and `throng tune` replaces them.
 ScanCosts costs_of(const DataSheet& gpu) {
     return {.launch_ms = 0.003,
-            .row_ns = 2.4 / gpu.clock_ghz,
+            .row_ns = 3.9 / gpu.clock_ghz,
             // A row takes 32 lines of the cache instead of the 12 of joints side by side
             .scattered_rows = 2.7,
-            .multiplication_ns = 61 / gpu.clock_ghz,
-            .barrier_ns = 14 / gpu.clock_ghz,
-            .workgroup_ns = 66 / gpu.clock_ghz,
-            .latency_ns = 451 / gpu.clock_ghz,
+            .multiplication_ns = 54 / gpu.clock_ghz,
+            .barrier_ns = 5.6 / gpu.clock_ghz,
+            .workgroup_ns = 61 / gpu.clock_ghz,
+            .latency_ns = 548 / gpu.clock_ghz,
             .units = gpu.simds,
             .resident_subgroups = gpu.simds * gpu.subgroups,
             .bytes_per_ns = gpu.bytes_per_ns,
@@ -75,7 +75,9 @@ ScanCosts built_in_scan_costs(const Gpu& gpu) {
                 .resident_subgroups = 1e9,
                 .bytes_per_ns = 20,
                 .origin = "built in for software devices"};
-    return built_in_hardware_costs(gpu.properties.vendorID);
+    ScanCosts costs = built_in_hardware_costs(gpu.properties.vendorID);
+    if (gpu.simd_count > 0) costs.resident_subgroups *= gpu.simd_count / costs.units;
+    return costs;
 }
 
 ScanCosts built_in_hardware_costs(uint32_t vendor_id) {

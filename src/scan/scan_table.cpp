@@ -70,9 +70,7 @@ uint32_t strided_workgroup_size(uint32_t joint_count, const ScanLimits& limits, 
 }
 
 std::vector<uint32_t> planned_choices(const ScanMethod& method, const ScanLimits& limits) {
-    std::vector<uint32_t> choices = method.thread_choices(limits);
-    if (!choices.empty() && choices.front() == 0) choices.resize(1);
-    return choices;
+    return (method.planned_choices ? method.planned_choices : method.thread_choices)(limits);
 }
 
 std::vector<uint32_t> strided_choices(const ScanLimits& limits) {

@@ -52,7 +52,12 @@ struct FusedPlace {
     uint32_t order = 0;    // 0: it is not tried
     uint32_t threads = 0;  // invocations a character
 };
-inline FusedPlace not_tried(const ScanLimits&) { return {}; }
+// What it is for.
+struct FusedNeed {
+    uint32_t joint_count = 0;
+    double subgroups = 0;  // that the device holds at once for each character; 0: not known, or less than one
+};
+inline FusedPlace not_tried(const ScanLimits&, const FusedNeed&) { return {}; }
 
 struct ScanMethod {
     std::string_view name;  // its shader is <name>.comp, without _quaternion and _transposed, which name variants
@@ -65,9 +70,11 @@ struct ScanMethod {
     ScanFormat format = ScanFormat::kAffine;  // kSimilarity: for rigs of uniform scale only
     // Invocations per character that the method can be told to use, best guess first; 0: as many as it chooses.
     std::vector<uint32_t> (*thread_choices)(const ScanLimits& limits);
+    // Those that the planner considers, and its costs were fitted to; null: all.
+    std::vector<uint32_t> (*planned_choices)(const ScanLimits& limits) = nullptr;
     // Any joint count from 1 to 65,535; `threads` is one of thread_choices().
     ScanPlan (*plan)(const ScanRig& rig, const ScanLimits& limits, uint32_t threads);
-    FusedPlace (*fused_place)(const ScanLimits& limits) = not_tried;
+    FusedPlace (*fused_place)(const ScanLimits& limits, const FusedNeed& need) = not_tried;
     FlowPicture picture = {};
     // In figures lines of a higher rank lie over others, and stand behind them in tables and legends: plain methods,
     // the paper's, ours.
@@ -99,12 +106,10 @@ struct SharedJoints {
 
 // As many invocations as joints, in steps of 32 or the subgroup's size, at most `threads`, or 256 where that is 0.
 uint32_t strided_workgroup_size(uint32_t joint_count, const ScanLimits& limits, uint32_t threads = 0);
-// The thread_choices() that the planner considers: where a method can choose by itself (0), nothing else. What was
-// fitted for the planner is the cost of these; more threads are for comparing the paper's methods at their best.
 std::vector<uint32_t> planned_choices(const ScanMethod& method, const ScanLimits& limits);
 
-// For methods with a thread for each joint: 256 at most, since more may lower the occupancy of GPUs, or all that a
-// workgroup can have, as the paper has them.
+// For methods with a thread for each joint: 256 at most, since more may lower the occupancy of GPUs, which is all that
+// the planner considers; or all that a workgroup can have, as the paper has them.
 std::vector<uint32_t> strided_choices(const ScanLimits& limits);
 
 // Why so much shared memory, `what_for`, is more than the device has; empty where it is not.

@@ -13,7 +13,7 @@ THRONG_IO_CONSTANT kStreamJointMask = 0xFFFFu;
 THRONG_IO_CONSTANT kStreamIdle = 0xFFFFu;  // in place of a joint: the lane has none
 THRONG_IO_CONSTANT kStreamKeepShift = 16;
 // The second: the lane of the parent, or its own where the parent is not in the chunk; which of the lanes' characters
-// it is; and the slot of a parent in an earlier chunk (1 + slot, or 0).
+// it is; and the slot of the lowest ancestor in an earlier chunk (1 + slot, or 0).
 THRONG_IO_CONSTANT kStreamLaneMask = 0xFFu;
 THRONG_IO_CONSTANT kStreamCharacterShift = 8;
 THRONG_IO_CONSTANT kStreamCharacterMask = 0xFFu;

@@ -20,7 +20,6 @@ constexpr uint32_t kManySlots = 56;
 // travel twice, since the subgroups of a large GPU together write more than its cache holds: with each of its 32 joints
 // in a place of its own, a chunk took an H100 as long as 30 products more (docs/scan.md#stream).
 constexpr double kPlaceCost = 1;
-constexpr uint32_t kMostShared = 4;  // chunks of several small characters
 
 // Several characters side by side.
 struct Forest {
@@ -152,15 +151,16 @@ std::vector<uint32_t> chunks_of_joints(const Chunks& chunks, size_t joint_count)
 void count(const Forest& forest, StreamPlan& plan) {
     const std::vector<uint32_t> chunk_of = chunks_of_joints(plan.chunks, forest.joint_count());
     std::vector<uint32_t> depths(forest.joint_count());  // within the chunk
+    std::vector<bool> has_slot(forest.joint_count());    // of an ancestor in an earlier chunk
     for (const std::vector<uint32_t>& chunk : plan.chunks) {
         uint32_t most_rounds = 0, from_slots = 0;
         for (const uint32_t joint : chunk) {  // parents first
             const uint32_t parent = forest.parents[joint];
             if (parent == kNone) continue;
-            if (chunk_of[parent] == chunk_of[joint])
-                depths[joint] = depths[parent] + 1;
-            else
-                ++from_slots;
+            const bool is_inside = chunk_of[parent] == chunk_of[joint];
+            if (is_inside) depths[joint] = depths[parent] + 1;
+            has_slot[joint] = !is_inside || has_slot[parent];
+            from_slots += has_slot[joint];
             const auto rounds = static_cast<uint32_t>(std::bit_width(depths[joint]));
             plan.multiplications += rounds;
             most_rounds = std::max(most_rounds, rounds);
@@ -241,6 +241,13 @@ Candidate candidate_of(const Forest& forest, Chunks chunks, uint32_t lanes, uint
 
 }  // namespace
 
+StreamTeam::StreamTeam(const ScanLimits& limits, uint32_t threads) {
+    // In subgroups of 32 where the device can have them: a round is half as many products as with 64.
+    const uint32_t widest = std::max(limits.subgroup_size, std::min(32u, limits.largest_subgroup_size));
+    lanes = std::min(threads, widest);
+    subgroups = threads / lanes;
+}
+
 StreamPlan plan_stream(const ScanRig& rig, const StreamLimits& limits) {
     const Forest one(rig.parents, 1);
     Candidate best;
@@ -276,6 +283,7 @@ std::vector<uint32_t> stream_links(const StreamPlan& plan, std::span<const uint3
         for (uint32_t lane = 0; lane < chunk.size(); ++lane) lane_of[chunk[lane]] = lane;
     std::vector<uint32_t> links{static_cast<uint32_t>(plan.chunks.size())};
     links.insert(links.end(), plan.rounds.begin(), plan.rounds.end());
+    std::vector<uint32_t> from(forest.joint_count());  // slots, of the lowest ancestors in earlier chunks
     for (const std::vector<uint32_t>& chunk : plan.chunks)
         for (uint32_t lane = 0; lane < plan.lanes; ++lane) {
             if (lane >= chunk.size()) {
@@ -285,11 +293,11 @@ std::vector<uint32_t> stream_links(const StreamPlan& plan, std::span<const uint3
             const uint32_t joint = chunk[lane], parent = forest.parents[joint];
             const bool is_inside = parent != kNone && chunk_of[parent] == chunk_of[joint];
             const uint32_t keep = slots.of_joint[joint] + 1;  // kNone + 1 is 0
-            const uint32_t from = parent == kNone || is_inside ? 0 : slots.of_joint[parent] + 1;
+            if (parent != kNone) from[joint] = is_inside ? from[parent] : slots.of_joint[parent] + 1;
             const auto joint_count = static_cast<uint32_t>(parents.size());
             links.push_back(joint % joint_count | keep << io::kStreamKeepShift);
             links.push_back((is_inside ? lane_of[parent] : lane) | joint / joint_count << io::kStreamCharacterShift |
-                            from << io::kStreamSlotShift);
+                            from[joint] << io::kStreamSlotShift);
         }
     return links;
 }

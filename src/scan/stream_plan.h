@@ -1,7 +1,7 @@
 // An order of joints in chunks, one for each lane: what `stream` works on.
 #pragma once
 
-#include "scan/scan_rig.h"
+#include "scan/scan_table.h"
 
 #include <cstdint>
 #include <span>
@@ -21,6 +21,15 @@ struct StreamPlan {
     uint64_t multiplications = 0;  // of all lanes
     uint32_t longest_lane = 0;     // multiplications one after the other
 };
+
+// So many invocations a character are so many lanes of a chunk, and so many subgroups with a chunk each.
+struct StreamTeam {
+    StreamTeam(const ScanLimits& limits, uint32_t threads);
+
+    uint32_t lanes = 0, subgroups = 1;
+};
+
+constexpr uint32_t kMostShared = 4;  // chunks that several small characters share
 
 struct StreamLimits {
     uint32_t lanes = 32;

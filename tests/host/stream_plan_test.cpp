@@ -27,7 +27,7 @@ std::map<std::pair<uint32_t, uint32_t>, Path> walked(const StreamPlan& plan, std
     for (uint32_t chunk = 0; chunk < chunk_count; ++chunk) {
         struct Lane {
             uint32_t joint, keep, character, ancestor;
-            Path path;
+            Path path, above;
         };
         std::vector<Lane> lanes;
         for (uint32_t lane = 0; lane < plan.lanes; ++lane, word += 2) {
@@ -36,10 +36,11 @@ std::map<std::pair<uint32_t, uint32_t>, Path> walked(const StreamPlan& plan, std
                                                a >> io::kStreamKeepShift,
                                                b >> io::kStreamCharacterShift & io::kStreamCharacterMask,
                                                b & io::kStreamLaneMask,
+                                               {},
                                                {}});
             if (of.joint == io::kStreamIdle) continue;
-            of.path = slots[b >> io::kStreamSlotShift];
-            of.path.push_back(of.joint);
+            of.path = {of.joint};
+            of.above = slots[b >> io::kStreamSlotShift];
         }
         for (uint32_t round = 0; round < links[io::kFirstChunk + chunk]; ++round) {
             const std::vector<Lane> before = lanes;
@@ -51,8 +52,9 @@ std::map<std::pair<uint32_t, uint32_t>, Path> walked(const StreamPlan& plan, std
                 lanes[lane].path.insert(lanes[lane].path.end(), before[lane].path.begin(), before[lane].path.end());
             }
         }
-        for (const Lane& lane : lanes) {
+        for (Lane& lane : lanes) {
             if (lane.joint == io::kStreamIdle) continue;
+            lane.path.insert(lane.path.begin(), lane.above.begin(), lane.above.end());
             if (lane.keep > 0) slots.at(lane.keep) = lane.path;
             EXPECT_TRUE(stored.emplace(std::pair(lane.character, lane.joint), lane.path).second) << "stored once";
         }

@@ -46,6 +46,7 @@ ScanMethod blocks64() {
             .source = "the paper's Algorithm 3",
             .origin = ScanOrigin::kPaper,
             .thread_choices = strided_choices,
+            .planned_choices = no_thread_choice,
             .plan = plan,
             .picture = {simulate, "Drawn with blocks of 8 joints; the method has blocks of 64.", true},
             .rank = 70,

@@ -62,6 +62,7 @@ ScanMethod compressed() {
             .source = "the paper's final method (Algorithm 4)",
             .origin = ScanOrigin::kPaper,
             .thread_choices = strided_choices,
+            .planned_choices = no_thread_choice,
             .plan = plan,
             .picture = {simulate,
                         "Drawn with blocks of 8 joints and strides of 3; the method has blocks of 64 and strides of 8.",

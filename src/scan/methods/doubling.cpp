@@ -39,6 +39,7 @@ ScanMethod doubling() {
             .source = "Hillis and Steele, CACM 1986 (the paper's Algorithm 2)",
             .origin = ScanOrigin::kPaper,
             .thread_choices = strided_choices,
+            .planned_choices = no_thread_choice,
             .plan = plan,
             .picture = {simulate, "A product covers twice as many joints after each round."},
             .rank = 60,

@@ -55,7 +55,7 @@ ScanMethod fragments() {
         .thread_choices = thread_choices,
         .plan = plan,
         .fused_place =
-            [](const ScanLimits& limits) {
+            [](const ScanLimits& limits, const FusedNeed&) {
                 return FusedPlace{limits.is_cpu ? 0u : 30u, 32};
             },
         .picture = {simulate,

@@ -36,6 +36,7 @@ ScanMethod gateau2012_walk() {
             .source = "Gateau, Massive Crowds on GPU, GTC 2012 (the paper's Algorithm 1)",
             .origin = ScanOrigin::kPaper,
             .thread_choices = strided_choices,
+            .planned_choices = no_thread_choice,
             .plan = plan,
             .picture = {simulate, "Every joint multiplies the whole chain above it again."},
             .rank = 40,

@@ -4,11 +4,13 @@
 // Difference: a chunk has any joints whose parents are in it or in earlier ones, found offline: few chunks, joints side
 //   by side, so that stores fill whole lines of the cache, few rounds, few slots. Each local transform is loaded once,
 //   by the lane that stores the model transform, so that nothing of a character waits in shared memory but the parents
-//   of later chunks. Small characters share their chunks.
+//   of later chunks. Small characters share their chunks; several subgroups share a large character's, where there are
+//   few characters: each goes through the rounds of a chunk of its own, and what lies above it is multiplied last, in
+//   turn.
 // Input: local[instance][joint], parent_from_joint, affine 3x4. Output: model[instance][joint], model_from_joint.
 //   stream_quaternion reads similarities.
 // Needs: shuffles; lanes a power of two, at most a subgroup's; shared memory for the slots; any joint count.
-// Cost: a multiplication a chunk and one a round; no barrier.
+// Cost: a multiplication a chunk and one a round; no barrier, or one a chunk where several subgroups share a character.
 // Wins: GPUs, above all fused: no tile of local transforms limits how many subgroups a processor holds.
 // Loses: software devices, on which shuffles and shared memory are slow.
 // Measured: docs/scan.md#stream
@@ -22,26 +24,39 @@
 #include "scan/shuffled.glsl"
 #include "scan/stream_io.h"
 
-CONSTANT(1, uint, kLanes, 1);           // of a team, which has characters of its own
+CONSTANT(1, uint, kLanes, 1);           // of a chunk
 CONSTANT(2, uint, kCharacters, 1);      // of a team
 CONSTANT(3, uint, kSlots, 1);           // of a team
 CONSTANT(4, uint, kSlotTransforms, 1);  // of the workgroup
+// A team of a part of a subgroup, or of one, has characters of its own. Of several, which are the whole workgroup, each
+// takes every kSubgroups-th chunk.
+CONSTANT(5, uint, kSubgroups, 1);
 shared StoredTransform slots[kSlotTransforms];
 
 void scan() {
-    uint team = gl_SubgroupID, lane = gl_SubgroupInvocationID;
+    uint team = gl_SubgroupID, lane = gl_SubgroupInvocationID, member = 0;
     if (kLanes < gl_SubgroupSize) {
         team = (gl_SubgroupID * gl_SubgroupSize + gl_SubgroupInvocationID) / kLanes;
         lane %= kLanes;
     }
+    if (kSubgroups > 1) {
+        member = team;
+        team = 0;
+    }
     const uint first_lane = gl_SubgroupInvocationID - lane, first_slot = team * kSlots - 1;  // words count from 1
-    const uint first_index = (gl_WorkGroupID.x * (gl_WorkGroupSize.x / kLanes) + team) * kCharacters;
+    const uint first_index = (gl_WorkGroupID.x * (gl_WorkGroupSize.x / (kLanes * kSubgroups)) + team) * kCharacters;
     if (kCharacters == 1 && first_index < instance_count()) begin_instance(first_index);
 
     const uint chunk_count = link(kChunkCount);
-    uint word = kFirstChunk + chunk_count + 2 * lane;
-    for (uint chunk = 0; chunk < chunk_count; ++chunk, word += 2 * kLanes) {
-        const uint joint_word = link(word), parent_word = link(word + 1);
+    for (uint first_chunk = 0; first_chunk < chunk_count; first_chunk += kSubgroups) {
+        const uint chunk = first_chunk + member;
+        uint joint_word = kStreamIdle, parent_word = lane, round_count = 0;
+        if (kSubgroups == 1 || chunk < chunk_count) {
+            const uint word = kFirstChunk + chunk_count + 2 * (chunk * kLanes + lane);
+            joint_word = link(word);
+            parent_word = link(word + 1);
+            round_count = link(kFirstChunk + chunk);
+        }
         const uint joint = joint_word & kStreamJointMask, keep = joint_word >> kStreamKeepShift;
         const uint from = parent_word >> kStreamSlotShift;
         uint index = first_index;
@@ -52,18 +67,23 @@ void scan() {
         if (exists) {
             if (kCharacters > 1) begin_instance(index);
             transform = load_local(index, joint);
-            if (from != 0) transform = multiply(unpack(slots[first_slot + from]), transform);
         }
         uint ancestor = parent_word & kStreamLaneMask;
-        for (uint round = link(kFirstChunk + chunk); round > 0; --round) {
+        for (uint round = round_count; round > 0; --round) {
             const Transform above = shuffled(transform, first_lane + ancestor);
             const uint next = subgroupShuffle(ancestor, first_lane + ancestor);
             if (ancestor != lane) transform = multiply(above, transform);
             ancestor = next == ancestor ? lane : next;  // nothing of the chunk lies above that one
         }
-        subgroupBarrier();  // all have read the slots that are written anew
-        if (exists && keep != 0) slots[first_slot + keep] = pack(transform);
-        subgroupBarrier();
+        for (uint turn = 0; turn < kSubgroups; ++turn) {
+            if (turn == member) {
+                if (exists && from != 0) transform = multiply(unpack(slots[first_slot + from]), transform);
+                subgroupBarrier();  // all have read the slots that are written anew
+                if (exists && keep != 0) slots[first_slot + keep] = pack(transform);
+                subgroupBarrier();
+            }
+            if (kSubgroups > 1) barrier();
+        }
         if (exists) store_model(index, joint, transform);
     }
 }

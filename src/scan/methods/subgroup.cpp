@@ -56,7 +56,7 @@ ScanPlan plan_similarity(const ScanRig& rig, const ScanLimits& limits, uint32_t 
 
 // A subgroup a character, so that no barrier is left but the one after the tile: see docs/performance.md.
 template <uint32_t kOrder>
-FusedPlace fused_place(const ScanLimits& limits) {
+FusedPlace fused_place(const ScanLimits& limits, const FusedNeed&) {
     return {limits.is_cpu ? 0 : kOrder, std::min(32u, limits.subgroup_size)};
 }
 
