@@ -228,13 +228,12 @@ TEST(Device, AnApplicationsDeviceIsAdoptedAndLeftAlone) {
     EXPECT_TRUE(Device::adopt(application.adopted())) << "after a refusal";
 }
 
-// Drivers need not hand out the calls of 1.3 then. NVIDIA's does, and its device computes.
+// Drivers need not hand out the calls of 1.3 then, and Mesa's do not. NVIDIA's does, and its device computes.
 TEST(Device, AnInstanceOfAnOlderVulkanIsNotAdoptedWithoutTheCallsOfTheNewer) {
     for (const uint32_t version : {0u, VK_API_VERSION_1_1, VK_API_VERSION_1_2}) {
         const Application application(version);
         const Result<Device> device = Device::adopt(application.adopted());
-        if (application.table.vkCmdPipelineBarrier2) {
-            ASSERT_TRUE(device) << device.error().text();
+        if (device && !test_gpu()->is_cpu()) {
             Show(*device, make_character({}), 0.1).update_and_compare(0.2f);
             continue;
         }
