@@ -419,7 +419,9 @@ TEST(Fused, AGpuTakesTheFirstMethodThatFits) {
 // Where a device has places for more subgroups than there are characters, as many share one as have chunks of their
 // own, but of small characters, several of which may share a chunk.
 TEST(Fused, SubgroupsShareTheCharactersOfSmallCrowds) {
-    const auto chosen = [](uint32_t joint_count, double subgroups, ScanLimits limits = kHardware) {
+    ScanLimits limits = kHardware;
+    limits.largest_subgroup_size = 32;
+    const auto chosen = [&](uint32_t joint_count, double subgroups) {
         return name_of(choose_fused(FusedRig(character_of(joint_count, 0)), limits, subgroups).choice);
     };
     EXPECT_EQ(chosen(300, 0), "stream:32");
@@ -431,12 +433,13 @@ TEST(Fused, SubgroupsShareTheCharactersOfSmallCrowds) {
     EXPECT_EQ(chosen(96, 1000), "stream:64");
     EXPECT_EQ(chosen(65, 1000), "stream:64");
     EXPECT_EQ(chosen(64, 1000), "stream:32");
-    ScanLimits limits = kHardware;
     limits.workgroup_size = 64;
-    EXPECT_EQ(chosen(300, 1000, limits), "stream:64");
-    limits = kHardware;
-    limits.subgroup_size = 64;  // and no other: two chunks of 32 lanes share one
-    EXPECT_EQ(chosen(300, 1000, limits), "stream:32");
+    EXPECT_EQ(chosen(300, 1000), "stream:64");
+    limits.workgroup_size = 1024;
+    limits.largest_subgroup_size = 0;  // it may be 64 as well, and two chunks share one
+    EXPECT_EQ(chosen(300, 1000), "stream:32");
+    limits.subgroup_size = limits.largest_subgroup_size = 64;
+    EXPECT_EQ(chosen(300, 1000), "stream:32");
 }
 
 // However many subgroups share a character, each joint's products are the same.

@@ -17,7 +17,9 @@ ScanLimits scan_limits(const Gpu& gpu) {
     return {.shared_memory_bytes = limits.maxComputeSharedMemorySize,
             .workgroup_size = std::min(limits.maxComputeWorkGroupSize[0], limits.maxComputeWorkGroupInvocations),
             .subgroup_size = gpu.smallest_subgroup,
-            .largest_subgroup_size = gpu.can_choose_subgroup ? gpu.largest_subgroup : 0,
+            .largest_subgroup_size = gpu.can_choose_subgroup || gpu.smallest_subgroup == gpu.largest_subgroup
+                                         ? gpu.largest_subgroup
+                                         : 0,
             .shuffle = gpu.has_shuffle,
             .is_cpu = gpu.is_cpu(),
             .loop_iterations = gpu.is_cpu() ? kLlvmpipeLoopIterations : 0xFFFFFFFF,

@@ -19,7 +19,7 @@ struct ScanLimits {
     uint32_t shared_memory_bytes = 0;
     uint32_t workgroup_size = 0;         // largest
     uint32_t subgroup_size = 0;          // smallest that the device may choose
-    uint32_t largest_subgroup_size = 0;  // that a kernel can ask for; 0: it cannot
+    uint32_t largest_subgroup_size = 0;  // that a kernel can ask for; 0: it cannot, and the driver chooses
     bool shuffle = false;                // subgroups can exchange registers
     bool is_cpu = false;
     // Iterations of an invocation, all loops together, after which the device silently ends them

@@ -31,7 +31,9 @@ std::vector<uint32_t> thread_choices(const ScanLimits& limits) {
     std::vector<uint32_t> choices = lane_choices(limits);
     if (choices.empty()) return choices;
     for (uint32_t threads = 2 * first_choice(limits); threads <= limits.workgroup_size; threads *= 2) {
-        if (StreamTeam(limits, threads).subgroups > kMostSubgroups) break;
+        const StreamTeam team(limits, threads);
+        const bool is_certain = team.lanes <= limits.largest_subgroup_size;  // that a subgroup has as many lanes
+        if (team.subgroups > (is_certain ? kMostSubgroups : 1)) break;
         choices.push_back(threads);
     }
     return choices;
