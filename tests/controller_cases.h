@@ -189,6 +189,8 @@ inline const std::vector<BrokenController> kBrokenControllers{
     {"\"name\": \"top\",", "\"name\": \"top\", \"transitions\": [{\"from\": \"a\", \"to\": \"b\"}],", 53,
      "layers[2].transitions: the layer has no states to go between"},
     {"\"name\": \"top\",", "\"name\": \"top\", \"states\": {},", 53, "layers[2].states: must not be empty"},
+    {"\"mode\": \"additive\",", "\"mode\": \"additive\", \"rotations\": \"model\",", 52,
+     "layers[1].rotations: an additive layer turns joints in their parents"},
     {"\"name\": \"top\",", "\"name\": \"top\", \"start\": \"a\",", 53,
      "layers[2].start: there is no state 'a', nor any other"},
 };

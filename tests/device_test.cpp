@@ -225,6 +225,9 @@ TEST(Device, AnApplicationsDeviceIsAdoptedAndLeftAlone) {
     const Result<Device> refused = Device::adopt(wrong);
     ASSERT_FALSE(refused);
     EXPECT_EQ(refused.error().code, ErrorCode::kInvalidArgument);
+    wrong = application.adopted();
+    wrong.threads = 5000;
+    EXPECT_EQ(Device::adopt(wrong).error().text(), "adopted device: 5000 threads; at most 1024");
     EXPECT_TRUE(Device::adopt(application.adopted())) << "after a refusal";
 }
 

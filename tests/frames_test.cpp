@@ -354,6 +354,33 @@ TEST(Frames, WhatHasNotRunIsNotRead) {
     }
 }
 
+// Nor drawn; and what was drawn as soon as it was submitted is there.
+TEST(Frames, WhatHasNotRunIsNotDrawn) {
+    const Character character = creature(20, 8);
+    const Camera camera{.eye = {0, 0, 3 * character.size}, .target = {0, 0, 0}};
+    for (const DrawPath path : {DrawPath::kAuto, DrawPath::kDevice}) {
+        const RendererSettings settings{.width = 64, .height = 64, .path = path};
+        Result<Renderer> first = Renderer::create(test_device(), settings);
+        if (!first) GTEST_SKIP() << first.error().text();
+        Crowd crowd = create({.groups = {{.character = &character, .instance_count = 1}}, .path = UpdatePath::kDevice});
+        Recorder recorder;
+        const VkCommandBuffer commands = recorder.record(
+            [&](VkCommandBuffer into) { EXPECT_TRUE(crowd.record(into, 0.1f)); });
+        EXPECT_EQ(refusal(first->render(crowd, camera)),
+                  "render: the commands of the last record() have not run: submit them, or call discard_last_record()");
+        recorder.submit(commands);
+        const Result<RenderResult> picture = first->render(crowd, camera);
+        ASSERT_TRUE(picture) << picture.error().text();
+        Renderer later = Renderer::create(test_device(), settings).value();
+        EXPECT_EQ(picture->picture.rgba, later.render(crowd, camera)->picture.rgba);
+        Crowd moved = create({.groups = {{.character = &character, .instance_count = 1}}, .path = UpdatePath::kDevice});
+        EXPECT_TRUE(
+            moved.set_placement(InstanceHandle{0}, to_affine(Trs<double>{.translation = {0, 1e6, 0}}).as<float>()));
+        EXPECT_TRUE(moved.update(0.1f));
+        EXPECT_NE(picture->picture.rgba, later.render(moved, camera)->picture.rgba) << "something is seen";
+    }
+}
+
 // More than are kept in mind, of a crowd without feedback, which would refuse the fifth.
 TEST(Frames, TheLastOfManyDroppedWithoutAWordIsNotRead) {
     const Character character = creature(20, 8);

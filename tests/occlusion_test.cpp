@@ -187,6 +187,22 @@ TEST(Occlusion, PicturesMayBeLargeAndChangeInSize) {
     EXPECT_EQ(instances_drawn(crowd).size(), 2u);
 }
 
+TEST(Occlusion, NothingIsSavedBetweenTheHalves) {
+    const Character character = small_character();
+    Crowd crowd = create({.groups = {{&character, 2}}, .culling = Culling{}});
+    CrowdView view = *view_of({.eye = {0, 0, 0}, .target = {0, 0, -1}}, 64, 64, {});
+    view.occlusion = true;
+    const Image depths = depth_image(std::vector<float>(64, 0.0f), 8, 8);
+    test_gpu()->submit_and_wait([&](VkCommandBuffer commands) {
+        ASSERT_TRUE(crowd.record(commands, 0.01f, &view));
+        EXPECT_EQ(
+            crowd.save_state().error().text(),
+            "crowd state: the last record() was for a view with occlusion, and its record_disoccluded() is to come");
+        ASSERT_TRUE(crowd.record_disoccluded(commands, {depths.handle(), VK_IMAGE_ASPECT_COLOR_BIT, 8, 8}));
+    });
+    EXPECT_TRUE(crowd.save_state());
+}
+
 // A gap of one column in a wall, at each place after the other: what reaches within a texel of it is drawn, since other
 // roundings drew the wall.
 TEST(Occlusion, ATexelAroundABoxCountsToo) {

@@ -195,11 +195,12 @@ public:
     // and new handles (instances(group), handle()); whom the other crowd watches, its wind and its terrain are left
     // behind. What stages share is made anew, in about a millisecond, and what updates under way still use is freed
     // some ten updates later. Nothing waits or is submitted. outputs() change for the groups that come, and
-    // spans of them end. Both crowds need the same CrowdSettings, but for groups, path, scan, terrain and capacities
-    // of feedback; where a group has CrowdGroup::capacity, which makes its crowd cull, the other crowd needs
-    // CrowdSettings::culling. Where there is an error nothing has changed. Errors: kInvalidArgument (other settings,
-    // device; it has been updated; the second half of an update for a view with occlusion is to come), kUnsupported (on
-    // a software device, of which one crowd is updated natively and the other cannot be), kLimit, kOutOfMemory.
+    // spans of them end. Both crowds need the same CrowdSettings, but for groups, path, scan, terrain,
+    // timestamps and capacities of feedback; where a group has CrowdGroup::capacity, which makes its crowd cull, the
+    // other crowd needs CrowdSettings::culling. Where there is an error nothing has changed. Errors: kInvalidArgument
+    // (other settings, device; it has been updated; the second half of an update for a view with occlusion is to come),
+    // kUnsupported (on a software device, of which one crowd is updated natively and the other cannot be), kLimit,
+    // kOutOfMemory.
     Result<std::vector<uint32_t>> add_groups(Crowd&& other);
     // Takes a group away with all of its instances; what hangs on them stays where it is. The other groups and their
     // instances keep their numbers. Errors: kInvalidArgument (no such group, the last one, or as above).
@@ -336,7 +337,8 @@ public:
     // all four in one. A playback set since the last record() starts at its time plus this step; a negative step plays
     // backwards. The recorded commands must have finished before the crowd is destroyed, and may be submitted once.
     // They run in the order in which they were recorded, those of update(), read_ and save_state() among them, so what
-    // has been recorded is to be submitted before these are called. On a native device the command buffer is
+    // has been recorded is to be submitted before these are called. What was bound for compute (pipeline, descriptor
+    // sets, push constants) is no longer bound afterwards. On a native device the command buffer is
     // VK_NULL_HANDLE, and the update is done when the call returns, as by update().
     //
     // With a view, where CrowdSettings::culling: all instances go on in time, and of groups that are fused, without
@@ -375,10 +377,10 @@ public:
     // that have been recorded must have been submitted or discarded, and one for a view with occlusion must have had
     // its second half.
     //
-    // After restore_state() outputs() are those of before, in a new crowd none, until the next update: update(0) before
-    // a picture. Feedback of updates that have not been asked for is gone, and updates are counted on from where they
-    // were saved. Where there is an error nothing has changed. Errors: kInvalidFile (damaged, of another version),
-    // kInvalidArgument (what differs, of a crowd with other settings; the last record() has not run).
+    // After restore_state() outputs() show what they did before, in a new crowd nothing, until the next update:
+    // update(0) before a picture. Feedback of updates that have not been asked for is gone, and updates are counted on
+    // from where they were saved. Where there is an error nothing has changed. Errors: kInvalidFile (damaged, of
+    // another version), kInvalidArgument (what differs, of a crowd with other settings; the last record() has not run).
     Result<std::vector<std::byte>> save_state();
     Result<void> restore_state(std::span<const std::byte> state);
 

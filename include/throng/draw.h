@@ -109,8 +109,8 @@ public:
     ~Renderer();
 
     // Makes what drawing this crowd needs, its pipelines and textures, so that its first picture is no slower than
-    // those after it. Submits and waits. From then on updates copy the placements that they move, 48 bytes each, for
-    // what is fitted to them.
+    // those after it. Submits and waits; what has been recorded of the crowd must have been submitted. From then on
+    // updates copy the placements that they move, 48 bytes each, for what is fitted to them.
     Result<void> prepare(const Crowd& crowd);
 
     // What follows takes one crowd, or several, each once, that are drawn in one picture, under one sun, with one
@@ -118,7 +118,8 @@ public:
 
     // Draws crowds as their last update left them, of those that cull what that has listed; submits and waits. Ground,
     // fog and shadows are fitted to main_bounds(). The crowds' device is the renderer's. Alpha-blended materials are
-    // drawn as masks with a cutoff of 0.5, since a crowd is not sorted.
+    // drawn as masks with a cutoff of 0.5, since a crowd is not sorted. Errors: also kInvalidArgument (the commands of
+    // a crowd's last record() have been neither submitted nor discarded).
     Result<RenderResult> render(const Crowd& crowd, const Camera& camera);
     Result<RenderResult> render(std::span<const Crowd* const> crowds, const Camera& camera);
 

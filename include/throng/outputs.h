@@ -64,8 +64,10 @@ struct HostOutputs {
 // are multiples of all alignments that the device asks for. Written by compute shaders, and made visible by record() to
 // later compute, vertex, indirect and transfer reads on the same queue. They are valid once the recorded commands have
 // run, until those of a later record() that writes to the same frame slot do: of the next one, which waits for what
-// reads them; or with CrowdSettings::frames_in_flight above 1, of that many later, and only if the application has seen
-// to it that the reading has finished.
+// reads them in compute and vertex shaders, indirect draws and transfers (for other stages, as fragment shaders, the
+// application puts a barrier before it); or with CrowdSettings::frames_in_flight above 1, of that many later, and only
+// if the application has seen to it that the reading has finished. What the application writes (parameter, target,
+// destination, command) is the same in all slots: with several, drawing must not read it.
 //
 // Where CrowdSettings::culling, without a skin pool, instances that are not listed have the matrices of an earlier
 // update that drew them. In an update that draws them anew, the previous matrices are those of that update: they are

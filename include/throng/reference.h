@@ -27,7 +27,7 @@ Result<ReferencePose> reference_pose(const Character& character, const Playback&
 
 // One character with a controller on the CPU. Given the same parameters, commands and time steps as an instance of a
 // Crowd it is in the same states at the same times, bit for bit (docs/controller.md), so a server that has no GPU knows
-// what the clients see. Not thread-safe.
+// what the clients see. Not thread-safe. One that has been moved from may only be assigned to or destroyed.
 class ReferenceCharacter {
 public:
     // All are referred to as long as this lives; `rules` as CrowdGroup::procedural. Errors: as check_controller(), and
@@ -55,8 +55,8 @@ public:
 
     // After the last update (before the first: the rest pose).
     ReferencePose pose() const;
-    // What happened in the last update; the instance of its events is 0. `move` is root motion: world_from_model * move
-    // is where a character that stood at world_from_model stands now.
+    // What happened in the last update; the instance of its events is 0, and there are 16,384 at most, the first.
+    // `move` is root motion: world_from_model * move is where a character that stood at world_from_model stands now.
     std::span<const CharacterEvent> events() const;
     AffineT<double> move() const;
     std::span<const float> parameters() const;

@@ -8,6 +8,7 @@ struct ClipMix {
     float rate;  // cycles a second
     uint loop;
     uint sync;
+    bool backwards;  // a state that begins at its end
 };
 
 // `do` with a `break` before its body: on a software device `while` goes round once more for all invocations. Without
@@ -66,7 +67,7 @@ void mix_edge(INOUT(ClipMix) clip_mix, ControlState state, float x, float y) {
 }
 
 ClipMix mix_of_state(ControlState state) {
-    ClipMix clip_mix = {uvec3(0), vec3(1, 0, 0), 0, state.loop, state.sync};
+    ClipMix clip_mix = {uvec3(0), vec3(1, 0, 0), 0, state.loop, state.sync, state.speed < 0};
     if (state.y_parameter != kNone) {
         const float x = parameter_at(state.x_parameter), y = parameter_at(state.y_parameter);
         if (!mix_triangle(clip_mix, state, x, y)) mix_edge(clip_mix, state, x, y);
@@ -85,7 +86,7 @@ ClipMix mix_of_state(ControlState state) {
 }
 
 ClipMix mix_of_play(ControlLayer layer, LayerPlay play) {
-    ClipMix clip_mix = {uvec3(play.motion, 0, 0), vec3(1, 0, 0), play.speed, play.loop, kNone};
+    ClipMix clip_mix = {uvec3(play.motion, 0, 0), vec3(1, 0, 0), play.speed, play.loop, kNone, false};
     if (layer.state_count > 0)
         clip_mix = mix_of_state(load_state(layer.first_state + play.motion));
     else

@@ -99,7 +99,7 @@ struct ControllerLayout {
 struct LayerPlay {
     uint motion;  // state of the layer; of a direct layer a clip, clip_count: the rest pose
     uint phase;
-    uint loops;       // whole cycles since it was entered
+    uint loops;       // whole cycles since it was entered; of a state of negative speed, backwards
     float fade;       // how far it has replaced what lies below it, 0..1, linear in time
     float fade_rate;  // 1 / seconds
     float speed;      // direct layers

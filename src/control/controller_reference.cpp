@@ -66,10 +66,12 @@ struct ControllerText : ArrayTables {
         const size_t first = update->events.size();
         const ControlClip& heard = load_clip(clip);
         if (heard.event_count == 0) return;  // of up to a billion cycles
-        for (int64_t cycle = std::min(step.crossed, 0); cycle <= std::max(step.crossed, 0); ++cycle)
+        const int64_t direction = step.crossed < 0 ? -1 : 1, cycle_count = std::abs(int64_t{step.crossed}) + 1;
+        const auto has_room = [&] { return update->events.size() < kMostEvents; };
+        for (int64_t cycle = 0; cycle < cycle_count && has_room(); ++cycle)
             for (const ControlEvent& event : std::span(arrays.events).subspan(heard.first_event, heard.event_count)) {
-                const int64_t place = cycle * kCycle + event.phase;
-                if (place < low || place >= high) continue;
+                const int64_t place = direction * cycle * kCycle + event.phase;
+                if (place < low || place >= high || !has_room()) continue;
                 const double distance = static_cast<double>(std::abs(place - before)) * 0x1p-32;
                 update->events.push_back(
                     {event.event, layer,

@@ -31,11 +31,14 @@ struct ControllerEventAt {
     double time_s;  // 0..|time step|
 };
 
+constexpr size_t kMostEvents = 16'384;  // as CrowdSettings::event_capacity has it, where nothing else is said
+
 struct ControllerUpdate {
     std::vector<ControllerActiveClip> active_clips;  // lowest layer first; at least one
-    std::vector<ControllerEventAt> events;           // of each layer in the order in which they happened
-    GroundMove move;                                 // in model space before the update
-    float inertial_s = 0;                            // how long an inertial transition takes that begins; 0: none does
+    // Of each layer in the order in which they happened; kMostEvents at most, of all layers together
+    std::vector<ControllerEventAt> events;
+    GroundMove move;       // in model space before the update
+    float inertial_s = 0;  // how long an inertial transition takes that begins; 0: none does
 };
 
 class ControllerReference {

@@ -92,7 +92,7 @@ void show_plays(uint at, uint index, LayerState state, ControlLayer layer, vec3 
                 play.loops = leading.loops;
             } else {
                 phase_step = step_phase(play, in_step && state.play_count > 1 ? common_rate : clip_mix.rate,
-                                        clip_mix.loop != 0, push.time_step_s);
+                                        clip_mix.loop != 0, clip_mix.backwards, push.time_step_s);
             }
             if (k == 0) {
                 leading.phase = play.phase;

@@ -9,10 +9,10 @@ bool holds(ControlCondition condition) {
     return condition.test == kTestFalse ? value == 0 : value != 0;
 }
 
-bool can_be_taken(ControlTransition transition, LayerPlay leading, bool fading) {
+// `phase`: of the cycle that the leading play is in, how much it has played.
+bool can_be_taken(ControlTransition transition, uint loops, uint phase, bool fading) {
     bool can = (!fading || (transition.flags & kTransitionInterrupts) != 0) &&
-               (leading.loops > transition.exit_loops ||
-                (leading.loops == transition.exit_loops && leading.phase >= transition.exit_phase));
+               (loops > transition.exit_loops || (loops == transition.exit_loops && phase >= transition.exit_phase));
     uint k = 0;
     do can = can && (k >= transition.condition_count || holds(load_condition(transition.first_condition + k)));
     while (++k < transition.condition_count && can);
@@ -24,27 +24,30 @@ uint choose_transition(LayerState state, ControlLayer layer) {
     const ControlState leading = load_state(layer.first_state + state.plays[0].motion);
     const bool fading = state.play_count > 1 && state.plays[0].fade < 1;
     const uint end = leading.first_transition + leading.transition_count;
+    const uint loops = state.plays[0].loops, phase = state.plays[0].phase;
+    const uint played = leading.speed < 0 ? kLastPhase - phase : phase;
     uint chosen = kNone, i = leading.first_transition;
     do
-        if (i < end && can_be_taken(load_transition(i), state.plays[0], fading)) chosen = i;
+        if (i < end && can_be_taken(load_transition(i), loops, played, fading)) chosen = i;
     while (++i < end && chosen == kNone);
     return chosen;
 }
 
-LayerPlay play_of_state(uint motion, float fade_rate, bool at_once) {
-    const LayerPlay play = {motion, 0, 0, float(at_once), fade_rate, 0, 0};
+LayerPlay play_of_state(ControlLayer layer, uint motion, float fade_rate, bool at_once) {
+    const uint phase = load_state(layer.first_state + motion).speed < 0 ? kLastPhase : 0;
+    const LayerPlay play = {motion, phase, 0, float(at_once), fade_rate, 0, 0};
     return play;
 }
 
 void follow_transitions(INOUT(LayerState) state, ControlLayer layer) {
     if (state.play_count == 0) {
-        push_play(state, play_of_state(0, 0, true));
+        push_play(state, play_of_state(layer, 0, 0, true));
         return;
     }
     state.taken = choose_transition(state, layer);
     if (state.taken == kNone) return;
     const ControlTransition transition = load_transition(state.taken);
-    LayerPlay play = play_of_state(transition.to, transition.fade_rate,
+    LayerPlay play = play_of_state(layer, transition.to, transition.fade_rate,
                                    transition.fade_rate == 0 || (transition.flags & kTransitionInertial) != 0);
     const uint sync = load_state(layer.first_state + transition.to).sync;
     uint k = state.play_count;
@@ -91,7 +94,7 @@ struct PhaseStep {
     float cycles;      // x
 };
 
-PhaseStep step_phase(INOUT(LayerPlay) play, float rate, bool loop, float time_step_s) {
+PhaseStep step_phase(INOUT(LayerPlay) play, float rate, bool loop, bool backwards, float time_step_s) {
     PhaseStep phase_step;
     phase_step.before = play.phase;
     phase_step.reached_end = false;
@@ -107,7 +110,7 @@ PhaseStep step_phase(INOUT(LayerPlay) play, float rate, bool loop, float time_st
     const int crossed = int(whole) + (after < play.phase ? 1 : 0);
     if (loop) {
         play.phase = after;
-        play.loops = uint(clamp(int(play.loops) + crossed, 0, int(kMostCycles)));
+        play.loops = uint(clamp(int(play.loops) + (backwards ? -crossed : crossed), 0, int(kMostCycles)));
         phase_step.crossed = crossed;
     } else {
         if (crossed != 0)

@@ -175,6 +175,7 @@ void CrowdState::clear_playbacks(std::span<const KeptBuffer> kept, std::span<std
 }
 
 std::vector<std::byte> CrowdState::save_state() {
+    check_may_change("crowd state");
     check_last_has_run("crowd state");
     finish_uploads();
     const std::vector<KeptBuffer> kept = kept_buffers();

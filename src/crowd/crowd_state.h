@@ -72,6 +72,9 @@ struct CrowdState {
     // What the buffers begin with, where no update and neither of these has brought it there; the second waits for it.
     void record_uploads(VkCommandBuffer commands);
     void finish_uploads();
+    // Throws kInvalidArgument where the last record() was not discarded and its commands have not run. May wait for the
+    // device's queue.
+    void check_last_has_run(const char* what) const;
     void follow_placements();
     void update(float time_step_s, const CrowdView* view);
     // A command buffer of VK_NULL_HANDLE: natively, at once.
@@ -143,9 +146,6 @@ private:
     void make_outputs();
     Update update_of(VkCommandBuffer commands, float time_step_s, const io::CullView& view) const;
     void check_runs(bool natively) const;
-    // Throws kInvalidArgument where the last record() was not discarded and its commands have not run. May wait for the
-    // device's queue.
-    void check_last_has_run(const char* what) const;
     void free_what_may_go();
     void go_to_slot(uint32_t next);
     Access consumers() const;

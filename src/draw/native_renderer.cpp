@@ -54,6 +54,9 @@ std::vector<NativeGroups> NativeRenderer::kept_of(Crowds crowds) {
     for (CrowdState* crowd : crowds) {
         crowd->finish_uploads();
         all.push_back(groups_.of(*crowd, [&](std::span<const uint32_t> new_groups) {
+            // Their buffers are read here once and for all
+            crowd->check_last_has_run("render");
+            if (!gpu->is_native()) gpu->wait_idle();
             uint64_t room_bytes = kTexturesLimit_bytes;
             std::vector<std::unique_ptr<const NativeGroup>> made;
             for (const uint32_t group : new_groups)

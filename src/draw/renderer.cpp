@@ -66,7 +66,13 @@ RendererState& Renderer::state() const {
 }
 
 Result<RenderResult> Renderer::render(std::span<const Crowd* const> crowds, const Camera& camera) {
-    return as_result([&] { return state().render(checked(crowds), camera); }, "render");
+    return as_result(
+        [&] {
+            const std::vector<CrowdState*> states = checked(crowds);
+            for (const CrowdState* const crowd : states) crowd->check_last_has_run("render");
+            return state().render(states, camera);
+        },
+        "render");
 }
 
 Result<RenderResult> Renderer::render_frame(std::span<Crowd* const> crowds, float time_step_s, const Camera& camera) {

@@ -34,6 +34,11 @@ VKAPI_ATTR VkBool32 VKAPI_CALL on_validation_message(VkDebugUtilsMessageSeverity
     return VK_FALSE;
 }
 
+void check_threads(const char* place, uint32_t threads) {
+    if (threads > NativeDevice::kMostThreads)
+        throw Failure(ErrorCode::kLimit, place, threads, " threads; at most ", NativeDevice::kMostThreads);
+}
+
 bool has_extension(VkPhysicalDevice physical, std::string_view name) {
     uint32_t count = 0;
     check(vkEnumerateDeviceExtensionProperties(physical, nullptr, &count, nullptr),
@@ -89,10 +94,7 @@ std::vector<DeviceInfo> Gpu::list() {
 }
 
 std::shared_ptr<Gpu> Gpu::create(const DeviceSettings& settings) {
-    if (settings.threads > NativeDevice::kMostThreads)
-        throw Failure(
-            ErrorCode::kLimit, "device",
-            std::to_string(settings.threads) + " threads; at most " + std::to_string(NativeDevice::kMostThreads));
+    check_threads("device", settings.threads);
     std::shared_ptr<Gpu> gpu(new Gpu(true));  // before the lock, as in list()
     if (is_native_name(settings.select)) {    // and Vulkan is not even loaded
         gpu->make_native(settings, NativeDevice::info(0));
@@ -159,6 +161,7 @@ std::shared_ptr<Gpu> Gpu::adopt(const AdoptedDevice& adopted) {
     if (!adopted.instance || !adopted.physical_device || !adopted.device || !adopted.queue)
         throw Failure(ErrorCode::kInvalidArgument, "adopted device",
                       "instance, physical device, device and queue are all needed");
+    check_threads("adopted device", adopted.threads);
     std::shared_ptr<Gpu> gpu(new Gpu(false));  // before the lock, as in list()
     const std::lock_guard lock(instance_level_mutex());
     load_vulkan();

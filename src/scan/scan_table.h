@@ -52,7 +52,7 @@ struct FusedPlace {
     uint32_t order = 0;    // 0: it is not tried
     uint32_t threads = 0;  // invocations a character
 };
-// What it is for.
+// The characters that a fused form is to walk.
 struct FusedNeed {
     uint32_t joint_count = 0;
     double subgroups = 0;  // that the device holds at once for each character; 0: not known, or less than one

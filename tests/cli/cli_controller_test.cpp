@@ -60,6 +60,20 @@ TEST_F(CliController, AStateThatNothingLeadsToIsAWarning) {
               "throng: warning: lonely.json: layer 'body': no transitions lead to state 'c'\n");
 }
 
+TEST_F(CliController, WhatIsWaitedForInVainIsAWarning) {
+    write("vain.json", R"({"layers": [{"name": "body",
+      "states": {"a": {"clip": "idle", "speed": 0}, "b": {"clip": "walk", "speed": -2}},
+      "transitions": [{"from": "a", "to": "b", "exit": 1}, {"from": "b", "to": "a", "exit": 1, "fade": "inertial"}]}]})");
+    const Outcome run = run_tool("controller check vain.json --character creature.glb");
+    EXPECT_EQ(run.exit_code, 0) << run;
+    EXPECT_EQ(
+        run.err,
+        "throng: warning: vain.json: layer 'body': the transition from 'a' to 'b' waits for its 'exit' for ever: "
+        "the state's speed is 0\n"
+        "throng: warning: vain.json: layer 'body': the inertial fade to 'a' has no 'fade_s', so the pose jumps\n");
+    EXPECT_TRUE(contains(run.out, "walk, speed -2")) << run;
+}
+
 TEST_F(CliController, GraphHasEveryStateAndTransition) {
     const Outcome run = succeed("controller graph controllers/dragon.json -o dragon.dot");
     const std::string dot = read_file("dragon.dot");

@@ -88,6 +88,8 @@ TEST_F(CliRender, LooksAreChosenForEachCharacter) {
     EXPECT_TRUE(refuses({"--looks", "walker.glb=nowhere.json"}, "nowhere.json"));
     EXPECT_TRUE(
         refuses({"--looks", "fox.glb=looks.json"}, "--looks fox.glb=looks.json: 'fox.glb' is none of the files"));
+    EXPECT_TRUE(refuses({"--looks", "a.json", "--looks", "b.json"}, "--looks b.json: there is one already, 'a.json'"));
+    EXPECT_TRUE(refuses({"--looks", "walker.glb="}, "--looks walker.glb=: nothing is given behind '='"));
 }
 
 TEST_F(CliRender, PicturesAreWrittenAsTheirNamesSay) {

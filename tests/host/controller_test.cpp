@@ -57,6 +57,47 @@ TEST(Controller, FadesAreLinearInTimeAndEased) {
     EXPECT_EQ(instance.reference.parameters[0], 0) << "the trigger is reset";
 }
 
+// Getting up is sitting down played backwards. Clip b lasts 2 s.
+TEST(Controller, BackwardsAStateBeginsAtItsEndAndItsExitCountsFromThere) {
+    for (const bool loop : {false, true}) {
+        Controller controller = three_states(
+            {{.from = "a", .to = "b", .conditions = kGo}, {.from = "b", .to = "c", .exit = loop ? 1.25f : 1}}, loop);
+        controller.layers[0].states[1].speed = -1;
+        Instance instance(controller);
+        instance.update(0);
+        instance.set("go", 1);
+        instance.update(0.5f);
+        EXPECT_EQ(instance.leading().motion, 1u);
+        EXPECT_EQ(instance.leading().phase, io::kLastPhase - kQuarter) << loop;
+        instance.update(1);
+        instance.update(0.25f);
+        EXPECT_EQ(instance.leading().motion, 1u) << "not before its end";
+        instance.update(0.25f);
+        EXPECT_EQ(instance.leading().phase, loop ? io::kLastPhase : 0u);
+        EXPECT_EQ(instance.leading().loops, loop ? 1u : 0u);
+        if (loop) {
+            instance.update(0.25f);
+            EXPECT_EQ(instance.leading().motion, 1u) << "a quarter of a cycle more";
+            instance.update(0.25f);
+        }
+        EXPECT_EQ(instance.leading().motion, 1u);
+        instance.update(0);
+        EXPECT_EQ(instance.leading().motion, 2u) << loop;
+    }
+}
+
+TEST(Controller, AnUpdateHasNoMoreEventsThanACrowdKeeps) {
+    for (const float speed : {1e30f, -1e30f}) {
+        Controller controller = three_states({});
+        controller.layers[0].states[0].speed = speed;
+        controller.events = {{.name = "step", .clip = "a", .time_s = 0.25}};
+        Instance instance(controller);
+        instance.update(0.1f);
+        ASSERT_EQ(instance.last.events.size(), kMostEvents);
+        EXPECT_LT(instance.last.events.back().time_s, 1e-5) << "the first of a billion";
+    }
+}
+
 TEST(Controller, AStackOfThreeLosesItsOldest) {
     Instance instance(direct_layers(1), {1, 1, 1, 1});
     for (uint32_t clip = 0; clip < 4; ++clip) {
@@ -275,12 +316,12 @@ TEST(Controller, EventsArePassedOnceInEachCycle) {
 TEST(Controller, EventsOfTheWayBack) {
     Instance instance(with_events(true, -1));
     instance.update(0.5f);
-    EXPECT_EQ(instance.events(), "end@0 half@0.5");
+    EXPECT_EQ(instance.events(), "half@0.5") << "the end is where it begins";
     instance.update(1.25f);  // from 0.5 down to 0.25 of the cycle before
     EXPECT_EQ(instance.events(), "start@0.5 end@0.5 half@1");
     instance.update(-0.5f);  // back of back
     EXPECT_EQ(instance.events(), "half@0.25");
-    EXPECT_EQ(instance.leading().loops, 0u);
+    EXPECT_EQ(instance.leading().loops, 1u) << "of those backwards";
 }
 
 TEST(Controller, EndsArePassedOnce) {

@@ -42,7 +42,10 @@ nlohmann::json to_json(const Controller& controller, const CheckOptions& options
     for (const ControllerLayer& layer : controller.layers) {
         nlohmann::json states = nlohmann::json::array(), transitions = states;
         for (const ControllerState& state : layer.states)
-            states.push_back({{"name", state.name}, {"motion", motion_text(state)}, {"loop", state.loop}});
+            states.push_back({{"name", state.name},
+                              {"motion", motion_text(state)},
+                              {"loop", state.loop},
+                              {"speed", factor_text(state.speed, state.speed_parameter)}});
         for (const ControllerTransition& transition : layer.transitions)
             transitions.push_back({{"from", transition.from.empty() ? "*" : transition.from},
                                    {"to", transition.to},
@@ -71,8 +74,11 @@ void print_layer(const ControllerLayer& layer, size_t index) {
         std::printf("; plays what it is told\n");
     else
         std::printf("; %zu states, %zu transitions\n", layer.states.size(), layer.transitions.size());
-    for (const ControllerState& state : layer.states)
-        std::printf("    %-14s %s%s\n", state.name.c_str(), motion_text(state).c_str(), state.loop ? "" : ", once");
+    for (const ControllerState& state : layer.states) {
+        const std::string how = play_text(state);
+        std::printf("    %-14s %s%s%s\n", state.name.c_str(), motion_text(state).c_str(), how.empty() ? "" : ", ",
+                    how.c_str());
+    }
     for (const ControllerTransition& transition : layer.transitions) {
         const std::string from = transition.from.empty() ? "(any)" : transition.from;
         std::string how = conditions_text(transition);
@@ -105,9 +111,11 @@ void print_text(const Controller& controller, const CheckOptions& options) {
 void run_check(const CheckOptions& options) {
     const Controller controller = unwrap(load_controller(options.file));
     const CompileSettings quickly{.error = 0, .lods = false};  // else it would take longer than the check
-    for (const Character& character : load_characters(options.characters, quickly))
+    std::vector<std::string> warnings = controller_warnings(controller);
+    for (const Character& character : load_characters(options.characters, quickly)) {
         unwrap(check_controller(controller, character));
-    const std::vector<std::string> warnings = controller_warnings(controller);
+        for (std::string& warning : controller_warnings(controller, character)) warnings.push_back(std::move(warning));
+    }
     print_warnings(warnings);
     if (options.json)
         print_json(to_json(controller, options, warnings));

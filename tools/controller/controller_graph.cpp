@@ -39,10 +39,7 @@ std::string short_motion_text(const ControllerState& state) {
 }
 
 std::string state_node(const std::string& id, const ControllerState& state, bool is_first) {
-    std::string how = state.loop ? "" : "once";
-    const std::string speed = factor_text(state.speed, state.speed_parameter);
-    if (speed != "1") how += (how.empty() ? "speed " : ", speed ") + speed;
-    return "    " + id + " [" + label({state.name, short_motion_text(state), how}) +
+    return "    " + id + " [" + label({state.name, short_motion_text(state), play_text(state)}) +
            (is_first ? ", penwidth=2.5" : "") + "];\n";
 }
 

@@ -1,5 +1,6 @@
 #include "tools/controller/controller_text.h"
 
+#include <algorithm>
 #include <charconv>
 #include <map>
 #include <set>
@@ -49,15 +50,46 @@ std::vector<std::string> timing_text(const ControllerTransition& transition) {
     return text;
 }
 
+std::string play_text(const ControllerState& state) {
+    std::string text = state.loop ? "" : "once";
+    if (const std::string speed = factor_text(state.speed, state.speed_parameter); speed != "1")
+        text += (text.empty() ? "speed " : ", speed ") + speed;
+    return text;
+}
+
 std::string factor_text(float number, const std::string& parameter) {
     if (parameter.empty()) return number_text(number);
     return number == 1 ? parameter : number_text(number) + " * " + parameter;
 }
 
+namespace {
+
+// Of the transitions that wait for an exit from a state, those whose state stands still, with the reason.
+template <class ReasonOf>
+void warn_of_exits(std::vector<std::string>& warnings, const Controller& controller, const ReasonOf& reason_of) {
+    for (const ControllerLayer& layer : controller.layers)
+        for (const ControllerTransition& transition : layer.transitions)
+            for (const ControllerState& state : layer.states)
+                if (transition.exit > 0 && transition.from == state.name)
+                    if (const std::string reason = reason_of(state); !reason.empty())
+                        warnings.push_back(controller.name + ": layer '" + layer.name + "': the transition from '" +
+                                           state.name + "' to '" + transition.to +
+                                           "' waits for its 'exit' for ever: " + reason);
+}
+
+}  // namespace
+
 std::vector<std::string> controller_warnings(const Controller& controller) {
     std::vector<std::string> warnings;
+    warn_of_exits(warnings, controller, [](const ControllerState& state) {
+        return std::string(state.speed == 0 ? "the state's speed is 0" : "");
+    });
     for (const ControllerLayer& layer : controller.layers) {
         if (layer.states.empty()) continue;
+        for (const ControllerTransition& transition : layer.transitions)
+            if (transition.fade == FadeKind::kInertial && transition.fade_s == 0)
+                warnings.push_back(controller.name + ": layer '" + layer.name + "': the inertial fade to '" +
+                                   transition.to + "' has no 'fade_s', so the pose jumps");
         std::multimap<std::string_view, std::string_view> next;  // what leads away from "" can be taken in any state
         for (const ControllerTransition& transition : layer.transitions) next.emplace(transition.from, transition.to);
         std::set<std::string_view> reached;
@@ -73,6 +105,28 @@ std::vector<std::string> controller_warnings(const Controller& controller) {
                 warnings.push_back(controller.name + ": layer '" + layer.name + "': no transitions lead to state '" +
                                    state.name + "'");
     }
+    return warnings;
+}
+
+std::vector<std::string> controller_warnings(const Controller& controller, const Character& character) {
+    std::vector<std::string> warnings;
+    std::map<std::string_view, std::vector<const Clip*>> clips;
+    for (const Clip& clip : character.clips) clips[clip.name].push_back(&clip);
+    std::set<std::string_view> played;
+    for (const ControllerLayer& layer : controller.layers)
+        for (const ControllerState& state : layer.states)
+            for (const BlendPoint& point : state.points) played.insert(point.clip);
+    for (const std::string_view name : played)
+        if (clips[name].size() > 1)
+            warnings.push_back(controller.name + " with " + character.name + ": " + std::to_string(clips[name].size()) +
+                               " clips have the name '" + std::string(name) + "'; the first of them is played");
+    warn_of_exits(warnings, controller, [&](const ControllerState& state) {
+        const bool has_length = std::ranges::any_of(state.points, [&](const BlendPoint& point) {
+            const std::vector<const Clip*>& named = clips[point.clip];
+            return named.empty() || named.front()->duration_s > 0;
+        });
+        return std::string(has_length ? "" : "the state's clip in " + character.name + " has no length");
+    });
     return warnings;
 }
 

@@ -13,6 +13,9 @@ std::string number_text(float value);
 // "idle"; "walk at 1.4, run at 4 by speed"
 std::string motion_text(const ControllerState& state);
 
+// "once, speed -1"; empty of what loops at speed 1
+std::string play_text(const ControllerState& state);
+
 // "speed > 0.1, alert, not tired, jump triggered"; empty without conditions
 std::string conditions_text(const ControllerTransition& transition);
 
@@ -22,8 +25,11 @@ std::vector<std::string> timing_text(const ControllerTransition& transition);
 // What a number is multiplied by: "0.5", "pace", "0.5 * pace"
 std::string factor_text(float number, const std::string& parameter);
 
-// States that no transitions lead to, a line each.
+// What can hardly be meant, a line each: states that no transitions lead to, transitions that cannot be taken.
 std::vector<std::string> controller_warnings(const Controller& controller);
+// What can hardly be meant of this character: clips that share their name, transitions that wait for the end of clips
+// without length.
+std::vector<std::string> controller_warnings(const Controller& controller, const Character& character);
 
 // A graph in Graphviz's language: a cluster a layer, a node a state, an edge a transition.
 std::string controller_graph(const Controller& controller);

@@ -32,17 +32,25 @@ void check_lengths(const SceneOptions& options) {
 std::vector<std::string> of_files(const std::vector<std::string>& files, const std::vector<std::string>& given,
                                   const std::string& option) {
     std::vector<std::string> values(files.size());
+    std::string of_all;
+    const auto set = [&](std::string& value, const std::string& one, const std::string& given_value) {
+        if (given_value.empty()) throw CommandError(option + " " + one + ": nothing is given behind '='");
+        if (!value.empty()) throw CommandError(option + " " + one + ": there is one already, '" + value + "'");
+        value = given_value;
+    };
     for (const std::string& one : given) {
         const size_t equals = one.find('=');
         if (equals == std::string::npos) {
-            std::ranges::fill(values, one);
+            set(of_all, one, one);
             continue;
         }
         const auto file = std::ranges::find(files, one.substr(0, equals));
         if (file == files.end())
             throw CommandError(option + " " + one + ": '" + one.substr(0, equals) + "' is none of the files");
-        values[static_cast<size_t>(file - files.begin())] = one.substr(equals + 1);
+        set(values[static_cast<size_t>(file - files.begin())], one, one.substr(equals + 1));
     }
+    for (std::string& value : values)
+        if (value.empty()) value = of_all;
     return values;
 }
 

@@ -53,7 +53,7 @@ ScanPlan plan_with(const ScanRig& rig, const ScanLimits& limits, uint32_t thread
     const StreamTeam team(limits, threads);
     const uint32_t lanes = team.lanes;
     const uint32_t invocations = workgroup_size(limits, team), teams = invocations / threads;
-    // So that as many subgroups as one likes go through the same chunks
+    // So that the chunks do not depend on how many subgroups go through them
     const uint32_t teams_of_one = workgroup_size(limits, StreamTeam(limits, lanes)) / lanes;
     const StreamPlan stream = plan_stream(
         rig, {.lanes = lanes,
@@ -84,7 +84,8 @@ ScanPlan plan_with(const ScanRig& rig, const ScanLimits& limits, uint32_t thread
                    .shared_bytes = slot_bytes / stream.characters,
                    // A round is a product and the shuffles that bring it the other factor.
                    .issue_steps = (stream.longest_lane + kShuffles * stream.round_count) * subgroups,
-                   .loop_iterations = uint64_t{2 + team.subgroups} * chunks_of_one + stream.round_count + 1,
+                   .loop_iterations = (team.subgroups > 1 ? 2 + team.subgroups : uint64_t{2}) * chunks_of_one +
+                                      stream.round_count + 1,
                    .run_joints = lanes < rig.joint_count() ? static_cast<double>(lanes) : 0,
                    // Links, a local transform, a slot read and one written, a model transform
                    .issue_rows = chunks * (2 * kRowsOfLink + 3 * rows_of_local + kRowsOfAffine) * subgroups,
