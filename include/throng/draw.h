@@ -109,8 +109,8 @@ public:
     ~Renderer();
 
     // Makes what drawing this crowd needs, its pipelines and textures, so that its first picture is no slower than
-    // those after it. Submits and waits; what has been recorded of the crowd must have been submitted. From then on
-    // updates copy the placements that they move, 48 bytes each, for what is fitted to them.
+    // those after it. Submits and waits. From then on updates copy the placements that they move, 48 bytes each, for
+    // what is fitted to them.
     Result<void> prepare(const Crowd& crowd);
 
     // What follows takes one crowd, or several, each once, that are drawn in one picture, under one sun, with one

@@ -27,7 +27,7 @@ public:
     // Whether the commands of a first update that was recorded are known to have run.
     bool first_update_has_run() const { return has_event_ && have_run_.is_set(); }
     // Before something is read, where they have not been recorded: submits them and waits; on a software device the
-    // processor copies, since nobody uses the buffers yet.
+    // processor copies, since nobody uses the buffers yet. Where they have been, by themselves, waits for the queue.
     void finish();
 
 private:

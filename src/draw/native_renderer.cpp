@@ -54,9 +54,7 @@ std::vector<NativeGroups> NativeRenderer::kept_of(Crowds crowds) {
     for (CrowdState* crowd : crowds) {
         crowd->finish_uploads();
         all.push_back(groups_.of(*crowd, [&](std::span<const uint32_t> new_groups) {
-            // Their buffers are read here once and for all
-            crowd->check_last_has_run("render");
-            if (!gpu->is_native()) gpu->wait_idle();
+            crowd->check_last_has_run("render");  // their buffers are read here, once and for all
             uint64_t room_bytes = kTexturesLimit_bytes;
             std::vector<std::unique_ptr<const NativeGroup>> made;
             for (const uint32_t group : new_groups)
@@ -69,7 +67,8 @@ std::vector<NativeGroups> NativeRenderer::kept_of(Crowds crowds) {
 
 void NativeRenderer::prepare(Crowds crowds) {
     accept(crowds);
-    kept_of(crowds);
+    // Else the first picture makes it, which waits for what has been recorded
+    if (std::ranges::none_of(crowds, [](const CrowdState* crowd) { return crowd->awaits_commands(); })) kept_of(crowds);
 }
 
 RenderResult NativeRenderer::render(Crowds crowds, const Camera& camera) {
