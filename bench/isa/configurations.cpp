@@ -28,7 +28,7 @@ struct Visits {
                     uint32_t characters = 0) const {
         settings.groups = {group};
         settings.groups[0].character = &character;
-        // What few characters take may be another form
+        // So many that each has one subgroup, as in the crowds that the records are about; few share more
         constexpr uint32_t kMany = 10'000;
         settings.groups[0].instance_count = group.shaders_populate ? 0 : std::max(characters, kMany);
         settings.timestamps = false;

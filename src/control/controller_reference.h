@@ -35,7 +35,8 @@ constexpr size_t kMostEvents = 16'384;  // as CrowdSettings::event_capacity has 
 
 struct ControllerUpdate {
     std::vector<ControllerActiveClip> active_clips;  // lowest layer first; at least one
-    // Of each layer in the order in which they happened; kMostEvents at most, of all layers together
+    // Layer by layer, and within a layer by time; the first kMostEvents of them, so that a clip that goes round a
+    // billion times takes no memory without bound
     std::vector<ControllerEventAt> events;
     GroundMove move;       // in model space before the update
     float inertial_s = 0;  // how long an inertial transition takes that begins; 0: none does

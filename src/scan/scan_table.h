@@ -70,7 +70,8 @@ struct ScanMethod {
     ScanFormat format = ScanFormat::kAffine;  // kSimilarity: for rigs of uniform scale only
     // Invocations per character that the method can be told to use, best guess first; 0: as many as it chooses.
     std::vector<uint32_t> (*thread_choices)(const ScanLimits& limits);
-    // Those that the planner considers, and its costs were fitted to; null: all.
+    // Which of them `--scan auto` chooses among. Its costs were fitted to these alone; the others are for comparisons,
+    // and for who asks for them. Null: all.
     std::vector<uint32_t> (*planned_choices)(const ScanLimits& limits) = nullptr;
     // Any joint count from 1 to 65,535; `threads` is one of thread_choices().
     ScanPlan (*plan)(const ScanRig& rig, const ScanLimits& limits, uint32_t threads);

@@ -63,7 +63,8 @@ TEST_F(CliController, AStateThatNothingLeadsToIsAWarning) {
 TEST_F(CliController, WhatIsWaitedForInVainIsAWarning) {
     write("vain.json", R"({"layers": [{"name": "body",
       "states": {"a": {"clip": "idle", "speed": 0}, "b": {"clip": "walk", "speed": -2}},
-      "transitions": [{"from": "a", "to": "b", "exit": 1}, {"from": "b", "to": "a", "exit": 1, "fade": "inertial"}]}]})");
+      "transitions": [{"from": "a", "to": "b", "exit": 1},
+                      {"from": "b", "to": "a", "exit": 1, "fade": "inertial"}]}]})");
     const Outcome run = run_tool("controller check vain.json --character creature.glb");
     EXPECT_EQ(run.exit_code, 0) << run;
     EXPECT_EQ(

@@ -15,22 +15,22 @@ uint32_t workgroup_size(const ScanLimits& limits, const StreamTeam& team) {
     return std::min(wanted, limits.workgroup_size);
 }
 
-// Of the lanes of one chunk.
-uint32_t first_choice(const ScanLimits& limits) {
+// With 64 lanes a round of doubling would be twice as many products.
+uint32_t preferred_lanes(const ScanLimits& limits) {
     return std::min(32u, std::max(limits.subgroup_size, limits.largest_subgroup_size));
 }
 
 std::vector<uint32_t> lane_choices(const ScanLimits& limits) {
     std::vector<uint32_t> choices;
     if (!limits.shuffle) return choices;
-    for (uint32_t lanes = first_choice(limits); lanes >= 4; lanes /= 2) choices.push_back(lanes);
+    for (uint32_t lanes = preferred_lanes(limits); lanes >= 4; lanes /= 2) choices.push_back(lanes);
     return choices;
 }
 
 std::vector<uint32_t> thread_choices(const ScanLimits& limits) {
     std::vector<uint32_t> choices = lane_choices(limits);
     if (choices.empty()) return choices;
-    for (uint32_t threads = 2 * first_choice(limits); threads <= limits.workgroup_size; threads *= 2) {
+    for (uint32_t threads = 2 * preferred_lanes(limits); threads <= limits.workgroup_size; threads *= 2) {
         const StreamTeam team(limits, threads);
         const bool is_certain = team.lanes <= limits.largest_subgroup_size;  // that a subgroup has as many lanes
         if (team.subgroups > (is_certain ? kMostSubgroups : 1)) break;
@@ -39,7 +39,8 @@ std::vector<uint32_t> thread_choices(const ScanLimits& limits) {
     return choices;
 }
 
-// Side by side go the rounds of a team, and one after the other what it takes from earlier chunks.
+// On the critical path: the rounds of a team's subgroups run side by side, but they multiply what lies above their
+// chunks one after the other, since the next needs what the one before has put into slots.
 uint32_t longest_thread(const StreamPlan& stream, uint32_t subgroups) {
     uint32_t longest = stream.longest_lane - stream.round_count;
     for (size_t first = 0; first < stream.rounds.size(); first += subgroups) {
@@ -105,7 +106,7 @@ ScanPlan plan_similarity(const ScanRig& rig, const ScanLimits& limits, uint32_t 
 // characters, and so the same bits: none so small that several may share a chunk.
 template <uint32_t kOrder>
 FusedPlace fused_place(const ScanLimits& limits, const FusedNeed& need) {
-    FusedPlace place{limits.is_cpu ? 0 : kOrder, first_choice(limits)};
+    FusedPlace place{limits.is_cpu ? 0 : kOrder, preferred_lanes(limits)};
     const uint32_t lanes = place.threads;
     for (const uint32_t threads : thread_choices(limits)) {
         const StreamTeam team(limits, threads);
