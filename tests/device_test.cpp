@@ -227,7 +227,9 @@ TEST(Device, AnApplicationsDeviceIsAdoptedAndLeftAlone) {
     EXPECT_EQ(refused.error().code, ErrorCode::kInvalidArgument);
     wrong = application.adopted();
     wrong.threads = 5000;
-    EXPECT_EQ(Device::adopt(wrong).error().text(), "adopted device: 5000 threads; at most 1024");
+    const Result<Device> crowded = Device::adopt(wrong);
+    ASSERT_FALSE(crowded);
+    EXPECT_EQ(crowded.error().text(), "adopted device: 5000 threads; at most 1024");
     EXPECT_TRUE(Device::adopt(application.adopted())) << "after a refusal";
 }
 
