@@ -171,7 +171,7 @@ ScanMethod stream() {
             .fused_place = fused_place<4>,  // it reads rows where a character has them
             .picture = {simulate,
                         "Drawn with 4 lanes. A chunk holds any joints whose parents are in it or in earlier ones;\n"
-                        "ancestors in earlier chunks wait in shared memory. ×1: nothing lies above a root."},
+                        "ancestors in earlier chunks wait in shared memory."},
             .rank = 115,
             .style = {{"#1f7a3d", "#56d364"}, 2.4, "", 7, 0.45}};
 }
