@@ -588,23 +588,6 @@ TEST(Crowd, ACharacterWithoutClipsShowsItsRestPose) {
     EXPECT_FALSE(crowd.set_playback(InstanceHandle{0}, Playback{.first = {.clip = 0}}));
 }
 
-TEST(Crowd, DirtyRangesMergeWhatTouches) {
-    DirtyRanges dirty;
-    const auto take = [&] {
-        std::vector<std::pair<uint32_t, uint32_t>> out;
-        for (const auto& [first, count] : dirty.take()) out.emplace_back(first, count);
-        return out;
-    };
-    using Ranges = std::vector<std::pair<uint32_t, uint32_t>>;
-    EXPECT_EQ(take(), Ranges{});
-    dirty.add(5, 0);
-    EXPECT_EQ(take(), Ranges{});
-    for (const auto& [first, count] : Ranges{{10, 5}, {0, 3}, {12, 1}, {14, 4}, {20, 5}, {3, 1}, {12, 2}, {21, 1}})
-        dirty.add(first, count);
-    EXPECT_EQ(take(), (Ranges{{0, 4}, {10, 8}, {20, 5}}));
-    EXPECT_EQ(take(), Ranges{}) << "taken twice";
-}
-
 TEST(Crowd, TheReferenceRefusesWhatTheCrowdRefuses) {
     const Character character = small_character();
     EXPECT_FALSE(reference_pose(character, Playback{.first = {.clip = 3}}));

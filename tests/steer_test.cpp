@@ -242,6 +242,70 @@ void follow_steering(double x, double z, uint64_t seed) {
 TEST(Steer, FollowsTheReference) { follow_steering(0, 0, 1); }
 TEST(Steer, FollowsTheReferenceFarFromTheOrigin) { follow_steering(400, -1000, 2); }
 
+// A few large ones, near and far: the small ones see each other as without them.
+TEST(Steer, LargeAgentsDoNotBlindSmallOnes) {
+    constexpr uint32_t kSmall = 400, kLarge = 3;
+    constexpr float kRadius = 0.1f;
+    const Character character = body(false);
+    const CrowdSettings settings{
+        .groups = {
+            {.character = &character, .instance_count = kSmall, .steering = Steering{.radius = kRadius, .speed = 0.7f}},
+            {.character = &character, .instance_count = kLarge, .steering = Steering{.radius = 4, .speed = 2}}}};
+    std::vector<Affine> places;
+    std::vector<std::optional<Vec3<float>>> destinations;
+    for (uint32_t i = 0; i < kSmall; ++i) {
+        const double x = 0.5 * (i % 20) - 5, z = 0.5 * (i / 20) - 5, toward = i % 2 == 0 ? 1 : -1;
+        places.push_back(turned_at(x, z, toward * 1.57));
+        destinations.push_back(Vec3<double>{x + 4 * toward, 0, z}.as<float>());
+    }
+    for (const double x : {-9.0, 9.5, 130.0}) {
+        places.push_back(turned_at(x, 0));
+        destinations.push_back(x < 0 ? std::optional(Vec3<float>{20, 0, 0}) : std::nullopt);
+    }
+    Followed followed(settings, places, destinations);
+    for (int update = 0; update < 12 && !::testing::Test::HasFailure(); ++update) followed.step(0.1f);
+    Crowd crowd = create(settings);
+    ASSERT_TRUE(crowd.set_placement(crowd.instances(), places));
+    send(crowd, destinations);
+    double nearest = 1;
+    for (int update = 0; update < 100; ++update) {
+        ASSERT_TRUE(crowd.update(0.05f));
+        const std::vector<Affine> now = placements_of(crowd);
+        for (uint32_t i = 0; i < kSmall; ++i)
+            for (uint32_t k = 0; k < i; ++k) nearest = std::min(nearest, apart(now[i], now[k]) / (2 * double{kRadius}));
+    }
+    EXPECT_GT(nearest, 0.74);
+}
+
+TEST(Steer, GridsAreForAgentsOfAboutOneSize) {
+    const std::vector<AgentGrid> grids = agent_grids({0.3f, 4, 0.2f, 0.3f, 2.1f, 2, 0.15f});
+    std::vector<float> largest;
+    for (const AgentGrid& grid : grids) largest.push_back(grid.largest);
+    EXPECT_EQ(largest, (std::vector{4.0f, 2.0f, 0.3f, 0.15f}));
+    EXPECT_EQ(grid_of(grids, 2.1f), 0u);
+    EXPECT_EQ(grid_of(grids, 2), 1u);
+    EXPECT_EQ(grid_of(grids, 0.2f), 2u);
+    EXPECT_EQ(grid_of(grids, 0.15f), 3u);
+    std::vector<float> many;
+    for (float radius = 1000; radius > 0.01f; radius /= 2) many.push_back(radius);
+    const std::vector<AgentGrid> of_many = agent_grids(many);
+    EXPECT_EQ(of_many.size(), io::kAgentGridLimit);
+    EXPECT_EQ(grid_of(of_many, many.back()), io::kAgentGridLimit - 1) << "with all that are smaller";
+}
+
+TEST(Steer, TheFastArriveToo) {
+    const Character character = body(false);
+    for (const float speed : {1.4f, 8.0f, 60.0f, 1000.0f}) {
+        Crowd crowd = create({.groups = {{.character = &character,
+                                          .instance_count = 1,
+                                          .steering = Steering{.radius = 0.3f, .speed = speed, .turn = 6}}}});
+        ASSERT_TRUE(crowd.set_placement(crowd.instances(), std::vector{turned_at(0, 0, 1)}));
+        ASSERT_TRUE(crowd.set_destination(crowd.instances(), std::vector{Vec3<float>{5, 0, 0}}));
+        for (int update = 0; update < 300; ++update) ASSERT_TRUE(crowd.update(0.05f));
+        EXPECT_LT(std::abs(placements_of(crowd)[0].row[0][3] - 5), 0.3f) << speed;
+    }
+}
+
 TEST(Steer, RunsAndBatchesGiveTheSameBytes) {
     const Mixture mixture(-3, 7, 3);
     Crowd whole = create(mixture.settings), again = create(mixture.settings);

@@ -165,7 +165,7 @@ std::string AttachStage::set_levels() {
 }
 
 void AttachStage::begin(const Update& update) {
-    const std::vector<DirtyRanges::Range> ranges = dirty_.take();
+    const std::span<const DirtyRanges::Range> ranges = dirty_.take();
     for_each_part(batches_, ranges, [&](const Batch& batch, uint32_t first, uint32_t count) {
         if (batch[io::kAttachmentsBuffer])
             update.changes->write(update, ranges.size(), batch, io::kAttachmentsBuffer, first - batch.first_instance,

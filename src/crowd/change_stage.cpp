@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cstring>
+#include <ranges>
 
 namespace throng {
 namespace {
@@ -27,30 +28,34 @@ ChangeStage::ChangeStage(const StageContext& context) : Stage(context) {
     if (context.instance_count <= kFew) return;
     const size_t words = std::min(kRoundWords, context.instance_count * kMostWordsAnInstance);
     uploaded_ = Buffer(gpu_, "changes", words * sizeof(uint32_t), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT);
-    for (uint32_t i = 0; i < batches_.size(); ++i)
+    pending_.resize(batches_.size());
+    for (size_t i = 0; i < batches_.size(); ++i)
         for (const uint32_t buffer : kChangedBuffers)
-            if (const Buffer& changed = batches_[i][buffer])
-                bindings_[{i, buffer}] = scatter_.bind(
-                    BufferTable{{io::kChangesBuffer, uploaded_}, {io::kChangedBuffer, changed}});
+            if (const Buffer& changed = batches_[i][buffer]) {
+                const BufferTable table{{io::kChangesBuffer, uploaded_}, {io::kChangedBuffer, changed}};
+                pending_[i].push_back({.buffer = buffer, .bindings = scatter_.bind(table)});
+            }
 }
 
-void ChangeStage::begin(const Update&) { pending_.clear(); }
+void ChangeStage::begin(const Update&) {
+    for (std::vector<Pending>& of_batch : pending_)
+        for (Pending& pending : of_batch) pending.words.clear();
+}
 
 void ChangeStage::write(const Update& update, size_t range_count, const Batch& batch, uint32_t buffer,
                         uint32_t item_words, uint32_t first, std::span<const std::byte> items) {
     const size_t item_bytes = item_words * sizeof(uint32_t);
     if (!update.commands || !uploaded_ || range_count <= kFew || items.size() >= kLong_bytes)
         return record_update(*gpu_, update.commands, batch[buffer], first * item_bytes, items);
-    const Bindings& bindings = bindings_.at({static_cast<uint32_t>(&batch - batches_.data()), buffer});
-    auto known = std::find_if(pending_.rbegin(), pending_.rend(),
-                              [&](const Pending& one) { return one.bindings == &bindings; });
-    std::vector<uint32_t>& words = known != pending_.rend()
-                                       ? known->words
-                                       : pending_.emplace_back(Pending{&bindings, item_words, {}}).words;
-    for (size_t at = 0; at < items.size(); at += item_bytes) {
-        words.push_back(first++);
-        words.resize(words.size() + item_words);
-        std::memcpy(&words[words.size() - item_words], &items[at], item_bytes);
+    std::vector<Pending>& of_batch = pending_[static_cast<size_t>(&batch - batches_.data())];
+    Pending& pending = *std::ranges::find(of_batch, buffer, &Pending::buffer);
+    pending.item_words = item_words;
+    const size_t known = pending.words.size(), count = items.size() / item_bytes;
+    pending.words.resize(known + count * (1 + item_words));
+    uint32_t* to = pending.words.data() + known;
+    for (size_t i = 0; i < count; ++i, to += 1 + item_words) {
+        *to = first + static_cast<uint32_t>(i);
+        std::memcpy(to + 1, &items[i * item_bytes], item_bytes);
     }
 }
 
@@ -65,7 +70,7 @@ void ChangeStage::record(const Update& update) {
         memory_barrier(*gpu_, update.commands, kTransferWrite, kShaderRead | kShaderWrite);
         for (const auto& [of, first_word, count] : round)
             scatter_.dispatch_invocations(
-                update.commands, *of.bindings,
+                update.commands, of.bindings,
                 io::ScatterPush{static_cast<uint32_t>(first_word), static_cast<uint32_t>(count), of.item_words},
                 static_cast<uint32_t>(count * of.item_words));
         memory_barrier(*gpu_, update.commands, kShaderRead | kShaderWrite, kShaderRead | kShaderWrite | kTransferWrite);
@@ -74,7 +79,7 @@ void ChangeStage::record(const Update& update) {
     };
     const size_t room = uploaded_.size_bytes() / sizeof(uint32_t);
     // The first round may be written: the barrier that the update begins with is behind what the last update read.
-    for (const Pending& of : pending_) {
+    for (const Pending& of : std::views::join(pending_)) {
         const size_t stride = 1 + of.item_words;
         for (size_t at = 0; at < of.words.size();) {
             const size_t count = std::min(room - used_words, of.words.size() - at) / stride;

@@ -5,9 +5,7 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <map>
 #include <span>
-#include <utility>
 #include <vector>
 
 namespace throng {
@@ -34,20 +32,20 @@ public:
     uint64_t size_bytes() const override { return uploaded_ ? uploaded_.size_bytes() : 0; }
 
 private:
-    // What scatter is to put into a buffer: an item's number, and its words, for each.
+    // What scatter is to put into a buffer of a batch.
     struct Pending {
-        const Bindings* bindings = nullptr;
+        uint32_t buffer = 0;
+        Bindings bindings;
         uint32_t item_words = 0;
-        std::vector<uint32_t> words;
+        std::vector<uint32_t> words;  // an item's number, and its words, for each
     };
 
     void write(const Update& update, size_t range_count, const Batch& batch, uint32_t buffer, uint32_t item_words,
                uint32_t first, std::span<const std::byte> items);
 
     Kernel scatter_;
-    Buffer uploaded_;                                             // a round of what is pending
-    std::map<std::pair<uint32_t, uint32_t>, Bindings> bindings_;  // of a batch and one of its buffers
-    std::vector<Pending> pending_;
+    Buffer uploaded_;                            // a round of what is pending
+    std::vector<std::vector<Pending>> pending_;  // [batches], for each of its buffers that may change
 };
 
 }  // namespace throng

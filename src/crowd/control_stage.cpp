@@ -85,7 +85,7 @@ void ControlStage::begin(const Update& update) {
         Batch& batch = batches_[member.batch];
         batch.blends = member.blending_count > 0 || group_of(batch).command_capacity > 0;  // shaders may blend as well
     }
-    const std::vector<DirtyRanges::Range> ranges = dirty_.take();
+    const std::span<const DirtyRanges::Range> ranges = dirty_.take();
     for_each_part(batches_, ranges, [&](const Batch& batch, uint32_t first, uint32_t count) {
         if (batch[io::kPlaybacksBuffer])
             update.changes->write(update, ranges.size(), batch, io::kPlaybacksBuffer, first - batch.first_instance,

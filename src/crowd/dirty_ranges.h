@@ -1,8 +1,11 @@
-// Which instances changed since the last update; costs nothing for those that did not.
+// Which instances changed since the last update; costs nothing for those that did not, but for a bit each.
 #pragma once
 
 #include <algorithm>
+#include <bit>
+#include <cstddef>
 #include <cstdint>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -14,61 +17,73 @@ public:
         uint32_t first = 0, count = 0;
     };
 
-    DirtyRanges() = default;
-    explicit DirtyRanges(std::vector<Range> pending) : ranges_(std::move(pending)) {}
-
     void add(uint32_t first, uint32_t count) {
         if (count == 0) return;
-        if (!ranges_.empty() && first == ranges_.back().first + ranges_.back().count)
-            ranges_.back().count += count;
-        else
-            ranges_.push_back({first, count});
+        is_any_ = true;
+        const size_t last_word = (size_t{first} + count - 1) / kBits;
+        if (words_.size() <= last_word) words_.resize(last_word + 1);
+        for_each_word(first, count, [](uint64_t& word, uint64_t bits) { word |= bits; });
     }
 
     // These have not changed.
     void remove(uint32_t first, uint32_t count) {
-        std::vector<Range> others;
-        for (const Range& range : pending()) {
-            const uint32_t end = range.first + range.count, removed_end = first + count;
-            if (range.first < first) others.push_back({range.first, std::min(end, first) - range.first});
-            if (end > removed_end) {
-                const uint32_t begin = std::max(range.first, removed_end);
-                others.push_back({begin, end - begin});
-            }
-        }
-        ranges_ = std::move(others);
+        const size_t end = std::min(size_t{first} + count, words_.size() * kBits);
+        if (first >= end) return;
+        for_each_word(first, static_cast<uint32_t>(end - first), [](uint64_t& word, uint64_t bits) { word &= ~bits; });
     }
 
     // The changed instances in ascending order, each once.
     std::vector<Range> pending() const {
-        std::vector<Range> ranges = ranges_, merged;
-        std::sort(ranges.begin(), ranges.end(), [](const Range& a, const Range& b) { return a.first < b.first; });
-        for (const Range& range : ranges) {
-            if (merged.empty() || range.first > merged.back().first + merged.back().count) {
-                merged.push_back(range);
-                continue;
-            }
-            Range& last = merged.back();
-            last.count = std::max(last.first + last.count, range.first + range.count) - last.first;
-        }
-        return merged;
+        std::vector<Range> ranges;
+        append_to(ranges);
+        return ranges;
     }
 
-    // The same; none is left.
-    std::vector<Range> take() {
-        taken_ = pending();
-        ranges_.clear();
+    // The same, until the next call; none is left.
+    std::span<const Range> take() {
+        taken_.clear();
+        append_to(taken_);
+        if (std::exchange(is_any_, false)) std::ranges::fill(words_, 0);
         return taken_;
     }
 
     // What the last take() has returned counts as changed again.
     void put_back() {
-        ranges_.insert(ranges_.end(), taken_.begin(), taken_.end());
-        taken_.clear();
+        for (const auto& [first, count] : std::exchange(taken_, {})) add(first, count);
     }
 
 private:
-    std::vector<Range> ranges_, taken_;
+    static constexpr size_t kBits = 64;
+
+    void append_to(std::vector<Range>& ranges) const {
+        if (!is_any_) return;
+        for (size_t at = 0; at < words_.size(); ++at) {
+            for (uint64_t word = words_[at]; word != 0; word &= word + (word & -word)) {  // without its lowest ones
+                const int bit = std::countr_zero(word);
+                const auto first = static_cast<uint32_t>(at * kBits) + static_cast<uint32_t>(bit),
+                           count = static_cast<uint32_t>(std::countr_one(word >> bit));
+                if (!ranges.empty() && ranges.back().first + ranges.back().count == first)
+                    ranges.back().count += count;
+                else
+                    ranges.push_back({first, count});
+            }
+        }
+    }
+
+    // Of those from `first` on that lie in a word: apply(word, their bits).
+    template <class Apply>
+    void for_each_word(uint32_t first, uint32_t count, const Apply& apply) {
+        const size_t end = size_t{first} + count;
+        for (size_t at = first; at < end;) {
+            const size_t bit = at % kBits, part = std::min(kBits - bit, end - at);
+            apply(words_[at / kBits], ~uint64_t{0} >> (kBits - part) << bit);
+            at += part;
+        }
+    }
+
+    std::vector<uint64_t> words_;  // a bit each
+    bool is_any_ = false;          // else all are 0
+    std::vector<Range> taken_;
 };
 
 }  // namespace throng

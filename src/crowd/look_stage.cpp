@@ -73,7 +73,7 @@ void LookStage::set(const Instances& instances, const Each<InstanceLook>& look) 
 }
 
 void LookStage::begin(const Update& update) {
-    const std::vector<DirtyRanges::Range> ranges = dirty_.take();
+    const std::span<const DirtyRanges::Range> ranges = dirty_.take();
     for_each_part(batches_, ranges, [&](const Batch& batch, uint32_t first, uint32_t count) {
         if (batch[io::kInstanceLooksBuffer])
             update.changes->write(update, ranges.size(), batch, io::kInstanceLooksBuffer, first - batch.first_instance,

@@ -76,7 +76,7 @@ void PlacementStage::take_over(const Batch& batch, std::span<const Affine> moved
 
 void PlacementStage::begin(const Update& update) {
     std::vector<bool> moved(batches_.size());
-    const std::vector<DirtyRanges::Range> ranges = dirty_.take();
+    const std::span<const DirtyRanges::Range> ranges = dirty_.take();
     for_each_part(batches_, ranges, [&](const Batch& batch, uint32_t first, uint32_t count) {
         moved[batch_index_of(batches_, first)] = true;
         const uint32_t first_of_batch = first - batch.first_instance;

@@ -180,7 +180,7 @@ void PopulationStage::begin(const Update& update) {
     ++update_number_;
     while (!deaths_.empty() && deaths_.front().update + kUpdatesRemembered < update_number_) deaths_.pop_front();
     tell_batches();
-    const std::vector<DirtyRanges::Range> ranges = dirty_.take();
+    const std::span<const DirtyRanges::Range> ranges = dirty_.take();
     for_each_part(batches_, ranges, [&](const Batch& batch, uint32_t first, uint32_t count) {
         const Population& population = populations_[batch.group];
         update.changes->write(

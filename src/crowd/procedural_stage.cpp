@@ -34,7 +34,7 @@ void ProceduralStage::set_target(uint32_t batch, uint32_t index, const io::vec4&
 
 void ProceduralStage::begin(const Update& update) {
     for (size_t i = 0; i < batches_.size(); ++i) {
-        const std::vector<DirtyRanges::Range> ranges = targets_[i].dirty.take();
+        const std::span<const DirtyRanges::Range> ranges = targets_[i].dirty.take();
         for (const auto& [first, count] : ranges)
             update.changes->write(update, ranges.size(), batches_[i], io::kTargetsBuffer, first,
                                   std::span<const io::vec4>(targets_[i].last).subspan(first, count));

@@ -38,21 +38,20 @@ void SteerStage::plan(BatchPlan& plan) {
 }
 
 SteerStage::SteerStage(const StageContext& context) : Stage(context), member_of_batch_(batches_.size(), kNone) {
-    constexpr float kReach = 2;  // as steer.glsl has it
     uint64_t agent_count = 0;
-    float largest_radius = 0;
+    std::vector<float> radii;
     for (const Batch& batch : batches_) {
         if (!group_of(batch).steering) continue;
         agent_count += batch.instance_count;
-        largest_radius = std::max(largest_radius, group_of(batch).steering->radius);
+        radii.push_back(group_of(batch).steering->radius);
     }
     if (agent_count == 0) return;
+    grids_ = agent_grids(std::move(radii));
     const uint64_t bucket_count = std::bit_ceil(2 * agent_count);
     kernels_.emplace(gpu_);
     places_ = make_table<io::AgentPlace>(gpu_, "places of agents", agent_count);
     heads_ = make_table<uint32_t>(gpu_, "buckets of agents", bucket_count);
     bucket_mask_ = static_cast<uint32_t>(bucket_count - 1);
-    inverse_cell_ = 1 / (kReach * 2 * largest_radius);
     uint32_t first_agent = 0;
     for (uint32_t i = 0; i < batches_.size(); ++i) {
         const Batch& batch = batches_[i];
@@ -79,7 +78,7 @@ void SteerStage::set_destination(const InBatch& at, const io::vec4& place_and_wh
 void SteerStage::begin(const Update& update) {
     if (members_.empty()) return;
     for (Member& member : members_) {
-        const std::vector<DirtyRanges::Range> ranges = member.dirty.take();
+        const std::span<const DirtyRanges::Range> ranges = member.dirty.take();
         for (const auto& [first, count] : ranges)
             update.changes->write(update, ranges.size(), batches_[member.batch], io::kDestinationsBuffer, first,
                                   std::span<const io::vec4>(member.destinations).subspan(first, count));
@@ -102,8 +101,10 @@ void SteerStage::record(const Update& update) {
 
 void SteerStage::record_places(VkCommandBuffer commands, const Member& member) const {
     const Batch& batch = batches_[member.batch];
-    const io::PlacesPush push{batch.used_count, member.first_agent, group_of(batch).steering->radius,
-                              inverse_cell_,    bucket_mask_,       batch.birth};
+    const float radius = group_of(batch).steering->radius;
+    const uint32_t grid = grid_of(grids_, radius);
+    const io::PlacesPush push{batch.used_count,          member.first_agent, radius,     grid,
+                              grids_[grid].inverse_cell, bucket_mask_,       batch.birth};
     kernels_->places.dispatch_invocations(commands, member.places, push, batch.used_count);
 }
 
@@ -111,18 +112,24 @@ void SteerStage::record_steps(VkCommandBuffer commands, const Member& member, fl
     const Batch& batch = batches_[member.batch];
     const Group& group = group_of(batch);
     const double turn_rad = std::min(double{group.steering->turn} * double{time_step_s}, std::numbers::pi);
-    const io::SteerPush push{.instance_count = batch.used_count,
-                             .first_agent = member.first_agent,
-                             .inverse_cell = inverse_cell_,
-                             .bucket_mask = bucket_mask_,
-                             .speed = group.steering->speed,
-                             .turn_cos = static_cast<float>(std::cos(turn_rad)),
-                             .turn_sin = static_cast<float>(std::sin(turn_rad)),
-                             .time_step_s = time_step_s,
-                             .is_carried = batch[io::kRootsBuffer] && group.controller->moves_placements,
-                             .parameter_count = group.controller ? group.controller->parameter_count : 0,
-                             .speed_parameter = group.steering->speed_parameter,
-                             .birth = batch.birth};
+    io::SteerPush push{.instance_count = batch.used_count,
+                       .first_agent = member.first_agent,
+                       .bucket_mask = bucket_mask_,
+                       .speed = group.steering->speed,
+                       .turn_cos = static_cast<float>(std::cos(turn_rad)),
+                       .turn_sin = static_cast<float>(std::sin(turn_rad)),
+                       .time_step_s = time_step_s,
+                       .is_carried = batch[io::kRootsBuffer] && group.controller->moves_placements,
+                       .parameter_count = group.controller ? group.controller->parameter_count : 0,
+                       .speed_parameter = group.steering->speed_parameter,
+                       .birth = batch.birth,
+                       .grid_count = static_cast<uint32_t>(grids_.size()),
+                       .largest = {},
+                       .inverse_cells = {}};
+    for (size_t i = 0; i < grids_.size(); ++i) {
+        push.largest[i] = grids_[i].largest;
+        push.inverse_cells[i] = grids_[i].inverse_cell;
+    }
     kernels_->steer.dispatch_invocations(commands, member.steer, push, batch.used_count);
 }
 

@@ -47,7 +47,7 @@ private:
     std::vector<uint32_t> member_of_batch_;
     Buffer places_, heads_;  // of all agents
     uint32_t bucket_mask_ = 0;
-    float inverse_cell_ = 0;
+    std::vector<AgentGrid> grids_;
 };
 
 }  // namespace throng

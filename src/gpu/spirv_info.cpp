@@ -16,6 +16,7 @@ enum Op : uint32_t {
     kOpTypeVector = 23,
     kOpTypeImage = 25,
     kOpTypeSampledImage = 27,
+    kOpTypeArray = 28,
     kOpTypeStruct = 30,
     kOpTypePointer = 32,
     kOpConstant = 43,
@@ -26,13 +27,14 @@ enum Op : uint32_t {
 };
 constexpr uint32_t kSpirvMagic = 0x07230203, kHeaderWords = 5;
 constexpr uint32_t kModeLocalSize = 17, kModeLocalSizeId = 38;
-constexpr uint32_t kDecorationSpecId = 1, kDecorationBinding = 33, kDecorationSet = 34, kDecorationOffset = 35;
+constexpr uint32_t kDecorationSpecId = 1, kDecorationArrayStride = 6, kDecorationBinding = 33, kDecorationSet = 34,
+                   kDecorationOffset = 35;
 constexpr uint32_t kStorageUniformConstant = 0, kStorageUniform = 2, kStoragePushConstant = 9, kStorageBuffer = 12;
 constexpr uint32_t kDimBuffer = 5;
 
 struct Id {
     uint32_t set = 0, binding = 0, spec_id = UINT32_MAX, constant = 0, pointee = 0, size_bytes = 0;
-    uint32_t last_offset = UINT32_MAX;
+    uint32_t last_offset = UINT32_MAX, array_stride = 0;
     bool is_texels = false;
 };
 
@@ -60,6 +62,7 @@ SpirvInfo read_spirv(std::span<const uint32_t> words) {
                 if (arg[1] == kDecorationSpecId) ids[arg[0]].spec_id = arg[2];
                 if (arg[1] == kDecorationBinding) ids[arg[0]].binding = arg[2];
                 if (arg[1] == kDecorationSet) ids[arg[0]].set = arg[2];
+                if (arg[1] == kDecorationArrayStride) ids[arg[0]].array_stride = arg[2];
                 break;
             case kOpMemberDecorate:
                 if (arg[2] == kDecorationOffset) ids[arg[0]].last_offset = arg[3];  // members come in order
@@ -69,6 +72,7 @@ SpirvInfo read_spirv(std::span<const uint32_t> words) {
             case kOpTypeVector: ids[arg[0]].size_bytes = ids[arg[1]].size_bytes * arg[2]; break;
             case kOpTypeImage: ids[arg[0]].is_texels = arg[2] == kDimBuffer; break;
             case kOpTypeSampledImage: ids[arg[0]].is_texels = ids[arg[1]].is_texels; break;
+            case kOpTypeArray: ids[arg[0]].size_bytes = ids[arg[0]].array_stride * ids[arg[2]].constant; break;
             case kOpTypeStruct:
                 if (arg.size() > 1 && ids[arg[0]].last_offset != UINT32_MAX)
                     ids[arg[0]].size_bytes = ids[arg[0]].last_offset + ids[arg.back()].size_bytes;

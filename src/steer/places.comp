@@ -18,6 +18,7 @@ void main() {
     if (instance >= push.instance_count || !is_there(instance, push.birth)) return;
     const vec2 place = vec2(placements[3 * instance].w, placements[3 * instance + 2].w);
     const uint agent = push.first_agent + instance;
-    const uint next = atomicExchange(heads[bucket_of(cell_of(place, push.inverse_cell), push.bucket_mask)], agent);
+    const uint next = atomicExchange(heads[bucket_of(push.grid, cell_of(place, push.inverse_cell), push.bucket_mask)],
+                                     agent);
     places[agent] = AgentPlace(place.x, place.y, push.radius, next);
 }

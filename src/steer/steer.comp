@@ -1,8 +1,8 @@
 // steer: an agent takes a step towards its destination and out of the way of others, and turns where it wants to go.
 // Or, where clips carry it, turns and says how fast it wants to go. One invocation per agent. Cost: docs/steering.md;
-// 128 bytes read, 60 written, and 16 read for each agent in nine buckets. Source: C. Reynolds, Steering Behaviors for
-// Autonomous Characters, GDC 1999 (arrival, separation). Difference: a speed limit that keeps any two from touching,
-// whatever they want; passing on the right; patience.
+// 92 bytes read, 60 written, and 4 read for each bucket, 16 for each agent in it. Source: C. Reynolds, Steering
+// Behaviors for Autonomous Characters, GDC 1999 (arrival, separation). Difference: a speed limit that keeps any two
+// from touching, whatever they want; passing on the right; patience.
 #include "gpu/buffers_io.h"
 #include "control/births.glsl"
 #include "gpu/ground.glsl"
@@ -22,22 +22,34 @@ PUSH(SteerPush);
 
 uint instance;
 
-// A bucket holds agents of other cells too, and one may serve two of the nine cells.
-void meet_cell(Agent agent, ivec2 cell, INOUT(Met) met) {
-    uint other = WORD_AT(heads, bucket_of(cell, push.bucket_mask));
+// A bucket holds agents of other cells and grids too, and one may serve two cells.
+void meet_cell(Agent agent, uint grid, ivec2 cell, INOUT(Met) met) {
+    const float smaller = grid + 1 < push.grid_count ? push.largest[grid + 1] : 0;
+    uint other = WORD_AT(heads, bucket_of(grid, cell, push.bucket_mask));
     for (uint count = 0; other != kNone && count < kMostMet; ++count) {
         const uvec4 row = ROW_AT(places, other);
         const vec2 place = uintBitsToFloat(row.xy);
-        if (other != agent.index && cell_of(place, push.inverse_cell) == cell)
-            meet(agent, place, uintBitsToFloat(row.z), met);
+        const float radius = uintBitsToFloat(row.z);
+        if (other != agent.index && radius > smaller && radius <= push.largest[grid] &&
+            cell_of(place, push.inverse_cells[grid]) == cell)
+            meet(agent, place, radius, met);
         other = row.w;
     }
 }
 
+// Of its own size and of larger ones, those who matter are in nine cells; of smaller ones in more.
 Met meet_all(Agent agent) {
     Met met = Met(ivec2(0), push.speed);
-    const ivec2 centre = cell_of(agent.place, push.inverse_cell);
-    for (int k = 0; k < 9; ++k) meet_cell(agent, centre + ivec2(k % 3 - 1, k / 3 - 1), met);
+    for (uint grid = 0; grid < push.grid_count; ++grid) {
+        const float largest = push.largest[grid], reach = kReach * (agent.radius + largest);
+        const int cells = agent.radius <= largest
+                              ? 1
+                              : int(min(ceil(reach * push.inverse_cells[grid]), float(kAgentCellLimit))),
+                  side = 2 * cells + 1;
+        const ivec2 centre = cell_of(agent.place, push.inverse_cells[grid]);
+        for (int k = 0; k < side * side; ++k)
+            meet_cell(agent, grid, centre + ivec2(k % side - cells, k / side - cells), met);
+    }
     return met;
 }
 
@@ -108,7 +120,7 @@ void main() {
     const float hurry = stands ? 0 : min(push.speed, remaining / kArrival_s);
     vec2 wish = hurry * agent.ahead + vec2(met.push) * (kShyness * push.speed / kFixed);
     const float eagerness = length(wish);
-    if (eagerness < kLeastWish * push.speed) wish = vec2(0);
+    if (eagerness < kLeastWish * min(push.speed, kFast * agent.radius)) wish = vec2(0);
     if (eagerness > push.speed) wish *= push.speed / eagerness;
     float speed = min(max(dot(wish, agent.heading), 0),
                       min(met.speed_limit, state.speed + kAcceleration * push.speed * push.time_step_s));

@@ -1,6 +1,6 @@
 // What an agent wants, and how much of that the others leave it: docs/steering.md.
 
-// Others are met from so many times the distance at which they touch; the width of a cell is that of the largest two
+// Others are met from so many times the distance at which they touch; the width of a cell is that of its largest two
 const float kReach = 2;
 // As a part of its speed: how strongly it goes out of the way of one that it all but coincides with
 const float kShyness = 6;
@@ -9,6 +9,7 @@ const float kHorizon_s = 0.25;  // of the way that there is to somebody, it take
 const float kArrival_s = 1;     // it slows down so long before it arrives
 const float kAcceleration = 2;  // of its speed, a second
 const float kLeastWish = 0.05;  // of its speed: less counts as none
+const float kFast = 10;         // radii a second, beyond which speed does not count for that
 const float kHeldUp = 0.3;      // of the speed that it wants
 const float kPatience_s = 3.3333333, kRecovery_s = 2;  // until none is left, until all is there again
 const float kSlimmest = 0.75;  // of the distance at which agents touch, for one without patience

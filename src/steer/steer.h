@@ -5,6 +5,10 @@
 #include "gpu/kernel.h"
 #include "steer/steer_io.h"
 
+#include <cstdint>
+#include <span>
+#include <vector>
+
 namespace throng {
 
 // Dispatched one after the other, with a barrier between, an invocation per instance: places with io::PlacesPush for
@@ -14,5 +18,15 @@ struct SteerKernels {
 
     Kernel places, steer;
 };
+
+// Agents of about one size are in a grid of their own, so that a few large ones do not crowd the cells of the others.
+struct AgentGrid {
+    float largest = 0;       // radius of its agents
+    float inverse_cell = 0;  // 1 / the width of a cell, from which nine hold all of these that one of them may meet
+};
+// The largest first, at most kAgentGridLimit. `radii`: of all agents.
+std::vector<AgentGrid> agent_grids(std::vector<float> radii);
+// Which of them agents of this radius are in, one of those that they were made of.
+uint32_t grid_of(std::span<const AgentGrid> grids, float radius);
 
 }  // namespace throng

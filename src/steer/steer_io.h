@@ -5,7 +5,9 @@
 THRONG_IO_BEGIN
 
 THRONG_IO_CONSTANT kSteerWorkgroupSize = 64;
-THRONG_IO_CONSTANT kMostMet = 64;  // agents of a bucket that are looked at
+THRONG_IO_CONSTANT kMostMet = 64;         // agents of a bucket that are looked at
+THRONG_IO_CONSTANT kAgentGridLimit = 8;   // grids, one for each size; the last also for all that are smaller
+THRONG_IO_CONSTANT kAgentCellLimit = 32;  // of smaller agents, that an agent looks across in each direction
 
 // An agent as others see it, a row of a table.
 struct AgentPlace {
@@ -25,7 +27,8 @@ struct PlacesPush {
     uint instance_count;
     uint first_agent;  // of all agents of the crowd
     float radius;
-    float inverse_cell;  // 1 / the width of a cell
+    uint grid;           // that its agents are in
+    float inverse_cell;  // 1 / the width of a cell of it
     uint bucket_mask;    // buckets - 1
     uint birth;          // control/births.glsl
 };
@@ -33,7 +36,6 @@ struct PlacesPush {
 struct SteerPush {
     uint instance_count;
     uint first_agent;
-    float inverse_cell;
     uint bucket_mask;
     float speed;               // at most
     float turn_cos, turn_sin;  // of the angle that it turns in this update at most, up to half a turn
@@ -42,6 +44,9 @@ struct SteerPush {
     uint parameter_count;
     uint speed_parameter;  // or kNone
     uint birth;
+    uint grid_count;
+    float largest[kAgentGridLimit];  // radius in a grid; the next one's agents are smaller than its smallest
+    float inverse_cells[kAgentGridLimit];
 };
 
 THRONG_IO_END

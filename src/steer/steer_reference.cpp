@@ -8,7 +8,7 @@ namespace throng {
 namespace {
 
 constexpr double kReach = 2, kShyness = 6, kPassing = 1.5, kHorizon_s = 0.25, kArrival_s = 1, kAcceleration = 2,
-                 kLeastWish = 0.05, kHeldUp = 0.3, kPatience_s = 1 / 0.3, kRecovery_s = 2, kSlimmest = 0.75;
+                 kLeastWish = 0.05, kFast = 10, kHeldUp = 0.3, kPatience_s = 1 / 0.3, kRecovery_s = 2, kSlimmest = 0.75;
 
 // World space, over the ground.
 struct Ground {
@@ -70,7 +70,7 @@ SteeredAgent step(std::span<const SteeredAgent> agents, uint32_t index, double t
     const double hurry = agent.stands ? 0 : std::min(most_speed, remaining / kArrival_s);
     Ground wish = hurry * ahead + kShyness * most_speed * push;
     const double eagerness = length(wish);
-    if (eagerness < kLeastWish * most_speed) wish = {};
+    if (eagerness < kLeastWish * std::min(most_speed, kFast * radius)) wish = {};
     if (eagerness > most_speed) wish = most_speed / eagerness * wish;
     const double speed = std::min({std::max(dot(wish, heading), 0.0), speed_limit,
                                    agent.speed + kAcceleration * most_speed * time_step_s,

@@ -173,11 +173,10 @@ TEST(NativeCrowd, AgentsFollowTheReference) {
         steer.bind(io::kAgentPlacesBuffer, places).bind(io::kAgentBucketsBuffer, heads);
         steer.bind(io::kDestinationsBuffer, destinations).bind(io::kAgentsBuffer, states);
         steer.bind(io::kPlacementsBuffer, placements);
-        find.invocations(io::PlacesPush{kAgents, 0, steering.radius, inverse_cell, 63}, kAgents);
+        find.invocations(io::PlacesPush{kAgents, 0, steering.radius, 0, inverse_cell, 63}, kAgents);
         const std::vector<Affine> before = placements;
         steer.invocations(io::SteerPush{.instance_count = kAgents,
                                         .first_agent = 0,
-                                        .inverse_cell = inverse_cell,
                                         .bucket_mask = 63,
                                         .speed = steering.speed,
                                         .turn_cos = static_cast<float>(std::cos(turn_rad)),
@@ -185,7 +184,10 @@ TEST(NativeCrowd, AgentsFollowTheReference) {
                                         .time_step_s = 0.05f,
                                         .is_carried = 0,
                                         .parameter_count = 0,
-                                        .speed_parameter = kNone},
+                                        .speed_parameter = kNone,
+                                        .grid_count = 1,
+                                        .largest = {steering.radius},
+                                        .inverse_cells = {inverse_cell}},
                           kAgents);
         for (uint32_t i = 0; i < kAgents; ++i) {
             ASSERT_LE(matrix_error(placements[i], wanted[i].world_from_model, 1), 2e-3) << "agent " << i;
