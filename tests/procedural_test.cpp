@@ -34,12 +34,15 @@ TEST(Procedural, WrongRulesAreRefusedWithTheirNumber) {
         {SpringRule{.joint = "joint 0", .damping = NAN}, "damping"},
         {SpringRule{.joint = "joint 0", .gravity = {0, INFINITY, 0}}, "gravity"},
         {SpringRule{.joint = "joint 0", .radius = -1}, "radius"},
+        {SpringRule{.joint = "joint 0", .radius = 1e20f}, "radius must be within 0..1e15"},
+        {SpringRule{.joint = "joint 0", .drag = 1e30f}, "drag"},
         {SpringRule{.joint = "joint 0", .colliders = {{.joint = "head"}}}, "there is no joint 'head'"},
         {SpringRule{.joint = "joint 0", .colliders = {{.joint = "joint 0", .radius = -1}}}, "collider"},
         {SpringRule{.joint = "joint 0", .colliders = std::vector<Collider>(17, {.joint = "joint 0"})},
          "17 colliders; at most 16"},
         {LookAtRule{.joint = "joint 0", .target = "sun"}, "there is no target 'sun'"},
         {LookAtRule{.joint = "joint 0", .target = "prey", .forward = {0, 0, 0}}, "forward"},
+        {LookAtRule{.joint = "joint 0", .target = "prey", .forward = {1e-30f, 0, 0}}, "forward"},
         {LookAtRule{.joint = "joint 0", .target = "prey", .limit_rad = 4}, "limit_rad"},
         {LookAtRule{.joint = "joint 0", .target = "prey", .weight = 2}, "weight"},
         {ReachRule{.joint = "joint 1", .target = "prey"}, "grandparent"},
@@ -229,6 +232,63 @@ TEST(Procedural, LimbsWithoutLengthAndTargetsWithoutWeightChangeNothing) {
     }
 }
 
+// What exporters write for no length at all: 1e-9 of the size in a knight's toes. Nothing swings there, and what hangs
+// on it goes on as if there were none.
+TEST(Procedural, BonesThatAreAllButNoneAreNotMoved) {
+    const auto swung = [](float part) {
+        Character character = chain(6);
+        for (const uint32_t joint : {3u, 5u}) character.rig.rest[joint].translation.y = part * character.size;
+        const ProceduralRules rules{.targets = {}, .rules = {SpringRule{.joint = "joint 0", .gravity = {0.5f, -2, 0}}}};
+        Crowd crowd = create({.groups = {{.character = &character, .instance_count = 1, .procedural = &rules}},
+                              .keep_model_matrices = true});
+        std::vector<Affine> got;
+        for (int update = 0; update < 120; ++update) {
+            const double angle = 0.05 * update;
+            const Trs<double> place{
+                axis_angle(Vec3<double>{0, 1, 0}, angle), {std::sin(angle), 0, std::cos(angle)}, {1, 1, 1}};
+            EXPECT_TRUE(crowd.set_placement(InstanceHandle{0}, to_affine(place).as<float>()));
+            EXPECT_TRUE(crowd.update(1 / 60.0f));
+            got = *crowd.read_model_matrices({0});
+            for (const Affine& m : got)
+                for (const auto& row : m.row)
+                    EXPECT_TRUE(std::ranges::all_of(row, [](float value) { return std::isfinite(value); }))
+                        << part << ", update " << update;
+        }
+        return std::pair{got, character.size};
+    };
+    const auto [without, size] = swung(0);
+    EXPECT_GT(std::abs(without[4].row[0][3]), 0.01f * size) << "the others swing";
+    for (const float part : {1e-20f, 1e-12f, 1e-9f, 1e-7f, 5e-6f}) {
+        const std::vector<Affine> got = swung(part).first;
+        for (size_t joint = 0; joint < got.size(); ++joint)
+            EXPECT_LE(matrix_error(got[joint], without[joint].as<double>(), size), 1e-4) << part << ", joint " << joint;
+    }
+}
+
+// Written by an application's shaders, or here by the processor.
+TEST(Procedural, TargetsThatAreNoPlacesHaveNoEffect) {
+    const Character character = chain(6);
+    const ProceduralRules rules{
+        .targets = {"prey"},
+        .rules = {ReachRule{.joint = "joint 5", .target = "prey"}, LookAtRule{.joint = "joint 1", .target = "prey"}}};
+    Crowd crowd = create({.groups = {{.character = &character, .instance_count = 1, .procedural = &rules}},
+                          .keep_model_matrices = true});
+    const std::span<std::array<float, 4>> target = crowd.outputs()[0].host.target;
+    if (target.empty()) GTEST_SKIP() << "they lie in the device's memory";
+    const std::vector<AffineT<double>> rest = reference_pose(character, {})->model_from_joint;
+    const float finite[4]{2, 1, 1, 1};
+    for (const float wrong : {NAN, INFINITY, -INFINITY, 2e19f})
+        for (size_t k = 0; k < 4; ++k) {
+            if (k == 3 && wrong > 0) continue;  // a weight of more than 1 counts as 1
+            std::ranges::copy(finite, target[0].begin());
+            target[0][k] = wrong;
+            ASSERT_TRUE(crowd.update(0.1f));
+            const std::vector<Affine> got = *crowd.read_model_matrices({0});
+            for (size_t joint = 0; joint < got.size(); ++joint)
+                EXPECT_LE(matrix_error(got[joint], rest[joint], character.size), 1e-5) << wrong << " at " << k;
+        }
+}
+
 // A device that dispatches no more than three workgroups: four batches, and chains by threes. The same bits come out.
 TEST(Procedural, BatchesAndManyChainsChangeNothing) {
     constexpr uint32_t kInstances = 10;
@@ -313,6 +373,7 @@ TEST(Procedural, WrongTargetsAndPathsAreRefused) {
     EXPECT_FALSE(crowd.set_target(InstanceHandle{2}, 0, {{}, 1}));
     EXPECT_FALSE(crowd.set_target(InstanceHandle{0}, 1, {{}, 1}));
     EXPECT_FALSE(crowd.set_target(InstanceHandle{0}, 0, {{NAN, 0, 0}, 1}));
+    EXPECT_FALSE(crowd.set_target(InstanceHandle{0}, 0, {{0, 2e19f, 0}, 1}));
     EXPECT_FALSE(crowd.set_target(InstanceHandle{0}, 0, {{}, 1.5f}));
     EXPECT_TRUE(crowd.set_target(InstanceHandle{0}, 0, {{}, 1}));
     EXPECT_FALSE(crowd.set_wind({.velocity = {INFINITY, 0, 0}}));

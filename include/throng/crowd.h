@@ -280,8 +280,8 @@ public:
     Result<void> set_parameter(const Instances& instances, uint32_t parameter, std::span<const float> value);
 
     // Input of the procedural rules. Until it is set a target has weight 0, and does nothing. Errors: kInvalidArgument
-    // (no such target, value not finite, weight outside 0..1; wind: velocity beyond 1e6, gust outside 0..1, wavelength
-    // below 1e-6).
+    // (no such target, place not within +-1e15, weight outside 0..1; wind: velocity beyond 1e6, gust outside 0..1,
+    // wavelength below 1e-6).
     Result<void> set_target(const Instances& instances, uint32_t target, const TargetPlace& place);
     Result<void> set_target(const Instances& instances, uint32_t target, std::span<const TargetPlace> place);
     Result<void> set_wind(const Wind& wind);

@@ -107,7 +107,8 @@ struct OutputBlock {
 
     uint32_t target_count = 0;
     // Targets of procedural rules, float4[instance_count][target_count]: a place in world space, and its weight in w.
-    // May be written like the parameters, and is the same in all frame slots too.
+    // May be written like the parameters, and is the same in all frame slots too. An instance that a shader's command
+    // spawns begins without any, so that one has an effect from the update after its birth on.
     BufferView target{};
     // Destinations of agents, float4[instance_count]: a place in world space, and in w whether the agent has one (1 or
     // 0). Likewise.

@@ -76,7 +76,8 @@ struct TargetPlace {
 };
 
 // In their order: each sees what those before it did. Targets are places that Crowd::set_target() moves; no two have
-// one name. A joint must be the only one of its name.
+// one name. A joint must be the only one of its name. Places, directions' lengths, radii, gravity and drag are at most
+// 1e15, so that floats hold their squares; a direction is no shorter than 1e-15.
 using ProceduralRule = std::variant<WindRule, SpringRule, LookAtRule, ReachRule>;
 struct ProceduralRules {
     std::vector<std::string> targets{};

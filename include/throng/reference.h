@@ -55,7 +55,9 @@ public:
 
     // After the last update (before the first: the rest pose).
     ReferencePose pose() const;
-    // What happened in the last update; the instance of its events is 0, and there are 16,384 at most, the first.
+    // What happened in the last update; the instance of its events is 0, and there are 16,384 at most, the first. Those
+    // of a crowd's instance are the same, but for the last digits of their times, and the order of those that stand at
+    // one place of a clip.
     // `move` is root motion: world_from_model * move is where a character that stood at world_from_model stands now.
     std::span<const CharacterEvent> events() const;
     AffineT<double> move() const;

@@ -7,11 +7,13 @@
 #define THRONG_IO_BEGIN namespace throng::io {
 #define THRONG_IO_END }
 #define THRONG_IO_CONSTANT inline constexpr uint
+#define THRONG_IO_FLOAT inline constexpr float
 #define INOUT(type) type&
 #else
 #define THRONG_IO_BEGIN
 #define THRONG_IO_END
 #define THRONG_IO_CONSTANT const uint
+#define THRONG_IO_FLOAT const float
 #define INOUT(type) inout type
 #include "gpu/declare.glsl"
 // Texts that C++ computes in other types, some of many lanes (gpu/glsl.h), say these

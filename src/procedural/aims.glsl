@@ -1,9 +1,15 @@
 // Look-at and two-bone inverse kinematics: docs/procedural.md.
 
+// How much of a rule's aim a target has: none where it is no place, which shaders may have written.
+Real weight_of(vec4 target, Real weight) {
+    const bool is_place = abs(target.x) <= kFarthest && abs(target.y) <= kFarthest && abs(target.z) <= kFarthest;
+    return is_place && target.w > 0 ? weight * min(target.w, 1) : 0;
+}
+
 void look_at(ProceduralChain chain) {
     const LookAtSettings settings = load_look_at(chain.rule);
     const vec4 target = load_target(settings.target);
-    const Real weight = settings.weight * clamp(target.w, 0, 1);
+    const Real weight = weight_of(target, settings.weight);
     if (weight <= 0) return;
     const uint joint = load_joint(chain, 0).joint;
     const Affine world_from_parent = world_from_parent_of(joint), parent_from_joint = load_local(joint);
@@ -22,7 +28,7 @@ void look_at(ProceduralChain chain) {
 void reach(ProceduralChain chain) {
     const ReachSettings settings = load_reach(chain.rule);
     const vec4 target = load_target(settings.target);
-    const Real weight = settings.weight * clamp(target.w, 0, 1);
+    const Real weight = weight_of(target, settings.weight);
     if (weight <= 0) return;
     const uint upper = load_joint(chain, 0).joint, middle = load_joint(chain, 1).joint,
                end = load_joint(chain, 2).joint;

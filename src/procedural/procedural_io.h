@@ -9,6 +9,8 @@ THRONG_IO_BEGIN
 
 THRONG_IO_CONSTANT kProceduralWorkgroupSize = 64;
 THRONG_IO_CONSTANT kColliderLimit = 16;  // of a spring rule
+// How large a number of a rule or a target may be: its square, and the square's products, must fit a float
+THRONG_IO_FLOAT kFarthest = 1e15f;
 
 // Joints each of which is the parent of the next, moved by one rule.
 struct ProceduralChain {

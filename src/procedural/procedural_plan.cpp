@@ -22,6 +22,11 @@ public:
           read_(rig_.joint_count()),
           written_(rig_.joint_count()),
           chain_below_(rig_.joint_count(), kNone) {
+        for (uint32_t joint = 0; joint < rig_.joint_count(); ++joint) {
+            const Vec3<double> scale = rig_.rest[joint].scale.as<double>();
+            const double largest = std::max({std::abs(scale.x), std::abs(scale.y), std::abs(scale.z)});
+            scales_.push_back(largest * (rig_.parents[joint] == kNone ? 1 : scales_[rig_.parents[joint]]));
+        }
         // The longest way down, so that few chains have to climb far to find where they hang.
         std::vector<uint32_t> heights(rig_.joint_count());
         for (uint32_t joint = rig_.joint_count(); joint-- > 0;) {
@@ -45,26 +50,39 @@ public:
 
 private:
     [[noreturn]] void fail(const std::string& what) const { throw Failure(ErrorCode::kInvalidArgument, place(), what); }
+    [[noreturn]] void fail_unknown(const char* kind, const std::string& name,
+                                   const std::vector<std::string>& all) const {
+        KnownNames names(kind);
+        for (const std::string& one : all) names.add(one);
+        fail(names.unknown(name));
+    }
     std::string place() const { return character_.name + ": procedural rule " + std::to_string(rule_); }
 
     void require(bool holds, const char* what) const {
         if (!holds) fail(what);
     }
 
-    static bool is_finite(const Vec3<float>& v) {
-        return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+    static bool is_within_range(float value) { return std::abs(value) <= io::kFarthest; }
+    static bool is_within_range(const Vec3<float>& v) {
+        return is_within_range(v.x) && is_within_range(v.y) && is_within_range(v.z);
+    }
+
+    static bool is_direction(const Vec3<float>& v) {
+        const double size = length(v.as<double>());
+        return size >= 1 / double{io::kFarthest} && size <= double{io::kFarthest};
     }
 
     uint32_t joint_named(const std::string& name) const {
         const auto found = std::ranges::find(rig_.names, name);
-        if (found == rig_.names.end()) fail("there is no joint '" + name + "'");
+        if (found == rig_.names.end()) fail_unknown("joint", name, rig_.names);
         if (std::find(found + 1, rig_.names.end(), name) != rig_.names.end())
             fail("there are several joints '" + name + "'");
         return static_cast<uint32_t>(found - rig_.names.begin());
     }
 
     void check_target(const std::string& name) const {
-        if (std::ranges::find(rules_.targets, name) == rules_.targets.end()) fail("there is no target '" + name + "'");
+        if (std::ranges::find(rules_.targets, name) == rules_.targets.end())
+            fail_unknown("target", name, rules_.targets);
     }
 
     void add(const WindRule& rule) {
@@ -76,17 +94,17 @@ private:
     void add(const SpringRule& rule) {
         require(rule.frequency_hz >= 0 && rule.frequency_hz <= 1000, "frequency_hz must be within 0..1000");
         require(rule.damping >= 0 && rule.damping <= 1000, "damping must be within 0..1000");
-        require(is_finite(rule.gravity) && std::isfinite(rule.drag), "gravity and drag must be finite");
-        require(std::isfinite(rule.radius) && rule.radius >= 0, "radius must be 0 or more");
+        require(is_within_range(rule.gravity) && is_within_range(rule.drag), "gravity and drag must be within +-1e15");
+        require(is_within_range(rule.radius) && rule.radius >= 0, "radius must be within 0..1e15");
         if (rule.colliders.size() > io::kColliderLimit)
             throw Failure(
                 ErrorCode::kLimit, place(),
                 std::to_string(rule.colliders.size()) + " colliders; at most " + std::to_string(io::kColliderLimit));
         std::vector<uint32_t> read;
         for (const Collider& collider : rule.colliders) {
-            require(is_finite(collider.a) && is_finite(collider.b) && std::isfinite(collider.radius) &&
+            require(is_within_range(collider.a) && is_within_range(collider.b) && is_within_range(collider.radius) &&
                         collider.radius >= 0,
-                    "a collider's places must be finite and its radius 0 or more");
+                    "a collider's places must be within +-1e15 and its radius within 0..1e15");
             read.push_back(joint_named(collider.joint));
         }
         const size_t first = plan_.chains.size();
@@ -98,7 +116,7 @@ private:
     }
 
     void add(const LookAtRule& rule) {
-        require(is_finite(rule.forward) && length(rule.forward) > 0, "forward must be finite and not zero");
+        require(is_direction(rule.forward), "forward must have a length within 1e-15..1e15");
         require(rule.limit_rad >= 0 && rule.limit_rad <= std::numbers::pi_v<float>, "limit_rad must be within 0..pi");
         require(rule.weight >= 0 && rule.weight <= 1, "weight must be within 0..1");
         check_target(rule.target);
@@ -106,7 +124,7 @@ private:
     }
 
     void add(const ReachRule& rule) {
-        require(is_finite(rule.pole) && length(rule.pole) > 0, "pole must be finite and not zero");
+        require(is_direction(rule.pole), "pole must have a length within 1e-15..1e15");
         require(rule.weight >= 0 && rule.weight <= 1, "weight must be within 0..1");
         check_target(rule.target);
         const uint32_t joint = joint_named(rule.joint), parent = rig_.parents[joint];
@@ -154,8 +172,16 @@ private:
         plan_.chains.push_back(std::move(chain));
     }
 
-    // To the next joint; on in the direction of the one before where there is none.
+    // Zero where it is so short that rounding, and whatever an exporter made of no length at all, says where it points.
     Vec3<float> bone_of(const PlannedChain& chain, size_t k) const {
+        constexpr double kShortest = 1e-5;  // of the character's size
+        const Vec3<float> bone = any_bone_of(chain, k);
+        const double size = length(bone.as<double>()) * scales_[chain.joints[k]];
+        return size > kShortest * double{character_.size} ? bone : Vec3<float>();
+    }
+
+    // To the next joint; on in the direction of the one before where there is none.
+    Vec3<float> any_bone_of(const PlannedChain& chain, size_t k) const {
         if (k + 1 < chain.joints.size()) return rig_.rest[chain.joints[k + 1]].translation;
         const Trs<float>& rest = rig_.rest[chain.joints[k]];
         const Quaternion<float> back{-rest.rotation.x, -rest.rotation.y, -rest.rotation.z, rest.rotation.w};
@@ -166,6 +192,7 @@ private:
     const Character& character_;
     const Rig& rig_;
     uint32_t rule_ = 0;
+    std::vector<double> scales_;            // [joint], at most, of its space in the rest pose
     std::vector<uint32_t> read_, written_;  // [joint], the first rank behind the last that does
     std::vector<uint32_t> chain_below_;     // [joint], the child that its chain goes on with
     ProceduralPlan plan_;
@@ -183,7 +210,8 @@ void check_target(uint32_t target, uint32_t target_count, const TargetPlace& val
     if (target >= target_count)
         refuse(numbered("number", target) + " of rules that have " + std::to_string(target_count));
     const auto& [x, y, z] = value.world_place;
-    if (!std::isfinite(x) || !std::isfinite(y) || !std::isfinite(z)) refuse("it must be finite");
+    for (const float coordinate : {x, y, z})
+        if (!(std::abs(coordinate) <= io::kFarthest)) refuse("it must be within +-1e15");
     if (!(value.weight >= 0 && value.weight <= 1)) refuse("its weight must be within 0..1");
 }
 

@@ -58,12 +58,12 @@ struct RuleWriter {
                                              rule.gravity.z, rule.drag, rule.radius, first, count})};
     }
     std::pair<uint32_t, uint32_t> operator()(const LookAtRule& rule) const {
-        const Vec3<float> forward = normalized(rule.forward);
+        const Vec3<float> forward = normalized(rule.forward.as<double>()).as<float>();
         return {io::kChainLookAt, words.add(io::LookAtSettings{forward.x, forward.y, forward.z, rule.limit_rad,
                                                                rule.weight, index_of(rules.targets, rule.target)})};
     }
     std::pair<uint32_t, uint32_t> operator()(const ReachRule& rule) const {
-        const Vec3<float> pole = normalized(rule.pole);
+        const Vec3<float> pole = normalized(rule.pole.as<double>()).as<float>();
         return {io::kChainReach, words.add(io::ReachSettings{pole.x, pole.y, pole.z, rule.weight,
                                                              index_of(rules.targets, rule.target)})};
     }

@@ -29,7 +29,7 @@ vec3 pushed_out(vec3 place, Capsule capsule) {
 
 Capsule capsules[kColliderLimit];
 
-// Where a bone's end is after the step; `rest` is where the pose has it.
+// The direction of a bone after the step; `rest` is where the pose has its end.
 vec3 step_spring(INOUT(SpringState) spring, SpringSettings settings, vec3 joint, vec3 rest) {
     const Real step_s = max(push.time_step_s, 0), size = distance(joint, rest);
     const vec4 origin = vec4(instance_origin(), 1);
@@ -45,11 +45,12 @@ vec3 step_spring(INOUT(SpringState) spring, SpringSettings settings, vec3 joint,
     for (uint i = 0; i < settings.collider_count; ++i) place = pushed_out(place, capsules[i]);
     const vec3 way = place - joint;
     const Real distance_to = sqrt(dot(way, way));
-    place = distance_to > 0 ? joint + way * (size / distance_to) : rest;
+    const vec3 towards = distance_to > 0 ? way / distance_to : (rest - joint) / size;
+    place = joint + towards * size;
     if (step_s > 0) spring.velocity.xyz = (place - before) / step_s;
     spring.place.xyz = place;
     spring.origin = origin;
-    return place;
+    return towards;
 }
 
 void swing(ProceduralChain chain) {
@@ -68,10 +69,10 @@ void swing(ProceduralChain chain) {
             forget_spring(chain.first_spring + k);  // hidden
         } else {
             SpringState spring = load_spring_state(chain.first_spring + k);
-            const vec3 place = step_spring(spring, settings, from, rest);
+            const vec3 towards = step_spring(spring, settings, from, rest);
             store_spring_state(chain.first_spring + k, spring);
             parent_from_joint = turn_joint(joint.joint, world_from_parent, parent_from_joint,
-                                           arc((rest - from) / size, normalize(place - from)));
+                                           arc((rest - from) / size, towards));
         }
         world_from_parent = affine_multiply(world_from_parent, parent_from_joint);
     }
