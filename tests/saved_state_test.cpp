@@ -245,6 +245,9 @@ TEST_F(SavedState, RefusesWhatIsNotIts) {
     other.groups[0].pose_margin = 3;
     EXPECT_EQ(refusal(create(other).restore_state(saved)), of_group);
     other = settings();
+    other.groups[0].steering = Steering{};
+    EXPECT_EQ(refusal(create(other).restore_state(saved)), of_group);
+    other = settings();
     other.path = UpdatePath::kStaged;
     Crowd staged = create(other);
     ASSERT_NE(staged.path(0)->is_fused, crowd.path(0)->is_fused);
@@ -257,6 +260,77 @@ TEST_F(SavedState, RefusesWhatIsNotIts) {
     EXPECT_FALSE(Crowd().restore_state(saved));
     for (Crowd* const one : {&crowd, &same}) ASSERT_TRUE(one->update(0.1f));
     expect_same(contents_of(crowd.outputs()), contents_of(same.outputs()), "after refusals");
+}
+
+// Springs, targets, clips of states, how agents walk: of the same numbers of everything.
+TEST_F(SavedState, RefusesThatOfOtherRules) {
+    const auto rules = [&](float frequency_hz, const char* target) {
+        return ProceduralRules{.targets = {target},
+                               .rules = {SpringRule{.joint = character_.rig.names[2], .frequency_hz = frequency_hz}}};
+    };
+    const auto plays = [&](size_t clip) {
+        return Controller{.layers = {{.name = "all",
+                                      .states = {{.name = "one", .points = {{.clip = character_.clips[clip].name}}}}}}};
+    };
+    const ProceduralRules slow = rules(1, "eye"), fast = rules(2, "eye"), renamed = rules(1, "sun");
+    const Controller first = plays(0), second = plays(1);
+    const auto with = [&](const ProceduralRules& of, const Controller& controller, float radius) {
+        CrowdSettings made = settings();
+        made.groups[0].procedural = &of;
+        made.groups[0].controller = &controller;
+        made.groups[0].steering = Steering{.radius = radius};
+        return create(made);
+    };
+    Crowd crowd = with(slow, first, 1), same = with(slow, first, 1);
+    ASSERT_TRUE(crowd.update(0.1f));
+    const std::vector<std::byte> saved = *crowd.save_state();
+    EXPECT_TRUE(same.restore_state(saved));
+    Crowd others[]{with(fast, first, 1), with(renamed, first, 1), with(slow, second, 1), with(slow, first, 2)};
+    for (Crowd& other : others) {
+        const Result<void> refused = other.restore_state(saved);
+        ASSERT_FALSE(refused);
+        EXPECT_NE(refused.error().text().find("controller or CrowdGroup setting"), std::string::npos);
+    }
+}
+
+// Games compare states to find where two machines have parted.
+TEST_F(SavedState, IsTheSameOfCrowdsThatWereDrivenAlike) {
+    const auto state = [&](const char* name, size_t clip) {
+        return ControllerState{.name = name, .points = {{.clip = character_.clips[clip].name}}};
+    };
+    const Controller controller{
+        .layers = {{.name = "all",
+                    .states = {state("one", 0), state("two", 1)},
+                    .transitions = {
+                        {.from = "one", .to = "two", .exit = 0.1f, .fade_s = 0.3f, .fade = FadeKind::kInertial}}}}};
+    const auto driven = [&](bool is_inertial) {
+        CrowdSettings of = settings(2);
+        if (!test_device().gpu()->is_native()) of.path = UpdatePath::kDevice;
+        of.groups[0].capacity = 40;
+        of.groups[0].pose_capacity = 0;
+        if (is_inertial)
+            of.groups[0].controller = &controller;
+        else
+            of.keep_previous_matrices = true;
+        Crowd crowd = create(of);
+        EXPECT_TRUE(crowd.spawn(0, std::vector<Affine>(5)));
+        for (int update = 0; update < 4; ++update) EXPECT_TRUE(crowd.update(0.1f));
+        return *crowd.save_state();
+    };
+    const auto dirty_the_memory = [&] {
+        CrowdSettings other = settings(100);
+        if (!test_device().gpu()->is_native()) other.path = UpdatePath::kDevice;
+        other.keep_previous_matrices = true;
+        Crowd crowd = create(other);
+        for (int update = 0; update < 3; ++update) EXPECT_TRUE(crowd.update(0.1f));
+    };
+    for (const bool is_inertial : {false, true}) {
+        const std::vector<std::byte> first = driven(is_inertial);
+        for (int run = 0; run < 3; ++run) {
+            dirty_the_memory();
+            EXPECT_EQ(driven(is_inertial), first) << is_inertial << ", run " << run;
+        }
+    }
 }
 
 // What was submitted counts, and what was discarded does not.

@@ -31,6 +31,14 @@ void BatchPlan::add_storage(uint32_t number, uint64_t instance_bytes) {
     });
 }
 
+void BatchPlan::add_zeros(uint32_t number, uint64_t instance_bytes) {
+    add(number, instance_bytes, [=](Uploads& uploads, const std::string& what, uint64_t n) {
+        Buffer buffer(uploads.gpu(), what, n * instance_bytes, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT);
+        uploads.add(buffer, {});
+        return buffer;
+    });
+}
+
 uint64_t BatchPlan::instance_bytes() const {
     uint64_t sum = inertia_bytes(group_);
     for (const Entry& entry : entries_) sum += entry.instance_bytes * buffer_count(entry.number);

@@ -17,6 +17,8 @@ public:
 
     // Contents are undefined. `instance_bytes`: of one instance.
     void add_storage(uint32_t number, uint64_t instance_bytes);
+    // The same, with zeros: what Crowd::save_state() keeps must not hold what was in the memory before.
+    void add_zeros(uint32_t number, uint64_t instance_bytes);
     // Read by gpu/table.glsl, as T.
     template <class T>
     void add_table(uint32_t number, uint64_t count_of_instance = 1) {

@@ -47,7 +47,7 @@ void ControllerStage::plan(BatchPlan& plan) {
         plan.add_storage(io::kActiveClipTimesBuffer, controller.active_clip_limit * sizeof(float));
     if (controller.is_inertial) {
         plan.add_filled(io::kInertiasBuffer, std::vector<io::InstanceInertia>(1));
-        plan.add_storage(io::kInertiaStatesBuffer, group.joint_count * sizeof(io::InertiaState));
+        plan.add_zeros(io::kInertiaStatesBuffer, group.joint_count * sizeof(io::InertiaState));
     }
     if (controller.model_layer_count > 0)
         plan.add_storage(io::kRotationsBuffer,

@@ -58,6 +58,7 @@ void add_controller(Checksum& made_of, const GroupController& controller) {
     made_of.add_all(controller.initial_parameters);
     made_of.add_all(controller.masks);
     for (const LayerKind& kind : controller.layer_kinds) made_of.add(kind.state_count);
+    made_of.add(controller.checksum);
 }
 
 void add_path(Checksum& paths, const Group& group) {
@@ -85,6 +86,11 @@ void add_group(Checksum& made_of, const Group& group) {
     made_of.add(group.active_morph_limit);
     made_of.add_all(std::array{group.posed_min, group.posed_max});  // who is in view goes by them
     if (group.controller) add_controller(made_of, *group.controller);
+    if (group.procedural) made_of.add(group.procedural->checksum);
+    if (group.steering) {
+        made_of.add_all(std::array{group.steering->radius, group.steering->speed, group.steering->turn});
+        made_of.add(group.steering->speed_parameter);
+    }
 }
 
 // What differs first; empty: nothing.

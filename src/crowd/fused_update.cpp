@@ -21,16 +21,21 @@ void FusedUpdate::plan(BatchPlan& plan) {
     const Group& group = plan.group();
     const CrowdSettings& settings = plan.settings();
     if (group.skin_pool) return plan_skin_pool(plan);
+    const bool has_target = group.skips_updates(settings) && settings.culling->skips_updates,
+               is_saved = settings.keep_previous_matrices || has_target;
     // The update_rate stage reads skin matrices as rows of 16 bytes.
     const auto add_skin = [&](uint32_t number) {  // of each frame slot
         const uint64_t bytes = uint64_t{std::max(group.palette_count, 1u)} * skin_format_bytes(settings.skin_format);
-        if (!group.skips_updates(settings)) return plan.add_storage(number, bytes);
+        if (!group.skips_updates(settings))
+            return is_saved ? plan.add_zeros(number, bytes) : plan.add_storage(number, bytes);
         plan.add(number, bytes, [=](Uploads& uploads, const std::string& what, uint64_t n) {
-            return make_table_bytes(uploads.gpu(), what, (n * bytes + 15) / 16 * 16, 16);
+            Buffer table = make_table_bytes(uploads.gpu(), what, (n * bytes + 15) / 16 * 16, 16);
+            if (is_saved) uploads.add(table, {});
+            return table;
         });
     };
     add_skin(io::kSkinBuffer);
-    if (group.skips_updates(settings) && settings.culling->skips_updates) add_skin(io::kSkinTargetBuffer);
+    if (has_target) add_skin(io::kSkinTargetBuffer);
     if (group.sockets) plan.add_storage(io::kSocketsBuffer, group.socket_count() * sizeof(Affine));
     if (settings.keep_model_matrices && !group.sockets_only)
         plan.add_storage(io::kModelBuffer, group.joint_count * sizeof(Affine));

@@ -1,5 +1,6 @@
 #include "crowd/group.h"
 
+#include "base/crc64.h"
 #include "base/failure.h"
 #include "controller/controller_tables.h"
 #include "crowd/group_skin_pool.h"
@@ -86,6 +87,7 @@ GroupController::GroupController(Uploads& uploads, const Controller& controller,
     initial_layers = made.initial_layers;
     initial_parameters = made.initial_parameters;
     masks = made.masks;
+    checksum = crc64(std::as_bytes(std::span(made.words)));
     layer_kinds = throng::layer_kinds(controller);
     is_inertial = has_inertia(controller);
     for (const ControllerLayer& layer : controller.layers) model_layer_count += layer.model_space_rotations ? 1 : 0;
@@ -316,7 +318,9 @@ void Group::make_procedural(Uploads& uploads, const ProceduralRules& rules, cons
         throw Failure(ErrorCode::kUnsupported, name + ": procedural rules",
                       "one of their chains takes " + std::to_string(made.most_steps) +
                           " steps, and the device ends loops after " + std::to_string(most));
-    procedural.emplace(GroupProcedural{made.dispatches, made.spring_count, made.target_count});
+    uint64_t checksum = crc64(std::as_bytes(std::span(made.words)));
+    for (const std::string& target : rules.targets) checksum = crc64(std::as_bytes(std::span(target)), checksum);
+    procedural.emplace(GroupProcedural{made.dispatches, made.spring_count, made.target_count, checksum});
     buffers[io::kRulesBuffer] = upload_table(uploads, name + ": procedural rules", made.words);
 }
 

@@ -45,6 +45,7 @@ struct GroupController {
     std::vector<io::LayerState> initial_layers;
     std::vector<float> initial_parameters;
     std::vector<float> masks;  // [mask][joint]
+    uint64_t checksum = 0;     // of its tables
 };
 
 // Joints that things are attached to.
@@ -56,6 +57,7 @@ struct GroupSockets {
 struct GroupProcedural {
     std::vector<ProceduralTables::Dispatch> dispatches;
     uint32_t spring_count = 0, target_count = 0;  // of an instance
+    uint64_t checksum = 0;                        // of its tables and the targets' names
 };
 
 // A group's part of CrowdGroup::skin_pool.
