@@ -12,12 +12,16 @@
 namespace throng {
 namespace {
 
-// Letters to insert, to remove, to replace, and neighbours to swap (F. Damerau, 1964; each place changed once); case
-// does not count.
+bool is_same_letter(char a, char b) {  // case does not count
+    return std::tolower(static_cast<unsigned char>(a)) == std::tolower(static_cast<unsigned char>(b));
+}
+
+bool contains(std::string_view whole, std::string_view part) {
+    return !std::ranges::search(whole, part, is_same_letter).empty();
+}
+
+// Letters to insert, to remove, to replace, and neighbours to swap (F. Damerau, 1964; each place changed once).
 size_t edit_distance(std::string_view a, std::string_view b) {
-    const auto same = [](char x, char y) {
-        return std::tolower(static_cast<unsigned char>(x)) == std::tolower(static_cast<unsigned char>(y));
-    };
     // row[j]: from the first i letters of a to the first j of b
     std::vector<size_t> row(b.size() + 1), above(b.size() + 1), above_that(b.size() + 1);
     std::iota(row.begin(), row.end(), size_t{0});
@@ -26,8 +30,8 @@ size_t edit_distance(std::string_view a, std::string_view b) {
         above.swap(row);
         row[0] = i;
         for (size_t j = 1; j <= b.size(); ++j) {
-            row[j] = std::min({above[j - 1] + !same(a[i - 1], b[j - 1]), above[j] + 1, row[j - 1] + 1});
-            if (i > 1 && j > 1 && same(a[i - 1], b[j - 2]) && same(a[i - 2], b[j - 1]))
+            row[j] = std::min({above[j - 1] + !is_same_letter(a[i - 1], b[j - 1]), above[j] + 1, row[j - 1] + 1});
+            if (i > 1 && j > 1 && is_same_letter(a[i - 1], b[j - 2]) && is_same_letter(a[i - 2], b[j - 1]))
                 row[j] = std::min(row[j], above_that[j - 2] + 1);
         }
     }
@@ -68,16 +72,24 @@ std::string_view KnownNames::nearest(std::string_view name) const {
 }
 
 std::string KnownNames::unknown(std::string_view name) const {
-    constexpr size_t kShown = 12;
+    constexpr size_t kShown = 12, kWord = 3;  // letters, of what may be part of a name by more than chance
     std::string text = "there is no " + kind_ + " '" + printable(name) + "'";
     if (names_.empty()) return text + ", nor any other";
-    if (const std::string_view near = nearest(name); !near.empty())
+    std::vector<std::string_view> listed = names_;
+    std::string_view near = nearest(name);
+    if (near.empty() && name.size() >= kWord && name.size() <= kNameLimit) {
+        const auto others = std::ranges::stable_partition(listed, [&](auto known) { return contains(known, name); });
+        if (others.begin() != listed.begin())
+            near = *std::min_element(listed.begin(), others.begin(),
+                                     [](auto a, auto b) { return a.size() < b.size(); });
+    }
+    if (!near.empty())
         text += "; did you mean '" + printable(near) + "'?";
     else
         text += ".";
-    text += " There " + std::string(names_.size() == 1 ? "is: " : "are: ");
-    for (size_t i = 0; i < std::min(names_.size(), kShown); ++i) text += (i ? ", " : "") + printable(names_[i]);
-    if (names_.size() > kShown) text += ", … (" + std::to_string(names_.size()) + ")";
+    text += " There " + std::string(listed.size() == 1 ? "is: " : "are: ");
+    for (size_t i = 0; i < std::min(listed.size(), kShown); ++i) text += (i ? ", " : "") + printable(listed[i]);
+    if (listed.size() > kShown) text += ", … (" + std::to_string(listed.size()) + ")";
     return text;
 }
 

@@ -29,12 +29,14 @@ public:
     // Index. Throws at `place` where there is none, with unknown().
     uint32_t require(std::string_view name, const std::string& place) const;
 
-    // "there is no state 'mvoe'; did you mean 'move'? There are: idle, move, jump"
+    // "there is no state 'mvoe'; did you mean 'move'? There are: idle, move, jump". Of many, some; those that contain
+    // the name first, where none is written much like it.
     std::string unknown(std::string_view name) const;
 
-private:
-    std::string_view nearest(std::string_view name) const;  // empty where none is near
+    // That which is most likely meant; empty where none is written much like it.
+    std::string_view nearest(std::string_view name) const;
 
+private:
     std::string kind_;
     std::vector<std::string_view> names_;
     std::unordered_map<std::string_view, uint32_t> indices_;

@@ -202,6 +202,7 @@ TEST_F(CliCompile, WrongInputIsRefusedAndNothingIsLeftBehind) {
          {"compile creature.glb -o text.glb", "text.glb is there, and not a compiled character"},
          {"compile creature.glb -o out.throng --error 0", "--error"},
          {"compile creature.glb -o out.throng --error -1", "-1"},
+         {"compile creature.glb -o out.GLB", "out.GLB: what is written is no glTF file"},
          {"compile creature.glb -o out.throng --error 11", "'11'"},
          {"compile creature.glb -o out.throng --error nan", "'nan'"},
          {"compile creature.glb -o out.throng --error 1x", "'1x'"},

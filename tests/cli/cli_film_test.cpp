@@ -291,6 +291,35 @@ TEST_F(CliFilm, TwoProcessesDoNotDrawTheSameFrames) {
                                             "frame_settings.json"}));
 }
 
+TEST_F(CliFilm, AnotherFilmThatIsDrawnMeanwhileIsNotTakenForThisOne) {
+    const std::string folder = new_folder("meanwhile"), out = folder + "/film.mp4", lock = out + ".lock";
+    int held = open(lock.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
+    ASSERT_EQ(flock(held, LOCK_EX), 0);
+    ASSERT_EQ(pwrite(held, "others", 6, 0), 6);
+    const auto draw_other = [&](int, const std::string& err) {
+        if (held < 0 || !contains(err, "waiting for it")) return;
+        std::ofstream(out) << "a film";
+        fs::remove(lock);
+        close(std::exchange(held, -1));
+    };
+    const Outcome outcome = run_tool(arguments(out), {.watch = draw_other});
+    EXPECT_EQ(outcome.exit_code, 1) << outcome;
+    EXPECT_TRUE(contains(outcome.err, "another process has just drawn another film there")) << outcome;
+    EXPECT_EQ(read_file(out), "a film");
+    EXPECT_FALSE(fs::exists(lock));
+}
+
+TEST_F(CliFilm, AnInterruptionBeforeTheFirstFrameIsSaid) {
+    const std::string folder = new_folder("early"), out = folder + "/film.mp4";
+    int calls = 0;
+    const auto interrupt = [&](int process, const std::string&) {
+        if (fs::exists(out + ".lock") && ++calls == 3) kill(process, SIGINT);
+    };
+    const Outcome outcome = run_tool(arguments(out), {.watch = interrupt});
+    EXPECT_TRUE(outcome.refused("interrupted before the first of 4 frames")) << outcome;
+    EXPECT_TRUE(fs::is_empty(folder));
+}
+
 TEST_F(CliFilm, AnInterruptedOneSaysWhatIsKept) {
     const std::string folder = new_folder("interrupted"), out = folder + "/%d.png";
     bool is_drawing = true;
@@ -344,7 +373,7 @@ TEST_F(CliFilm, WrongOptionsAreRefused) {
                     {"render walker.glb --fps 24 --out still.png", "--fps"},
                     {"render walker.glb --counts 1,2 --out still.png", "--counts"},
                     {"render walker.glb --counts 0 --out still.png", "--counts"},
-                    {"render walker.glb --eye 0,1,2 --target 0,1,2 --out still.png", "camera"}});
+                    {"render walker.glb --eye 0,1,2 --target 0,1,2 --out still.png", "apart"}});
     const RunSettings no_programs{.environment = {{"PATH", "/nowhere"}}};
     EXPECT_TRUE(run_tool(arguments("film.mp4"), no_programs).refused("ffmpeg"));
 }

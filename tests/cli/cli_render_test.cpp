@@ -44,8 +44,8 @@ TEST_F(CliRender, ClipsAreChosenByNameOrNumber) {
     EXPECT_EQ(picture("all.png", {"--clip", "0", "--blend", "1", "--weight", "1"}), first);
     EXPECT_NE(picture("half.png", {"--clip", "0", "--blend", "1"}), first);
 
-    EXPECT_TRUE(refuses({"--clip", "nowhere"}, "no clip 'nowhere'; there are: 0 '"));
-    EXPECT_TRUE(refuses({"--clip", "fox.glb=0"}, "--clip fox.glb=0: 'fox.glb' is none of the files"));
+    EXPECT_TRUE(refuses({"--clip", "nowhere"}, "there is no clip 'nowhere'. There are: "));
+    EXPECT_TRUE(refuses({"--clip", "fox.glb=0"}, "--clip fox.glb=0: there is no file 'fox.glb'. There are: "));
     EXPECT_TRUE(refuses({"--clip", "0", "--blend", "99"}, "no clip '99'"));
     EXPECT_TRUE(refuses({"--blend", "0"}, "--clip"));
     EXPECT_TRUE(refuses({"--clip", "0", "--weight", "0.5"}, "--blend"));
@@ -86,8 +86,8 @@ TEST_F(CliRender, LooksAreChosenForEachCharacter) {
     EXPECT_TRUE(refuses_file(R"({"hats": 3})", "looks.json:1: hats"));
     EXPECT_TRUE(refuses_file("{", "looks.json"));
     EXPECT_TRUE(refuses({"--looks", "walker.glb=nowhere.json"}, "nowhere.json"));
-    EXPECT_TRUE(
-        refuses({"--looks", "fox.glb=looks.json"}, "--looks fox.glb=looks.json: 'fox.glb' is none of the files"));
+    EXPECT_TRUE(refuses({"--looks", "fox.glb=looks.json"},
+                        "--looks fox.glb=looks.json: there is no file 'fox.glb'. There are: "));
     EXPECT_TRUE(refuses({"--looks", "a.json", "--looks", "b.json"}, "--looks b.json: there is one already, 'a.json'"));
     EXPECT_TRUE(refuses({"--looks", "walker.glb="}, "--looks walker.glb=: nothing is given behind '='"));
 }

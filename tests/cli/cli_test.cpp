@@ -79,6 +79,10 @@ TEST_F(Cli, InfoCountsExactly) {
     ASSERT_EQ(info["skins"].size(), 1u);
     EXPECT_EQ(info["skins"][0]["joints"], kCreatureJoints);
     ASSERT_EQ(info["clips"].size(), 5u);
+    double squared = 0;
+    for (size_t axis = 0; axis < 3; ++axis)
+        squared += std::pow(info["bounds"][1][axis].get<double>() - info["bounds"][0][axis].get<double>(), 2);
+    EXPECT_NEAR(std::sqrt(squared), info["size"], 1e-5 * info["size"].get<double>());
     const char* names[] = {"idle", "walk", "fly", "glide", "roar"};
     uint64_t clip_bytes = 0, raw_bytes = 0;
     for (size_t i = 0; i < 5; ++i) {
@@ -124,7 +128,7 @@ TEST_F(Cli, InfoCountsExactly) {
     for (const std::string& part :
          {std::string("40 joints, 12 levels"), std::string("idle"), std::string("walk"), std::string("fly"),
           std::to_string(info["bytes_per_instance"].get<int>()) + " bytes an instance",
-          std::to_string(info["faces"].get<int>()) + " faces"})
+          std::to_string(info["faces"].get<int>()) + " faces", std::string(" m, of which ")})
         EXPECT_TRUE(contains(text.out, part)) << part << "\n" << text;
 }
 
@@ -349,7 +353,7 @@ TEST_F(Cli, WrongInputIsRefusedInOneLineThatNamesIt) {
         {"info creature.glb --colour", "--colour"},
         {"generate --out text.glb", "text.glb is there, and not a binary glTF file"},
         {"pose missing.glb", "missing.glb"},
-        {"pose creature.glb --clip swim", "0 'idle', 1 'walk', 2 'fly'"},
+        {"pose creature.glb --clip swim", "there is no clip 'swim'. There are: idle, walk, fly, glide, roar"},
         {"pose creature.glb --clip 5", "'5'"},
         {"pose creature.glb --clip -1", "-1"},
         {"pose creature.glb --blend walk", "--clip"},

@@ -1,5 +1,6 @@
 // JSON whose values know their place, read as programs write it and as people do.
 #include "json/json_text.h"
+#include "json/known_names.h"
 
 #include <gtest/gtest.h>
 
@@ -56,6 +57,22 @@ TEST(Json, ProgramsAndPeopleAreToldWhatTheyNeed) {
                   q.allow({"n", "bug", "list"});
               }),
               "big: there is no field 'big'; did you mean 'bug'? There are: n, bug, list");
+}
+
+TEST(Json, OfManyNamesThoseThatContainWhatWasAskedForComeFirst) {
+    KnownNames clips("clip");
+    const std::vector<std::string> names{"Idle",      "Jump_A", "Sit",   "Running", "Walking_Backwards",
+                                         "Walking_A", "Lie",    "Hit",   "Death",   "Wave",
+                                         "Block",     "Cheer",  "Throw", "Roll"};
+    for (const std::string& name : names) clips.add(name);
+    EXPECT_EQ(
+        clips.unknown("walk"),
+        "there is no clip 'walk'; did you mean 'Walking_A'? There are: Walking_Backwards, Walking_A, Idle, Jump_A, "
+        "Sit, Running, Lie, Hit, Death, Wave, Block, Cheer, … (14)");
+    EXPECT_EQ(clips.unknown("jmp_a").substr(0, 60), "there is no clip 'jmp_a'; did you mean 'Jump_A'? There are: ");
+    EXPECT_EQ(clips.unknown("it").substr(0, 46), "there is no clip 'it'; did you mean 'Sit'? The")
+        << "a letter is missing";
+    EXPECT_EQ(clips.unknown("swim").substr(0, 48), "there is no clip 'swim'. There are: Idle, Jump_A");
 }
 
 TEST(Json, APlaceHasItsLine) {

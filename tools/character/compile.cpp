@@ -4,10 +4,19 @@
 
 #include <nlohmann/json.hpp>
 
+#include <algorithm>
+#include <cctype>
 #include <cstdio>
+#include <filesystem>
 
 namespace throng::tools {
 namespace {
+
+bool is_gltf_name(const std::filesystem::path& path) {
+    std::string ending = path.extension().string();
+    std::ranges::transform(ending, ending.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+    return ending == ".glb" || ending == ".gltf";
+}
 
 struct CompileOptions {
     std::string file, out;
@@ -30,6 +39,8 @@ Character compile(const CompileOptions& options) {
     if (std::filesystem::exists(options.out, unknown) && !is_compiled_file(options.out))
         throw CommandError(options.out +
                            " is there, and not a compiled character; give --out another name, or remove it");
+    if (is_gltf_name(options.out))
+        throw UsageError(options.out + ": what is written is no glTF file; give it the ending .throng");
     print_progress("reading " + options.file);
     Asset asset = unwrap(load_asset(options.file));
     for (const std::string& file : options.clips) {

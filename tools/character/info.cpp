@@ -88,6 +88,8 @@ std::string compression_text(uint64_t size_bytes, uint64_t raw_size_bytes, doubl
     return std::string(size) + percent;
 }
 
+nlohmann::json to_json(const Vec3<float>& v) { return {v.x, v.y, v.z}; }
+
 nlohmann::json to_json(const Character& character) {
     nlohmann::json clips = nlohmann::json::array(), skins = nlohmann::json::array();
     for (const Clip& clip : character.clips) {
@@ -138,6 +140,7 @@ nlohmann::json to_json(const Character& character) {
             {"influences", largest_influence_count(character)},
             {"morph_targets", morphs},
             {"size", character.size},
+            {"bounds", {to_json(character.bounds_min), to_json(character.bounds_max)}},
             {"bytes_per_character", morph_bytes(character) + character.keys.size() * 16 + character.words.size() * 4 +
                                         character.times_s.size() * 4 + character.root_rows.size() * 16 +
                                         character.tracks.size() * sizeof(JointTracks)},
@@ -155,6 +158,10 @@ void print_text(const Character& character) {
     std::printf("  mesh       %zu vertices, %zu faces, %zu sections, %zu materials, up to %u influences a vertex\n",
                 character.vertices.size(), face_count(character), character.sections.size(), character.materials.size(),
                 largest_influence_count(character));
+    const Vec3<float> extent = character.bounds_max - character.bounds_min;
+    std::printf("  size       %.3g m, of which %.3g wide, %.3g high, %.3g deep, at rest\n",
+                static_cast<double>(character.size), static_cast<double>(extent.x), static_cast<double>(extent.y),
+                static_cast<double>(extent.z));
     const std::vector<std::string> materials = section_materials(character);
     for (size_t i = 0; i < character.sections.size() && character.sections.size() > 1; ++i)
         std::printf("  section %-2zu %u faces  %s%s%s\n", i, character.sections[i].index_count / 3,
@@ -228,6 +235,9 @@ struct InfoOptions {
 };
 
 void run_info(const InfoOptions& options) {
+    // The file is of interest without a device too; one that was asked for must be there.
+    const Result<Device> device = Device::create({.select = options.device});
+    if (!device && !options.device.empty()) throw CommandError(device.error().text());
     const Character character = unwrap(load_kept_character(options.file, options.compile));
     nlohmann::json json = options.json ? to_json(character) : nlohmann::json();
     if (options.json && options.joints) json["rig"] = joints_json(character.rig);
@@ -243,9 +253,6 @@ void run_info(const InfoOptions& options) {
     else
         std::printf("  stream     on GPUs: %u chunks of %u joints, %u rounds, %u slots, %u characters side by side\n",
                     order.chunks, order.lanes, order.rounds, order.slots, order.characters);
-    // The file is of interest without a device too; one that was asked for must be there.
-    const Result<Device> device = Device::create({.select = options.device});
-    if (!device && !options.device.empty()) throw CommandError(device.error().text());
     if (device) {
         const GroupPath path = unwrap(advise_path(*device, character, options.count));
         const ScanAdvice advice = unwrap(advise_scan(*device, character.rig, options.count));

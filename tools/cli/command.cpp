@@ -2,6 +2,7 @@
 
 #include "base/replace_file.h"
 #include "base/text.h"
+#include "json/known_names.h"
 #include "tools/cli/kept_characters.h"
 
 #include <nlohmann/json.hpp>
@@ -31,8 +32,14 @@ std::optional<std::pair<uint32_t, uint32_t>> parse_pair(std::string_view text, c
 RendererSettings parse_size(const std::string& text) {
     const auto size = parse_pair(text, 'x');
     if (!size || size->first == 0 || size->second == 0)
-        throw CommandError("--size " + text + ": give it as WIDTHxHEIGHT, for example 1920x1080");
+        throw UsageError("--size " + text + ": give it as WIDTHxHEIGHT, for example 1920x1080");
     return {.width = size->first, .height = size->second};
+}
+
+void check_png_name(const char* option, const std::string& out) {
+    if (!out.ends_with(".png"))
+        throw UsageError(std::string(option) + " " + out + ": pictures are .png files" +
+                         (std::filesystem::path(out).has_extension() ? "" : ": give it that ending"));
 }
 
 Device open_device(const std::string& select) { return unwrap(Device::create({.select = select})); }
@@ -87,13 +94,12 @@ uint32_t find_clip(const Character& character, const std::string& name_or_index)
     if (named != kNone) return named;
     if (const auto index = parse_number(name_or_index); index && *index < character.clips.size()) return *index;
 
-    constexpr size_t kShown = 20;
-    std::string names;
-    for (size_t i = 0; i < std::min(character.clips.size(), kShown); ++i)
-        names += (i ? ", " : "") + std::to_string(i) + " '" + printable(character.clips[i].name) + "'";
-    if (character.clips.size() > kShown) names += ", …";
-    throw CommandError(character.name + ": no clip '" + name_or_index + "'; " +
-                       (names.empty() ? "the file has none" : "there are: " + names));
+    KnownNames known("clip");
+    std::vector<std::string> names;
+    for (const Clip& clip : character.clips)
+        names.push_back(clip.name.empty() ? std::to_string(names.size()) : clip.name);
+    for (const std::string& name : names) known.add(name);
+    throw CommandError(character.name + ": " + known.unknown(name_or_index));
 }
 
 void print_warnings(const std::vector<std::string>& warnings) {

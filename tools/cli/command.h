@@ -21,6 +21,11 @@ struct CommandError : std::runtime_error {
     using std::runtime_error::runtime_error;
 };
 
+// An option is not as it should be. The same, with a hint at the command's help, and exit code 2.
+struct UsageError : std::runtime_error {
+    using std::runtime_error::runtime_error;
+};
+
 template <class T>
 T unwrap(Result<T> result) {
     if (!result) throw CommandError(result.error().text());
@@ -33,8 +38,11 @@ std::optional<uint32_t> parse_number(std::string_view text);
 // Two numbers with something between them: "1920x1080".
 std::optional<std::pair<uint32_t, uint32_t>> parse_pair(std::string_view text, char between);
 
-// What --size says: WIDTHxHEIGHT. Throws CommandError.
+// What --size says: WIDTHxHEIGHT. Throws UsageError.
 RendererSettings parse_size(const std::string& text);
+
+// Throws UsageError where a picture's name has another ending than .png, or none.
+void check_png_name(const char* option, const std::string& out);
 
 Device open_device(const std::string& select);
 // One of Vulkan, for what measures its kernels.

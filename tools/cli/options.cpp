@@ -1,11 +1,13 @@
 #include "tools/cli/options.h"
 
+#include "json/known_names.h"
 #include "tools/cli/command.h"
 
 #include <CLI/CLI.hpp>
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <cstdlib>
 #include <unistd.h>
 
@@ -17,10 +19,62 @@ Check check_of(const CLI::Validator& validator) {
     return {[validator](const std::string& text) { return validator(text); }, validator.get_description()};
 }
 
+// The command that the words have come to.
+const CLI::App& innermost(const CLI::App& app) {
+    const std::vector<CLI::App*> given = app.get_subcommands();
+    return given.empty() ? app : innermost(*given.back());
+}
+
+// "throng render".
+std::string name_of(const CLI::App& command) {
+    return (command.get_parent() ? name_of(*command.get_parent()) + " " : "") + command.get_name();
+}
+
+// What to say of a word that a command does not know.
+std::string unexpected(const CLI::App& command, const std::string& word) {
+    if (!word.starts_with("-") && !command.get_subcommands({}).empty()) {
+        KnownNames commands("command");
+        for (const CLI::App* one : command.get_subcommands({})) commands.add(one->get_name());
+        return commands.unknown(word);
+    }
+    KnownNames options("option");
+    for (const CLI::Option* option : command.get_options())
+        for (const std::string& name : option->get_lnames()) options.add(name);
+    const std::string name = word.substr(0, word.find('='));
+    const std::string_view near = name.starts_with("--") ? options.nearest(name.substr(2)) : std::string_view();
+    return "not expected: " + name + (near.empty() ? "" : "; did you mean --" + std::string(near) + "?");
+}
+
+// The first of the words that was not expected.
+std::string first_of(const std::vector<std::string>& unexpected, int argc, char** argv) {
+    for (int i = 1; i < argc; ++i)
+        if (std::ranges::find(unexpected, argv[i]) != unexpected.end()) return argv[i];
+    return unexpected.empty() ? "" : unexpected.front();
+}
+
 }  // namespace
 
-Check range(uint32_t least, uint32_t most) { return check_of(CLI::Range(least, most)); }
-Check range(double least, double most) { return check_of(CLI::Range(least, most)); }
+Check range(uint32_t least, uint32_t most) {
+    return {[least, most](const std::string& text) {
+                const std::optional<uint32_t> number = parse_number(text);
+                if (number && *number >= least && *number <= most) return std::string();
+                return "'" + text + "' is not a whole number from " + std::to_string(least) + " to " +
+                       std::to_string(most);
+            },
+            CLI::Range(least, most).get_description()};
+}
+
+Check range(double least, double most) {
+    return {[least, most](const std::string& text) {
+                char* end = nullptr;
+                const double number = std::strtod(text.c_str(), &end);
+                if (end != text.c_str() && *end == '\0' && number >= least && number <= most) return std::string();
+                char wanted[64];
+                std::snprintf(wanted, sizeof(wanted), "' is not a number from %g to %g", least, most);
+                return "'" + text + wanted;
+            },
+            CLI::Range(least, most).get_description()};
+}
 Check is_member(const std::vector<std::string>& names) { return check_of(CLI::IsMember(names)); }
 Check existing_folder() { return check_of(CLI::ExistingDirectory); }
 
@@ -116,8 +170,16 @@ Option Command::add_flag(const std::string& names, bool& value, const std::strin
 
 Option Command::add_numbered(const std::string& names, const std::function<void(const int&)>& set,
                              const std::map<std::string, int>& numbers, const std::string& description) {
+    std::string all;
+    for (const auto& [name, number] : numbers) all += (all.empty() ? "" : ", ") + name;
+    const auto to_number = [numbers, all](std::string& text) {
+        const auto found = numbers.find(text);
+        if (found == numbers.end()) return "'" + text + "' is none of " + all;
+        text = std::to_string(found->second);
+        return std::string();
+    };
     CLI::Option* option = app_->add_option_function<int>(names, set, description);
-    return Option(option->transform(CLI::CheckedTransformer(numbers))->type_name("ENUM"));
+    return Option(option->transform(CLI::Validator(to_number, ""))->type_name("{" + all + "}"));
 }
 
 void Command::footer(const std::string& text) { app_->footer(text); }
@@ -130,13 +192,19 @@ void run_command_line(int argc, char** argv, void (*add_commands)(Command app)) 
     app.require_subcommand(0, 1);  // none is said below: with 1, a misspelt one would not be named
     app.footer("'throng COMMAND --help' has examples. Exit code: 0 done, 1 failed, more than 1 a wrong option.");
     add_commands(Command(app));
+    const auto help_of_command = [&] { return " (" + name_of(innermost(app)) + " --help)"; };
     try {
         app.parse(argc, argv);
         if (app.get_subcommands().empty()) throw CLI::RequiredError("A command");
     } catch (const CLI::Success& help_or_version) {
         app.exit(help_or_version);  // prints it
+    } catch (const CLI::ExtrasError&) {
+        const std::string word = first_of(app.remaining(true), argc, argv);
+        throw UsageError(unexpected(innermost(app), word) + help_of_command());
     } catch (const CLI::ParseError& error) {
-        throw UsageError(error.what());
+        throw UsageError(error.what() + help_of_command());
+    } catch (const UsageError& error) {
+        throw UsageError(error.what() + help_of_command());
     }
 }
 

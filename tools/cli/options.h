@@ -11,7 +11,6 @@
 #include <map>
 #include <memory>
 #include <optional>
-#include <stdexcept>
 #include <string>
 #include <utility>
 #include <variant>
@@ -117,11 +116,6 @@ private:
                         const std::map<std::string, int>& numbers, const std::string& description);
 
     CLI::App* app_;
-};
-
-// The command line is not as it should be.
-struct UsageError : std::runtime_error {
-    using std::runtime_error::runtime_error;
 };
 
 // Runs the command that the words name, of those that `add_commands` adds; or prints help. Throws UsageError, and what

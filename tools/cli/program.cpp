@@ -27,7 +27,7 @@ int run_program(int argc, char** argv, void (*run)(int argc, char** argv)) {
         run(argc, argv);
     } catch (const UsageError& error) {
         // Words of the command line may hold anything
-        std::cerr << "throng: " << printable(error.what(), std::string::npos) << " (throng --help)\n";
+        std::cerr << "throng: " << printable(error.what(), std::string::npos) << "\n";
         return 2;
     } catch (const std::exception& error) {
         print_progress("");

@@ -35,7 +35,7 @@ struct FilmPlan {
           folder(options.out + ".frames"),
           files(is_film ? folder / "%06d.png" : fs::path(options.out)) {
         if (is_film && (size.width % 2 != 0 || size.height % 2 != 0))
-            throw CommandError("--size " + options.size + ": an .mp4 needs an even width and height");
+            throw UsageError("--size " + options.size + ": an .mp4 needs an even width and height");
     }
 
     // Of whoever draws these frames.
@@ -65,7 +65,7 @@ std::vector<fs::path> outs_of(const RenderOptions& options, const FilmPlan& plan
 // FNV-1a (G. Fowler, L. C. Noll, K.-P. Vo): of a file that may have changed since the last run.
 std::string content_hash(const std::string& path) {
     std::ifstream file(path, std::ios::binary);
-    if (!file) throw CommandError(path + ": cannot be read");
+    if (!file) throw CommandError(path + (fs::exists(path) ? ": cannot be read" : ": no such file"));
     uint64_t hash = 0xcbf29ce484222325u;
     for (std::istreambuf_iterator<char> byte(file), end; byte != end; ++byte)
         hash = (hash ^ static_cast<uint8_t>(*byte)) * 0x100000001b3u;
@@ -168,20 +168,30 @@ private:
 };
 
 Film draw_frames(const Device& device, const RenderOptions& options, const FilmPlan& plan,
-                 const std::vector<uint32_t>& frames, nlohmann::json settings) {
+                 const std::vector<uint32_t>& frames, nlohmann::json settings, const Interruption& interruption) {
     Shot shot(device, options);
+    Film film;
+    const auto stop_before_first = [&] {
+        if (interruption.is_asked_for() && film.frames.empty())
+            throw CommandError("interrupted before the first of " + std::to_string(frames.size()) + " frames");
+    };
+    stop_before_first();
     settings["updates"] = updates_of(shot.crowd(), options.scene.files.size());
     settings["renderer"] = renderer_of(shot);
-    if (plan.is_film) fs::create_directory(plan.folder);
+    std::error_code failure;
+    if (plan.is_film) fs::create_directory(plan.folder, failure);
+    if (failure) throw CommandError(plan.folder.string() + ": cannot be made: " + failure.message());
     plan.files.keep_settings(settings);
-    Film film;
     uint32_t next = 0;  // frame that all have yet to step to
     const auto step_to = [&](uint32_t frame) { return frame == 0 ? options.time_s : 1 / options.fps; };
-    const Interruption interruption;
     PictureWriter writer;
     const auto start = std::chrono::steady_clock::now();
     for (const uint32_t frame : frames) {
-        for (; next < frame; ++next) shot.skip(step_to(next));
+        for (; next < frame; ++next) {
+            stop_before_first();
+            shot.skip(step_to(next));
+        }
+        stop_before_first();
         RenderResult result = shot.draw(step_to(next), options.time_s + next / options.fps);
         ++next;
         writer.write(plan.files.path(frame), std::move(result.picture));
@@ -250,10 +260,16 @@ void render_film(const RenderOptions& options) {
     if (encodes) check_ffmpeg();
     const auto asked = static_cast<size_t>(
         std::ranges::count_if(plan.range.frames(), [&](uint32_t frame) { return plan.shard.has(frame); }));
-    const FilmLock lock(plan.lock_path());
-    if (plan.is_film && fs::exists(options.out) && !options.force)
-        return print_film(options, {}, {}, asked);  // another process has drawn all of it meanwhile
     nlohmann::json settings = settings_of(options);
+    const std::string asked_for = settings.dump() + options.frames + options.shard;
+    const FilmLock lock(plan.lock_path());
+    if (plan.is_film && fs::exists(options.out) && !options.force) {  // another process has drawn one meanwhile
+        if (lock.text_before() == asked_for) return print_film(options, {}, {}, asked);
+        throw CommandError("--out " + options.out +
+                           ": another process has just drawn another film there; --force draws this one over it");
+    }
+    lock.write(asked_for);
+    const Interruption interruption;
     plan.files.check_settings(settings);
     const std::vector<uint32_t> frames = plan.files.missing(plan.range, plan.shard, plan.size.width, plan.size.height);
     Film film;
@@ -263,7 +279,7 @@ void render_film(const RenderOptions& options) {
         device_name = device.info().name;
         settings["device"] = device_name + ", " + device.info().driver;
         plan.files.check_settings(settings);
-        film = draw_frames(device, options, plan, frames, settings);
+        film = draw_frames(device, options, plan, frames, settings, interruption);
     }
     if (encodes) encode(options, plan);
     print_film(options, device_name, film, asked);

@@ -41,9 +41,9 @@ bool is_whole(const std::filesystem::path& path, uint32_t width, uint32_t height
 FrameRange parse_frames(const std::string& text) {
     const auto range = parse_pair(text, ':');
     if (!range || range->first >= range->second || range->second > kMostFrames)
-        throw CommandError("--frames " + text +
-                           ": give it as FIRST:END, for example 0:240 for frames 0 to 239; at most to frame " +
-                           std::to_string(kMostFrames));
+        throw UsageError("--frames " + text +
+                         ": give it as FIRST:END, for example 0:240 for frames 0 to 239; at most to frame " +
+                         std::to_string(kMostFrames));
     return {range->first, range->second};
 }
 
@@ -51,7 +51,7 @@ Shard parse_shard(const std::string& text) {
     if (text.empty()) return {};
     const auto shard = parse_pair(text, '/');
     if (!shard || shard->first >= shard->second)
-        throw CommandError("--shard " + text + ": give it as I/N with I from 0 to N - 1, for example 0/4 to 3/4");
+        throw UsageError("--shard " + text + ": give it as I/N with I from 0 to N - 1, for example 0/4 to 3/4");
     return {shard->first, shard->second};
 }
 
@@ -59,8 +59,8 @@ FrameFiles::FrameFiles(const std::filesystem::path& pattern) : folder_(pattern.p
     const std::string name = pattern.filename().string();
     const size_t percent = name.find('%'), d = name.find('d', std::min(percent, name.size()));
     const auto wrong = [&] {
-        return CommandError("--out " + pattern.string() +
-                            ": with --frames, give a film.mp4, or numbered pictures such as frame_%04d.png");
+        return UsageError("--out " + pattern.string() +
+                          ": with --frames, give a film.mp4, or numbered pictures such as frame_%04d.png");
     };
     if (percent == std::string::npos || d == std::string::npos || !name.ends_with(".png") ||
         name.find('%', percent + 1) != std::string::npos)

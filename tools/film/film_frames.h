@@ -17,7 +17,7 @@ struct FrameRange {
 
     auto frames() const { return std::views::iota(first, end); }
 };
-// "A:B". Throws CommandError.
+// "A:B". Throws UsageError.
 FrameRange parse_frames(const std::string& text);
 
 // Frames i with i % count == index, so that shards share what is slow in a film evenly.
@@ -26,12 +26,12 @@ struct Shard {
 
     bool has(uint32_t frame) const { return frame % count == index; }
 };
-// "I/N"; empty: all. Throws CommandError.
+// "I/N"; empty: all. Throws UsageError.
 Shard parse_shard(const std::string& text);
 
 class FrameFiles {
 public:
-    // `pattern`: a path whose name has one %d or %04d, for the number, and ends in .png. Throws CommandError.
+    // `pattern`: a path whose name has one %d or %04d, for the number, and ends in .png. Throws UsageError.
     explicit FrameFiles(const std::filesystem::path& pattern);
 
     std::filesystem::path path(uint32_t frame) const;

@@ -9,6 +9,11 @@
 #include <unistd.h>
 
 namespace throng::tools {
+namespace {
+
+constexpr size_t kLongest = 1 << 20;  // of a text, bytes
+
+}  // namespace
 
 FilmLock::FilmLock(std::filesystem::path file) : path_(std::move(file)) {
     while (!lock()) {}
@@ -23,6 +28,9 @@ bool FilmLock::lock() {
             std::cerr << "throng: another process draws this film; waiting for it (" << path_.string() << ")\n";
         has_waited_ = true;
         if (::flock(file_, LOCK_EX) != 0) return true;
+        text_before_.resize(kLongest);
+        const ssize_t length = ::pread(file_, text_before_.data(), text_before_.size(), 0);
+        text_before_.resize(length > 0 ? static_cast<size_t>(length) : 0);
     }
     struct stat opened, there;
     if (::fstat(file_, &opened) == 0 && ::stat(path_.c_str(), &there) == 0 && opened.st_ino == there.st_ino &&
@@ -30,6 +38,12 @@ bool FilmLock::lock() {
         return true;
     ::close(file_);
     return false;
+}
+
+void FilmLock::write(const std::string& text) const {
+    // Where that fails, who waits finds nothing
+    if (file_ >= 0 && ::ftruncate(file_, 0) == 0)
+        if (::pwrite(file_, text.data(), text.size(), 0) < 0) return;
 }
 
 FilmLock::~FilmLock() {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 
 namespace throng::tools {
 
@@ -11,6 +12,12 @@ class FilmLock {
 public:
     explicit FilmLock(std::filesystem::path file);
     ~FilmLock();
+
+    // For those who wait: what is drawn while this is held.
+    void write(const std::string& text) const;
+    // What was written by who held it before, where the constructor has waited; else empty.
+    const std::string& text_before() const { return text_before_; }
+
     FilmLock(const FilmLock&) = delete;
     FilmLock& operator=(const FilmLock&) = delete;
 
@@ -20,6 +27,7 @@ private:
     std::filesystem::path path_;
     int file_ = -1;
     bool has_waited_ = false;
+    std::string text_before_;
 };
 
 }  // namespace throng::tools

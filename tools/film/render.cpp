@@ -8,7 +8,6 @@
 
 #include <algorithm>
 #include <cstdio>
-#include <filesystem>
 #include <map>
 
 namespace throng::tools {
@@ -38,11 +37,9 @@ void print_times(const RenderOptions& options, const Device& device, Shot& shot)
 void run_render(const RenderOptions& options) {
     if (!options.frames.empty()) return render_film(options);
     if (options.out.ends_with(".mp4"))
-        throw CommandError("--out " + options.out + ": a film needs --frames, for example 0:240");
+        throw UsageError("--out " + options.out + ": a film needs --frames, for example 0:240");
     keep_inputs(input_files(options.scene), {options.out});
-    if (!options.out.ends_with(".png"))
-        throw CommandError("--out " + options.out + ": pictures are .png files" +
-                           (std::filesystem::path(options.out).has_extension() ? "" : ": give it that ending"));
+    check_png_name("--out", options.out);
     const Device device = open_device(options.device);
     Shot shot(device, options);
     print_progress("drawing");

@@ -133,7 +133,7 @@ std::string names_of(const std::vector<Parameter>& parameters) {
 }  // namespace
 
 CameraPath::CameraPath(const std::string& text) : name_(text.substr(0, text.find(':'))) {
-    const auto wrong = [&](const std::string& what) { return CommandError("--camera " + text + ": " + what); };
+    const auto wrong = [&](const std::string& what) { return UsageError("--camera " + text + ": " + what); };
     const auto preset = find_preset(name_);
     if (preset == presets().end()) throw wrong("there is no such way; there are fit, orbit, flyover, low and follow");
     for (const Parameter& parameter : preset->parameters) parameters_[parameter.name] = parameter.initial;
@@ -188,6 +188,7 @@ std::vector<Option> add_camera_options(Command app, CameraOptions& options) {
 
 CameraPath make_camera_path(const CameraOptions& options) {
     if (options.eye.empty()) return CameraPath(options.path);
+    if (options.eye == options.target) throw UsageError("--eye and --target: they must be apart");
     return CameraPath(Camera{.eye = {options.eye[0], options.eye[1], options.eye[2]},
                              .target = {options.target[0], options.target[1], options.target[2]}});
 }

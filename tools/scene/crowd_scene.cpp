@@ -1,10 +1,12 @@
 #include "tools/scene/crowd_scene.h"
 
+#include "json/known_names.h"
 #include "tools/scene/agents.h"
 #include "tools/cli/options.h"
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <map>
 #include <numeric>
 #include <span>
@@ -18,14 +20,28 @@ void check_lengths(const SceneOptions& options) {
     const size_t files = options.files.size();
     const auto check = [&](const char* name, size_t given) {
         if (given != 0 && given != files)
-            throw CommandError(std::string(name) + ": " + std::to_string(given) + " numbers for " +
-                               std::to_string(files) + " files; give one for each");
+            throw UsageError(std::string(name) + ": " + std::to_string(given) + " numbers for " +
+                             std::to_string(files) + " files; give one for each");
     };
     check("--counts", options.counts.size());
     check("--sizes", options.sizes.size());
     const uint64_t sum = std::accumulate(options.counts.begin(), options.counts.end(), uint64_t{0});
     if (!options.counts.empty() && (sum == 0 || sum > kMostCharacters))
-        throw CommandError("--counts: " + std::to_string(sum) + " characters in all; give from 1 to 10000000");
+        throw UsageError("--counts: " + std::to_string(sum) + " characters in all; give from 1 to 10000000");
+}
+
+// Which of the files is called so, with its folder or, where that tells it from the others, without.
+size_t file_named(const std::vector<std::string>& files, const std::string& name, const std::string& option) {
+    size_t found = files.size(), count = 0;
+    KnownNames known("file");
+    for (size_t i = 0; i < files.size(); ++i) {
+        if (files[i] == name) return i;
+        if (std::filesystem::path(files[i]).filename() == name) found = i, ++count;
+        known.add(files[i]);
+    }
+    if (count == 1) return found;
+    if (count > 1) throw UsageError(option + ": several of the files are called '" + name + "'; name its folder too");
+    throw UsageError(option + ": " + known.unknown(name));
 }
 
 // What each file is given by an option of "VALUE" for all of them, or "FILE=VALUE"; empty where nothing.
@@ -34,8 +50,8 @@ std::vector<std::string> of_files(const std::vector<std::string>& files, const s
     std::vector<std::string> values(files.size());
     std::string of_all;
     const auto set = [&](std::string& value, const std::string& one, const std::string& given_value) {
-        if (given_value.empty()) throw CommandError(option + " " + one + ": nothing is given behind '='");
-        if (!value.empty()) throw CommandError(option + " " + one + ": there is one already, '" + value + "'");
+        if (given_value.empty()) throw UsageError(option + " " + one + ": nothing is given behind '='");
+        if (!value.empty()) throw UsageError(option + " " + one + ": there is one already, '" + value + "'");
         value = given_value;
     };
     for (const std::string& one : given) {
@@ -44,10 +60,7 @@ std::vector<std::string> of_files(const std::vector<std::string>& files, const s
             set(of_all, one, one);
             continue;
         }
-        const auto file = std::ranges::find(files, one.substr(0, equals));
-        if (file == files.end())
-            throw CommandError(option + " " + one + ": '" + one.substr(0, equals) + "' is none of the files");
-        set(values[static_cast<size_t>(file - files.begin())], one, one.substr(equals + 1));
+        set(values[file_named(files, one.substr(0, equals), option + " " + one)], one, one.substr(equals + 1));
     }
     for (std::string& value : values)
         if (value.empty()) value = of_all;
@@ -195,15 +208,15 @@ CrowdScene::CrowdScene(const Device& device, const SceneOptions& options, CrowdS
     }
     unwrap(crowd_->set_placement(crowd_->instances(), field.placement));
     if (options.steer) destinations_ = each_others_places(field.groups, field.placement, options.seed);
+    bounds_ = reached_bounds(main_bounds(*crowd_), field);
     placement_ = std::move(field.placement);
-    bounds_ = main_bounds(*crowd_);
     follow(0);
 }
 
 void CrowdScene::follow(uint32_t character) {
     if (character >= placement_.size())
-        throw CommandError("character " + std::to_string(character) + " cannot be followed: there are " +
-                           std::to_string(placement_.size()) + ", from 0 on");
+        throw UsageError("character " + std::to_string(character) + " cannot be followed: there are " +
+                         std::to_string(placement_.size()) + ", from 0 on");
     world_from_followed_ = placement_[character];
     uint32_t end = 0;
     followed_bounds_ = std::ranges::find_if(kinds_, [&](const Kind& kind) {

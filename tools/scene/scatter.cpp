@@ -105,4 +105,27 @@ Scatter scatter(std::span<const Character> characters, const ScatterSettings& se
     return out;
 }
 
+Bounds reached_bounds(const Bounds& bounds, const Scatter& field) {
+    Bounds all = bounds;
+    const auto add = [&](const Clip& clip, const Affine& world_from_model) {
+        for (unsigned corner = 0; corner < 8; ++corner) {
+            const auto end = [&](unsigned axis) {
+                return (corner >> axis & 1) != 0 ? clip.bounds_max : clip.bounds_min;
+            };
+            const Vec3<float> place = transform_point(world_from_model, Vec3<float>{end(0).x, end(1).y, end(2).z});
+            all.min = {std::min(all.min.x, place.x), std::min(all.min.y, place.y), std::min(all.min.z, place.z)};
+            all.max = {std::max(all.max.x, place.x), std::max(all.max.y, place.y), std::max(all.max.z, place.z)};
+        }
+    };
+    size_t instance = 0;
+    for (const CrowdGroup& group : field.groups)
+        for (uint32_t i = 0; i < group.instance_count; ++i, ++instance) {
+            const auto& [first, second, weight] = field.playback[instance];
+            if (group.controller) continue;
+            if (first.clip != kNone && weight > 0) add(group.character->clips[first.clip], field.placement[instance]);
+            if (second.clip != kNone && weight < 1) add(group.character->clips[second.clip], field.placement[instance]);
+        }
+    return all;
+}
+
 }  // namespace throng::tools

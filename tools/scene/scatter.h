@@ -4,6 +4,7 @@
 #include "tools/scene/placement.h"
 
 #include <throng/crowd.h>
+#include <throng/draw.h>
 
 #include <cstdint>
 #include <span>
@@ -37,5 +38,9 @@ std::vector<uint32_t> deal_out(uint32_t count, size_t parts);
 // Around the origin, standing on the ground, kinds mixed. Throws CommandError where heights are too different to be
 // placed together.
 Scatter scatter(std::span<const Character> characters, const ScatterSettings& settings);
+
+// These bounds and, where no controller chooses the clips, all that the clips reach which each one plays: some are
+// carried far from where they stand. World space.
+Bounds reached_bounds(const Bounds& bounds, const Scatter& field);
 
 }  // namespace throng::tools
