@@ -198,6 +198,46 @@ TEST_F(View, ChangesTheNumber) {
     EXPECT_EQ(state_["count"], 10) << "5, 10, 20, 10";
 }
 
+TEST_F(View, WhoIsSelectedStaysSoWhereTheNumberChanges) {
+    const std::string click = "0 hold space\n1 let space\n4 move 420 200\n5 press left\n6 release left\n";
+    view(click + "20 move 630 20\n", {file("other.glb"), "--count", "2"});
+    ASSERT_EQ(state_["selected"], 1) << "the first of the second file";
+    view(click + "10 type +\n20 move 630 20\n", {file("other.glb"), "--count", "2"});
+    EXPECT_EQ(state_["count"], 5) << "two of the first file, three of the second";
+    EXPECT_EQ(state_["selected"], 2);
+    view(click + "10 type -\n20 move 630 20\n", {file("other.glb"), "--count", "2"});
+    EXPECT_EQ(state_["count"], 1);
+    EXPECT_TRUE(state_["selected"].is_null() || state_["selected"] == 0) << state_;
+}
+
+TEST_F(View, TheSeedIsTakenWhenItsFieldIsLeft) {
+    view(
+        "2 move 188 100\n3 press left\n4 release left\n6 hold ctrl\n6 hold a\n7 let a\n7 let ctrl\n8 type 81\n"
+        "12 move 600 200\n14 press left\n15 release left\n20 move 630 20\n");
+    EXPECT_EQ(state_["seed"], 81);
+}
+
+TEST_F(View, TheWayToAPressIsNoDrag) {
+    view("0 hold space\n1 let space\n4 move 325 170\n12 move 325 170\n");
+    const Json eye = state_["eye"];
+    view("0 hold space\n1 let space\n4 move 325 170\n8 move 600 60\n8 press left\n9 release left\n12 move 600 60\n");
+    EXPECT_EQ(state_["eye"], eye);
+}
+
+TEST_F(View, EscapeClosesAList) {
+    const std::string select = "0 hold space\n1 let space\n4 move 325 170\n5 press left\n6 release left\n",
+                      open = "8 move 188 124\n9 press left\n10 release left\n",
+                      escape = "14 hold escape\n15 let escape\n", last = "20 shot " + file("list.png") + "\n";
+    view(select + last, {"--count", "1"});
+    const Png before = seen("list.png");
+    constexpr Rectangle kList{100, 140, 280, 220};
+    view(select + open + last, {"--count", "1"});
+    EXPECT_GT(changed(before, seen("list.png"), kList), 0.1) << "it is open";
+    view(select + open + escape + last, {"--count", "1"});
+    EXPECT_LT(changed(before, seen("list.png"), kList), 0.02);
+    EXPECT_EQ(state_["selected"], 0) << "one thing at a time";
+}
+
 TEST_F(View, LeavesOutTheHiddenAndAnimatesSmallOnesLessOften) {
     const Outcome run = view("2 type u\n3 type o\n6 shot " + file("skipped.png") + "\n20 move 630 20\n",
                              {"--count", "60"});
@@ -317,6 +357,11 @@ TEST_F(View, RefusesInOneLine) {
     refused({file("one.glb"), "--size", "1x1"}, "--size", display_->name());
     refused({file("one.glb"), "--count", "200000"}, "100000", display_->name());
     refused({file("one.glb"), "--device", "nobody's"}, "nobody's", display_->name());
+    refused({file("one.glb"), "--screenshot", file("picture.jpg")}, "picture.jpg: pictures are .png files",
+            display_->name());
+    refused({file("one.glb"), "--count", "3", "--camera", "follow:character=3"}, "there are 3 characters",
+            display_->name());
+    refused({file("one.glb"), "--eye", "0,2,0", "--target", "0,2,0"}, "apart", display_->name());
     refused({file("one.glb"), "--script", write("wrong.txt", "1 move 2\n")}, "wrong.txt:1", display_->name());
 }
 
@@ -343,6 +388,20 @@ TEST(ViewOrbit, GoesWhereTheHandGoes) {
     orbit.reset({.eye = {0, 1, 10}, .target = {0, 1, 0}, .vertical_field_of_view_rad = 2 * std::atan(0.5f)});
     orbit.pan(0.5f, 0.25f);
     EXPECT_TRUE(near(orbit.camera().target, {5, 3.5f, 0})) << "half and a quarter of the picture's height there, 10";
+}
+
+TEST(ViewOrbit, StaysAboveTheGround) {
+    view::Orbit orbit;
+    orbit.reset({.eye = {0, 3, 10}, .target = {0, 1, 0}});
+    orbit.stand_on(0.5f);
+    for (int step = 0; step < 100; ++step) {
+        orbit.turn(0.1f, -0.1f);
+        orbit.zoom(1.1f);
+        EXPECT_GT(orbit.camera().eye.y, 0.5f) << step;
+    }
+    orbit.reset({.eye = {0, -3, 10}, .target = {0, 1, 0}});
+    orbit.turn(0.1f, 0.01f);
+    EXPECT_LT(orbit.camera().eye.y, 0.5f) << "who is under it already is not thrown up";
 }
 
 TEST(ViewProjection, UndoesItself) {

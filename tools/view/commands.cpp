@@ -77,6 +77,7 @@ void fly_by_keys(State& state) {
 void take_keys(State& state, std::span<const KeyPress> pressed) {
     const ImGuiIO& io = ImGui::GetIO();
     if (io.WantTextInput) return;
+    if (ImGui::IsPopupOpen("", ImGuiPopupFlags_AnyPopupId | ImGuiPopupFlags_AnyPopupLevel)) return;  // a list has them
     for (const Command& command : kCommands) {
         const bool typed = command.character &&
                            std::find(io.InputQueueCharacters.begin(), io.InputQueueCharacters.end(),
@@ -91,7 +92,9 @@ void take_keys(State& state, std::span<const KeyPress> pressed) {
 
 void take_drags(State& state) {
     const ImGuiIO& io = ImGui::GetIO();
-    const float x = io.MouseDelta.x / io.DisplaySize.y, y = io.MouseDelta.y / io.DisplaySize.y;  // picture heights
+    const bool begins = std::ranges::any_of(io.MouseClicked, [](bool is_clicked) { return is_clicked; });
+    const float scale = begins ? 0 : 1 / io.DisplaySize.y;  // the way to where a button goes down is none of its drag
+    const float x = io.MouseDelta.x * scale, y = io.MouseDelta.y * scale;  // picture heights
     const bool pans = ImGui::IsMouseDown(ImGuiMouseButton_Right) || ImGui::IsMouseDown(ImGuiMouseButton_Middle) ||
                       (ImGui::IsMouseDown(ImGuiMouseButton_Left) && io.KeyShift);
     constexpr float kTurn_rad = 3.5f, kLook_rad = 1.2f;  // by a drag over the height of the picture

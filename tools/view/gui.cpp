@@ -58,16 +58,17 @@ void choose_style(float scale) {
     set({ImGuiCol_FrameBgHovered, ImGuiCol_ButtonHovered, ImGuiCol_HeaderHovered}, hovered);
     set({ImGuiCol_FrameBgActive, ImGuiCol_ButtonActive, ImGuiCol_HeaderActive}, pressed);
     set({ImGuiCol_Header}, {0.15f, 0.165f, 0.195f, 1});
-    set({ImGuiCol_CheckMark, ImGuiCol_SliderGrab}, accent);
+    set({ImGuiCol_CheckMark}, accent);
+    set({ImGuiCol_SliderGrab}, {0.20f, 0.38f, 0.58f, 1});     // values are written over it
     set({ImGuiCol_PlotHistogram}, {0.20f, 0.36f, 0.55f, 1});  // bars of progress
-    set({ImGuiCol_SliderGrabActive}, {0.55f, 0.78f, 1, 1});
+    set({ImGuiCol_SliderGrabActive}, {0.26f, 0.48f, 0.72f, 1});
     set({ImGuiCol_Separator}, {0.22f, 0.24f, 0.28f, 1});
     set({ImGuiCol_ScrollbarBg}, {0, 0, 0, 0});
 }
 
 }  // namespace
 
-Gui::Gui(const Window& window, const Context& context, VkRenderPass render_pass) {
+Gui::Gui(const Window& window, const Context& context, VkRenderPass render_pass) : window_(window) {
     constexpr uint32_t kSets = 4;  // the font's is the only one that is needed
     const VkDescriptorPoolSize size{VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, kSets};
     const VkDescriptorPoolCreateInfo create{.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO,
@@ -111,11 +112,17 @@ void Gui::upload_fonts(const Context& context) const {
     ImGui_ImplVulkan_DestroyFontUploadObjects();
 }
 
-void Gui::take_input(VkExtent2D extent) const {
+void Gui::take_input(VkExtent2D extent, std::span<const KeyPress> pressed) {
     ImGui_ImplVulkan_NewFrame();
     ImGui_ImplGlfw_NewFrame();
-    // The canvas may be of another size than the window where that has just changed.
     ImGuiIO& io = ImGui::GetIO();
+    for (const int key : std::exchange(let_go_, {})) io.KeysDown[key] = glfwGetKey(window_.handle(), key) == GLFW_PRESS;
+    for (const KeyPress& press : pressed) {
+        if (press.key < 0 || io.KeysDown[press.key]) continue;
+        io.KeysDown[press.key] = true;
+        let_go_.push_back(press.key);
+    }
+    // The canvas may be of another size than the window where that has just changed.
     if (io.DisplayFramebufferScale.x <= 0 || io.DisplayFramebufferScale.y <= 0) io.DisplayFramebufferScale = {1, 1};
     io.DisplaySize = {static_cast<float>(extent.width) / io.DisplayFramebufferScale.x,
                       static_cast<float>(extent.height) / io.DisplayFramebufferScale.y};

@@ -30,9 +30,17 @@ Vec3<float> Orbit::to_eye() const { return direction_of(yaw_rad_, pitch_rad_); }
 Camera Orbit::camera() const { return {target_ + to_eye() * distance_, target_, field_of_view_rad_}; }
 
 void Orbit::turn(float yaw_rad, float pitch_rad) {
+    const bool was_above_ground = is_above_ground();
     yaw_rad_ += yaw_rad;
     pitch_rad_ = std::clamp(pitch_rad_ + pitch_rad, std::min(kLeastPitch_rad, pitch_rad_),
                             std::max(kMostPitch_rad, pitch_rad_));
+    if (was_above_ground) stay_above_ground();
+}
+
+void Orbit::stay_above_ground() {
+    constexpr float kHeight = 0.02f;  // of the distance, at which the ground can still be seen from above
+    const float least = std::asin(std::clamp((ground_y_ - target_.y) / distance_ + kHeight, -1.0f, 1.0f));
+    pitch_rad_ = std::max(pitch_rad_, std::min(least, kMostPitch_rad));
 }
 
 void Orbit::look(float yaw_rad, float pitch_rad) {
@@ -46,7 +54,11 @@ void Orbit::pan(float right, float up) {
     target_ = target_ + (axes.right() * right + axes.up() * up) * (2 * distance_ * std::tan(field_of_view_rad_ / 2));
 }
 
-void Orbit::zoom(float factor) { distance_ = std::clamp(distance_ * factor, reach_ * 1e-4f, reach_ * 20); }
+void Orbit::zoom(float factor) {
+    const bool was_above_ground = is_above_ground();
+    distance_ = std::clamp(distance_ * factor, reach_ * 1e-4f, reach_ * 20);
+    if (was_above_ground) stay_above_ground();
+}
 
 void Orbit::fly(float right, float up, float forward) {
     const Vec3<float> ahead = to_eye() * -1.0f, aside{-ahead.z, 0, ahead.x};

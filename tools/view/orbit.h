@@ -3,6 +3,8 @@
 
 #include <throng/draw.h>
 
+#include <limits>
+
 namespace throng::view {
 
 class Orbit {
@@ -10,6 +12,9 @@ public:
     // Looks as `camera` does; its distance is the measure of how fast fly() goes and how far zoom() may.
     void reset(const Camera& camera);
     Camera camera() const;
+
+    // Turning about the target and drawing back from it take the eye no lower than this.
+    void stand_on(float ground_y) { ground_y_ = ground_y; }
 
     // About the target; about the eye. Radians: to the left, up.
     void turn(float yaw_rad, float pitch_rad);
@@ -23,9 +28,12 @@ public:
 
 private:
     Vec3<float> to_eye() const;  // unit
+    bool is_above_ground() const { return target_.y + to_eye().y * distance_ >= ground_y_; }
+    void stay_above_ground();
 
     Vec3<float> target_;
     float distance_ = 1, yaw_rad_ = 0, pitch_rad_ = 0, reach_ = 1, field_of_view_rad_ = 0.7f;
+    float ground_y_ = -std::numeric_limits<float>::infinity();
 };
 
 // The picture's axes, to go from its points to rays and back. Points of the picture: 0..1 from the left and the top.

@@ -2,6 +2,7 @@
 
 #include "tools/cli/options.h"
 #include "tools/view/commands.h"
+#include "tools/view/window.h"
 
 #include <algorithm>
 #include <array>
@@ -47,6 +48,7 @@ bool combo_row(const char* name, std::span<const Choice> choices, size_t& chosen
     begin_row(name);
     const size_t before = chosen;
     if (!ImGui::BeginCombo(id_of(name).c_str(), chosen < choices.size() ? choices[chosen].name : shown)) return false;
+    if (ImGui::IsKeyPressed(GLFW_KEY_ESCAPE)) ImGui::CloseCurrentPopup();
     for (size_t i = 0; i < choices.size(); ++i) {
         ImGui::PushID(static_cast<int>(i));  // names need not differ
         if (ImGui::Selectable(choices[i].name, i == before)) chosen = i;
@@ -86,12 +88,19 @@ void slide_count(State& state) {
     if (!ImGui::IsItemActive()) state.sliding_count.reset();
 }
 
+// Likewise, when the field is left.
+void type_seed(State& state) {
+    if (!state.typed_seed) state.typed_seed = state.wanted.seed;
+    ImGui::InputScalar("##seed", ImGuiDataType_U64, &*state.typed_seed);
+    if (ImGui::IsItemDeactivatedAfterEdit()) state.wanted.seed = *state.typed_seed;
+    if (!ImGui::IsItemActive()) state.typed_seed.reset();
+}
+
 void crowd_section(State& state) {
     begin_row("number");
     slide_count(state);
     begin_row("seed");
-    ImGui::InputScalar("##seed", ImGuiDataType_U64, &state.wanted.seed, nullptr, nullptr, nullptr,
-                       ImGuiInputTextFlags_EnterReturnsTrue);
+    type_seed(state);
     choose_row("placement", kFormations, state.wanted.formation);
 }
 

@@ -113,7 +113,17 @@ void Scene::make_crowd() {
                 set_parameter(group, p, parameters(group)[p]);
     }
     tools::unwrap(crowd_->set_placement(crowd_->instances(), field_.placement));
-    bounds_ = main_bounds(*crowd_);
+    bounds_ = tools::reached_bounds(main_bounds(*crowd_), field_);
+}
+
+std::optional<uint32_t> Scene::instance_at(const InGroup& place) const {
+    if (place.number >= instance_count_of(place.group)) return std::nullopt;
+    return first_instance_of(place.group) + place.number;
+}
+
+Scene::InGroup Scene::place_of(uint32_t instance) const {
+    const uint32_t group = group_of(instance);
+    return {group, instance - first_instance_of(group)};
 }
 
 void Scene::advance(float time_step_s) {

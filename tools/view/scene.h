@@ -72,12 +72,18 @@ public:
     const Cast& cast() const { return *shown_.cast; }
     const SceneSettings& settings() const { return shown_.settings; }
     Crowd& crowd() { return *crowd_; }
-    const Bounds& bounds() const { return bounds_; }  // of the rest poses, world space
+    const Bounds& bounds() const { return bounds_; }  // of the rest poses and of clips, world space
 
     // Before an update by this time step.
     void advance(float time_step_s);
 
     uint32_t group_of(uint32_t instance) const;
+    // An instance by its group, which stays the same where the number of all changes.
+    struct InGroup {
+        uint32_t group = 0, number = 0;
+    };
+    InGroup place_of(uint32_t instance) const;
+    std::optional<uint32_t> instance_at(const InGroup& place) const;  // none: the group has not so many
     uint32_t instance_count_of(uint32_t group) const { return field_.groups[group].instance_count; }
     const Controller* controller_of(uint32_t group) const {
         return cast().controllers[group] ? &*cast().controllers[group] : nullptr;

@@ -17,8 +17,9 @@ namespace throng::view {
 inline constexpr const char* kByHand = "by hand";
 
 struct State {
-    SceneSettings wanted;              // made so at the end of the frame; what cannot be made goes back to what is
-    std::optional<int> sliding_count;  // while the slider is held
+    SceneSettings wanted;                // made so at the end of the frame; what cannot be made goes back to what is
+    std::optional<int> sliding_count;    // while the slider is held
+    std::optional<uint64_t> typed_seed;  // while it is typed
     DrawOptions drawing;
     Orbit orbit;
     bool flies = false;            // drags turn the head, not the crowd

@@ -61,11 +61,12 @@ std::string free_name() {
     }
 }
 
-// Throws a CommandError where what is to be written is read.
+// Throws a CommandError where what is to be written is read, and a UsageError where it is no picture.
 std::vector<std::string> checked_inputs(const ViewOptions& options) {
     std::vector<std::string> inputs = tools::input_files(options.scene);
     inputs.push_back(options.script);
     tools::keep_inputs(inputs, {options.screenshot, options.dump});
+    if (!options.screenshot.empty()) tools::check_png_name("--screenshot", options.screenshot);
     return inputs;
 }
 
@@ -103,6 +104,9 @@ Viewer::Viewer(const ViewOptions& options)
         state_.resets_view = false;
     } else if (options.camera.path != "fit") {
         state_.camera = options.camera.path;
+        if (path.follows() && path.followed_character() >= scene_.settings().count)
+            throw tools::UsageError("--camera " + options.camera.path + ": there are " +
+                                    std::to_string(scene_.settings().count) + " characters, from 0 on");
     }
 }
 
@@ -135,7 +139,7 @@ bool Viewer::is_done() const {
 
 void Viewer::show_frame() {
     if (display_.is_stale(window_.size())) resize();
-    gui_.take_input(display_.extent());
+    gui_.take_input(display_.extent(), window_.pressed());
     if (script_) shot_ = script_->play(frame_, window_).value_or("");
     if (is_scripted()) ImGui::GetIO().DeltaTime = kScriptedStep_s;
     ImGui::NewFrame();
@@ -163,6 +167,7 @@ void Viewer::resize() {
 // A path leads the camera until the hand takes it, which goes on from there.
 void Viewer::move_camera(float aspect_ratio) {
     if (std::exchange(state_.resets_view, false)) state_.orbit.reset(fit_camera(scene_.bounds(), aspect_ratio));
+    state_.orbit.stand_on(scene_.bounds().min.y);
     if (state_.camera == kByHand) {
         path_.reset();
         return;
@@ -308,7 +313,9 @@ void Viewer::take_settings() {
     const bool moves = state_.wanted.count != scene_.settings().count ||
                        state_.wanted.formation != scene_.settings().formation;
     try {
+        const auto selected = state_.selected ? std::optional(scene_.place_of(*state_.selected)) : std::nullopt;
         scene_.set_settings(state_.wanted);
+        if (selected) state_.selected = scene_.instance_at(*selected);
         measured_.feedback = {};
         if (moves) state_.resets_view = true;
     } catch (const CommandError& error) {
@@ -316,7 +323,6 @@ void Viewer::take_settings() {
     }
     state_.wanted = scene_.settings();
     state_.drawing.skeletons = state_.wanted.keeps_joints;
-    if (state_.selected && *state_.selected >= scene_.settings().count) state_.selected.reset();
 }
 
 void Viewer::write_dump() const {
@@ -326,6 +332,7 @@ void Viewer::write_dump() const {
     const nlohmann::json dump{{"frames", frame_},
                               {"files", files},
                               {"count", scene_.settings().count},
+                              {"seed", scene_.settings().seed},
                               {"scan", scene_.settings().scan},
                               {"culls", scene_.settings().culls},
                               {"skips_updates", scene_.settings().skips_updates},

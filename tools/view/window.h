@@ -6,6 +6,7 @@
 #define GLFW_INCLUDE_NONE
 #include <GLFW/glfw3.h>
 
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -36,6 +37,7 @@ public:
     void drop(std::vector<std::string> files) { dropped_ = std::move(files); }
 
     // Keys pressed since the last call, also those that have been let go: frames may take longer than fingers.
+    std::span<const KeyPress> pressed() const { return pressed_; }
     std::vector<KeyPress> take_pressed() { return std::exchange(pressed_, {}); }
     void press(const KeyPress& press) { pressed_.push_back(press); }
 
