@@ -15,8 +15,8 @@ struct Steering {
     // World units, 1e-6 to 1e6; two agents do not come nearer to each other than the sum of their radii, or three
     // quarters of it after having been held up
     float radius = 0.3f;
-    float speed =
-        1.4f;        // world units a second, at most; 0 to 1e6. In one update an agent goes no further than `radius`
+    // World units a second, at most; 0 to 1e6. In one update an agent goes no further than its radius
+    float speed = 1.4f;
     float turn = 3;  // radians a second, at most; 0 to 1e6
     // Parameter of the controller that is told in each update how fast the agent wants to walk, in units of its model
     // space a second; 0: it stands

@@ -44,11 +44,10 @@ Met meet_all(Agent agent) {
         const float largest = push.largest[grid], reach = kReach * (agent.radius + largest);
         const int cells = agent.radius <= largest
                               ? 1
-                              : int(min(ceil(reach * push.inverse_cells[grid]), float(kAgentCellLimit))),
-                  side = 2 * cells + 1;
+                              : int(min(ceil(reach * push.inverse_cells[grid]), float(kAgentCellLimit)));
         const ivec2 centre = cell_of(agent.place, push.inverse_cells[grid]);
-        for (int k = 0; k < side * side; ++k)
-            meet_cell(agent, grid, centre + ivec2(k % side - cells, k / side - cells), met);
+        for (int z = -cells; z <= cells; ++z)
+            for (int x = -cells; x <= cells; ++x) meet_cell(agent, grid, centre + ivec2(x, z), met);
     }
     return met;
 }

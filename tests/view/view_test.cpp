@@ -190,6 +190,21 @@ TEST_F(View, ADroppedControllerDrives) {
     EXPECT_NE(wrong.err.find("gust"), std::string::npos) << "a clip that it has not: " << wrong;
 }
 
+TEST_F(View, DroppedLooksAreWorn) {
+    const std::string material = json_of("info " + file("one.glb"))["section_materials"][0];
+    const std::string looks = write("looks.json", R"({"colors": {")" + material + R"(": ["#ff0000"]}})");
+    const Outcome run = view(std::string(kStill) + "4 shot " + file("plain.png") + "\n5 drop " + looks + "\n10 shot " +
+                                 file("red.png") + "\n",
+                             {"--count", "4"});
+    EXPECT_TRUE(run.err.empty()) << run;
+    const auto red = [](const Png& in) {
+        return part(kMiddle,
+                    [&](int x, int y) { return in.at(x, y)[0] > 2 * std::max(in.at(x, y)[1], in.at(x, y)[2]); });
+    };
+    EXPECT_LT(red(seen("plain.png")), 0.01);
+    EXPECT_GT(red(seen("red.png")), 0.05);
+}
+
 TEST_F(View, ChangesTheNumber) {
     view("2 move 188 76\n3 press left\n6 release left\n10 shot " + file("many.png") + "\n", {"--count", "2"});
     EXPECT_GT(state_["count"], 200) << "the middle of the slider, which is logarithmic";

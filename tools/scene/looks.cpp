@@ -9,6 +9,8 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <initializer_list>
+#include <string_view>
 
 namespace throng::tools {
 namespace {
@@ -73,10 +75,12 @@ struct SectionChoice {
 // Of sets of sections, one is shown; those of the others are not.
 using WearChoice = std::vector<std::vector<uint32_t>>;
 
+const std::initializer_list<std::string_view> kFields{"colors", "materials", "tint", "wear"};
+
 struct Choices {
     Choices(const JsonView& top, const Character& character) {
         const Names names(character);
-        top.allow({"colors", "materials", "tint", "wear"});
+        top.allow(kFields);
         for (const JsonView color : top.optional_members("colors"))
             colors.push_back({names.of_material(color.key(), color), read_colors(color)});
         for (const JsonView choice : top.optional_members("materials")) {
@@ -152,14 +156,27 @@ Outfit outfit_of(const Choices& choices, const Character& character, Random& ran
     return outfit;
 }
 
+JsonText read_text(const std::string& path, const std::string& file) {
+    const std::vector<std::byte> bytes = read_file(path, kJsonTextLimit_bytes, file, "is larger than 4 MiB");
+    return JsonText({reinterpret_cast<const char*>(bytes.data()), bytes.size()}, JsonAuthor::kPerson, file);
+}
+
 }  // namespace
+
+bool is_looks_file(const std::string& path) {
+    bool is_one = false;
+    (void)as_result([&] {
+        const JsonText text = read_text(path, path);
+        is_one = std::ranges::any_of(kFields, [&](std::string_view field) { return text.view().has(field); });
+    });
+    return is_one;
+}
 
 Looks::Looks(const std::string& path, const Character& character) {
     const std::string file = printable(std::filesystem::path(path).filename().string(), 120);
     unwrap(as_result(
         [&] {
-            const std::vector<std::byte> bytes = read_file(path, kJsonTextLimit_bytes, file, "is larger than 4 MiB");
-            const JsonText text({reinterpret_cast<const char*>(bytes.data()), bytes.size()}, JsonAuthor::kPerson, file);
+            const JsonText text = read_text(path, file);
             try {
                 const Choices choices(text.view(), character);
                 Random random(1);

@@ -25,4 +25,7 @@ private:
     std::vector<Color> tints_;  // each instance's is somewhere between two of them; none: white
 };
 
+// Whether the file has what those of looks have, and not a controller, which is also a .json. False where it is none.
+bool is_looks_file(const std::string& file);
+
 }  // namespace throng::tools

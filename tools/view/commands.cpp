@@ -58,7 +58,7 @@ constexpr std::array kGestures{
     Gesture{"click", "inspect a character"},
     Gesture{"w a s d q e; shift", "fly; faster"},
     Gesture{"drop .glb, .gltf, .throng", "show them"},
-    Gesture{"drop a controller's .json", "use it"},
+    Gesture{"drop a .json", "use this controller, these looks"},
 };
 
 void fly_by_keys(State& state) {

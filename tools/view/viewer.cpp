@@ -265,7 +265,7 @@ void Viewer::take_dropped() {
     std::vector<std::string> files;
     for (std::string& file : window_.take_dropped()) {
         inputs_.push_back(file);
-        (file.ends_with(".json") ? dropped_controllers_ : files).push_back(std::move(file));
+        (file.ends_with(".json") ? dropped_json_ : files).push_back(std::move(file));
     }
     if (files.empty()) return;
     state_.say("reading " + std::filesystem::path(files.front()).filename().string() + (files.size() > 1 ? " …" : ""));
@@ -283,24 +283,34 @@ void Viewer::take_loaded() {
             state_.message.clear();
         }
         if (loader_.is_busy()) return;
-        for (const std::string& file : std::exchange(dropped_controllers_, {})) use_controller(file);
+        for (const std::string& file : std::exchange(dropped_json_, {})) use_json(file);
     } catch (const CommandError& error) {
         state_.complain(error.what());
     }
 }
 
-// For those characters that it fits.
-void Viewer::use_controller(const std::string& file) {
-    const Controller controller = unwrap(load_controller(file));
+// A controller or looks, for those characters that it fits.
+void Viewer::use_json(const std::string& file) {
+    const bool are_looks = tools::is_looks_file(file);
+    const Controller controller = are_looks ? Controller() : unwrap(load_controller(file));
     Cast cast = scene_.cast();
+    const auto give = [&](size_t k) {
+        if (are_looks) {
+            cast.looks[k] = tools::Looks(file, cast.characters[k]);
+        } else {
+            unwrap(check_controller(controller, cast.characters[k]));
+            cast.controllers[k] = controller;
+        }
+    };
     std::string why;
     size_t fitting = 0;
     for (size_t k = 0; k < cast.characters.size(); ++k) {
-        const Result<void> fits = check_controller(controller, cast.characters[k]);
-        if (!fits)
-            why = fits.error().text();
-        else
-            cast.controllers[k] = controller, ++fitting;
+        try {
+            give(k);
+            ++fitting;
+        } catch (const CommandError& error) {
+            why = error.what();
+        }
     }
     if (fitting == 0) throw CommandError(why);
     scene_.set_cast(std::move(cast));

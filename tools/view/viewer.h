@@ -52,7 +52,7 @@ private:
     void save_shot();
     void take_dropped();
     void take_loaded();
-    void use_controller(const std::string& file);
+    void use_json(const std::string& file);
     void take_settings();
     void write_dump() const;
 
@@ -67,7 +67,7 @@ private:
     Renderer renderer_;
     Scene scene_;
     Loader loader_;
-    std::vector<std::string> dropped_controllers_;  // files, to be used once the characters are there
+    std::vector<std::string> dropped_json_;  // files, to be used once the characters are there
     std::optional<Script> script_;
     State state_;
     Measured measured_;
