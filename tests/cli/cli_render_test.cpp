@@ -41,6 +41,11 @@ TEST_F(CliRender, ClipsAreChosenByNameOrNumber) {
     EXPECT_NE(one_file, random);
     const std::string name = Json::parse(succeed("info walker.glb --json").out)["clips"][0]["name"];
     EXPECT_EQ(picture("named.png", {"--clip", "walker.glb=" + name}), one_file);
+    EXPECT_TRUE(run_tool("render ./walker.glb dragon.glb --count 4 --size 96x64 --time 0.5 --clip walker.glb=0 "
+                         "--out without_its_folder.png")
+                    .succeeded());
+    EXPECT_EQ(read_file("without_its_folder.png"), one_file);
+    EXPECT_TRUE(refuses({"--clip", "./walkr.glb=0"}, "did you mean 'walker.glb'?"));
     EXPECT_EQ(picture("all.png", {"--clip", "0", "--blend", "1", "--weight", "1"}), first);
     EXPECT_NE(picture("half.png", {"--clip", "0", "--blend", "1"}), first);
 

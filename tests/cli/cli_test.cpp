@@ -343,7 +343,12 @@ TEST_F(Cli, WrongInputIsRefusedInOneLineThatNamesIt) {
     fs::create_directory("folder");
     expect_refused({
         {{}, "command"},
-        {"dance", "dance"},
+        {"dance", "there is no command 'dance'. There are: info, compile"},
+        {"rendr creature.glb", "there is no command 'rendr'; did you mean 'render'?"},
+        {"render creature.glb --out x.png --cont 5", "--cont; did you mean --count? (throng render --help)"},
+        {"render creature.glb --out x.png --placement circle", "'circle' is none of disc, grid, path, random"},
+        {"render creature.glb --out x.png --count abc", "'abc' is not a whole number from 1 to 10000000"},
+        {"render creature.glb --out x.png --spacing 1x", "'1x' is not a number from 0.1 to 100"},
         {"info", "file"},
         {"info missing.glb", "missing.glb"},
         {"info folder", "folder"},

@@ -114,7 +114,7 @@ TEST(CameraPath, WrongTextsAreRefused) {
     for (const char* text : {"", "circle", "Fit", "fit:seconds=3", "orbit:seconds", "orbit:seconds=", "orbit:seconds=0",
                              "orbit:seconds=nan", "orbit:seconds=1e9", "orbit:seconds=5x", "orbit:character=1",
                              "follow:character=-1", "follow:character=1.5", "orbit:seconds=20,,height=1"})
-        EXPECT_THROW(CameraPath{std::string(text)}, CommandError) << text;
+        EXPECT_THROW(CameraPath{std::string(text)}, UsageError) << text;
 }
 
 }  // namespace
