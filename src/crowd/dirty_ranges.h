@@ -70,7 +70,7 @@ private:
         }
     }
 
-    // Of those from `first` on that lie in a word: apply(word, their bits).
+    // Calls apply(word, bits) for each word that holds some of the range's bits, with these.
     template <class Apply>
     void for_each_word(uint32_t first, uint32_t count, const Apply& apply) {
         const size_t end = size_t{first} + count;

@@ -37,7 +37,9 @@ void meet_cell(Agent agent, uint grid, ivec2 cell, INOUT(Met) met) {
     }
 }
 
-// Of its own size and of larger ones, those who matter are in nine cells; of smaller ones in more.
+// A cell is as wide as the way at which two of its grid's largest agents meet. So in its own grid and those of larger
+// agents all whom this one may meet are in the nine cells around it; in those of smaller agents, which have smaller
+// cells, it looks through as many as its own size needs.
 Met meet_all(Agent agent) {
     Met met = Met(ivec2(0), push.speed);
     for (uint grid = 0; grid < push.grid_count; ++grid) {

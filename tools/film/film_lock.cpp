@@ -41,9 +41,9 @@ bool FilmLock::lock() {
 }
 
 void FilmLock::write(const std::string& text) const {
-    // Where that fails, who waits finds nothing
-    if (file_ >= 0 && ::ftruncate(file_, 0) == 0)
-        if (::pwrite(file_, text.data(), text.size(), 0) < 0) return;
+    if (file_ < 0 || ::ftruncate(file_, 0) != 0) return;
+    // Where this fails, who waits finds another text, and does not take the film for its own.
+    [[maybe_unused]] const ssize_t written = ::pwrite(file_, text.data(), text.size(), 0);
 }
 
 FilmLock::~FilmLock() {

@@ -88,7 +88,7 @@ void slide_count(State& state) {
     if (!ImGui::IsItemActive()) state.sliding_count.reset();
 }
 
-// Likewise, when the field is left.
+// Takes effect when the field is left, not with each digit: a seed makes a new crowd.
 void type_seed(State& state) {
     if (!state.typed_seed) state.typed_seed = state.wanted.seed;
     ImGui::InputScalar("##seed", ImGuiDataType_U64, &*state.typed_seed);
