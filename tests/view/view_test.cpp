@@ -143,7 +143,7 @@ TEST_F(View, ListsItsKeys) {
 TEST_F(View, AClickInspects) {
     static constexpr Rectangle kInspector{360, 24, 610, 60};
     view("0 hold space\n1 let space\n3 shot " + file("none.png") +
-             "\n4 move 325 170\n5 press left\n6 release left\n9 shot " + file("one.png") + "\n",
+             "\n4 move 475 120\n5 press left\n6 release left\n9 shot " + file("one.png") + "\n",
          {"--count", "1"});
     EXPECT_EQ(state_["selected"], 0);
     const auto dark = [](const Png& in) {
@@ -152,7 +152,7 @@ TEST_F(View, AClickInspects) {
     EXPECT_LT(dark(seen("none.png")), 0.2);
     EXPECT_GT(dark(seen("one.png")), 0.6);
     // Beside it there is nobody.
-    view("4 move 325 170\n5 press left\n6 release left\n8 move 630 20\n", {"--count", "1"});
+    view("4 move 475 120\n5 press left\n6 release left\n8 move 630 20\n", {"--count", "1"});
     EXPECT_EQ(state_["selected"], 0);
     view("4 move 634 200\n5 press left\n6 release left\n8 move 630 20\n", {"--count", "1"});
     EXPECT_TRUE(state_["selected"].is_null());
@@ -179,7 +179,7 @@ TEST_F(View, DrawsSkeletonsInTheColoursOfTheirLevels) {
 TEST_F(View, ADroppedControllerDrives) {
     const Outcome run = view(
         "2 drop " THRONG_SOURCE_DIR
-        "/examples/controllers/guard.json\n5 move 325 170\n6 press left\n7 release left\n12 move 630 20\n",
+        "/examples/controllers/guard.json\n5 move 475 120\n6 press left\n7 release left\n12 move 630 20\n",
         {"--count", "1"});
     EXPECT_TRUE(run.err.empty()) << run;
     EXPECT_EQ(state_["selected"], 0);
@@ -214,7 +214,7 @@ TEST_F(View, ChangesTheNumber) {
 }
 
 TEST_F(View, WhoIsSelectedStaysSoWhereTheNumberChanges) {
-    const std::string click = "0 hold space\n1 let space\n4 move 420 200\n5 press left\n6 release left\n";
+    const std::string click = "0 hold space\n1 let space\n4 move 540 120\n5 press left\n6 release left\n";
     view(click + "20 move 630 20\n", {file("other.glb"), "--count", "2"});
     ASSERT_EQ(state_["selected"], 1) << "the first of the second file";
     view(click + "10 type +\n20 move 630 20\n", {file("other.glb"), "--count", "2"});
@@ -233,14 +233,14 @@ TEST_F(View, TheSeedIsTakenWhenItsFieldIsLeft) {
 }
 
 TEST_F(View, TheWayToAPressIsNoDrag) {
-    view("0 hold space\n1 let space\n4 move 325 170\n12 move 325 170\n");
+    view("0 hold space\n1 let space\n4 move 475 120\n12 move 475 120\n");
     const Json eye = state_["eye"];
-    view("0 hold space\n1 let space\n4 move 325 170\n8 move 600 60\n8 press left\n9 release left\n12 move 600 60\n");
+    view("0 hold space\n1 let space\n4 move 475 120\n8 move 600 60\n8 press left\n9 release left\n12 move 600 60\n");
     EXPECT_EQ(state_["eye"], eye);
 }
 
 TEST_F(View, EscapeClosesAList) {
-    const std::string select = "0 hold space\n1 let space\n4 move 325 170\n5 press left\n6 release left\n",
+    const std::string select = "0 hold space\n1 let space\n4 move 475 120\n5 press left\n6 release left\n",
                       open = "8 move 188 124\n9 press left\n10 release left\n",
                       escape = "14 hold escape\n15 let escape\n", last = "20 shot " + file("list.png") + "\n";
     view(select + last, {"--count", "1"});
@@ -417,6 +417,20 @@ TEST(ViewOrbit, StaysAboveTheGround) {
     orbit.reset({.eye = {0, -3, 10}, .target = {0, 1, 0}});
     orbit.turn(0.1f, 0.01f);
     EXPECT_LT(orbit.camera().eye.y, 0.5f) << "who is under it already is not thrown up";
+}
+
+TEST(ViewOrbit, ACameraShowsItsTargetInAPartOfAPicture) {
+    const Camera camera{.eye = {3, 6, 10}, .target = {1, 1, -2}, .vertical_field_of_view_rad = 0.6f};
+    const float aspect_ratio = 1.6f;
+    for (const view::PicturePart& part :
+         {view::PicturePart(), {.left = 0.4f, .bottom = 0.6f}, {.top = 0.3f, .right = 0.7f}}) {
+        const Camera whole = view::camera_around(camera, part, aspect_ratio);
+        EXPECT_LT(length(whole.eye - camera.eye), 1e-6f);
+        const Vec3<float> seen = view::Projection(whole, aspect_ratio).project(camera.target);
+        EXPECT_NEAR(seen.x, (part.left + part.right) / 2, 1e-5);
+        EXPECT_NEAR(seen.y, (part.top + part.bottom) / 2, 1e-5);
+        EXPECT_NEAR(std::tan(whole.vertical_field_of_view_rad / 2) * part.height(), std::tan(0.3f), 1e-5);
+    }
 }
 
 TEST(ViewProjection, UndoesItself) {

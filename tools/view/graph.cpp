@@ -63,12 +63,15 @@ void draw_legend(const char* processor, const FrameTimes& mean) {
     ImGui::Text("%.2f ms", double{sum(mean)});
     for (size_t i = 0; i < kTimedCount; ++i) {
         if (mean[i] <= 0) continue;  // stages that this crowd has none of
+        std::array<char, 48> text{};
+        std::snprintf(text.data(), text.size(), "%s %.2f", timed_name(i), double{mean[i]});
         ImGui::SameLine(0, scaled(14));
+        if (ImGui::GetContentRegionAvail().x < side + scaled(5) + ImGui::CalcTextSize(text.data()).x) ImGui::NewLine();
         const ImVec2 at = ImGui::GetCursorScreenPos();
         const float down = (ImGui::GetFontSize() - side) / 2;
         list.AddRectFilled({at.x, at.y + down}, {at.x + side, at.y + down + side}, kColors[i], 2);
         ImGui::SetCursorScreenPos({at.x + side + scaled(5), at.y});
-        ImGui::Text("%s %.2f", timed_name(i), double{mean[i]});
+        ImGui::TextUnformatted(text.data());
     }
 }
 

@@ -65,6 +65,20 @@ void Orbit::fly(float right, float up, float forward) {
     target_ = target_ + (normalized(aside) * right + Vec3<float>{0, up, 0} + ahead * forward) * reach_;
 }
 
+Camera camera_around(const Camera& camera, const PicturePart& part, float aspect_ratio) {
+    const float half_height = std::tan(camera.vertical_field_of_view_rad / 2) / part.height(),
+                right = (part.left + part.right - 1) * half_height * aspect_ratio,
+                up = (1 - part.top - part.bottom) * half_height;
+    // The old target's ray is forward + right * axes.right() + up * axes.up(), where axes.right() is level: its height
+    // gives the pitch, what is left of it the yaw.
+    const Vec3<float> ahead = camera.target - camera.eye, ray = normalized(ahead);
+    const float rise = ray.y * std::hypot(1.0f, right, up) / std::hypot(1.0f, up);
+    const float pitch_rad = std::clamp(std::asin(std::clamp(rise, -1.0f, 1.0f)) - std::atan(up), -kSteepest_rad,
+                                       kSteepest_rad);
+    const float yaw_rad = std::atan2(ray.x, ray.z) + std::atan2(right, std::cos(pitch_rad) - up * std::sin(pitch_rad));
+    return {camera.eye, camera.eye + direction_of(yaw_rad, pitch_rad) * length(ahead), 2 * std::atan(half_height)};
+}
+
 Projection::Projection(const Camera& camera, float aspect_ratio)
     : eye_(camera.eye),
       forward_(normalized(camera.target - camera.eye)),

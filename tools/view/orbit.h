@@ -36,6 +36,18 @@ private:
     float ground_y_ = -std::numeric_limits<float>::infinity();
 };
 
+// Of a picture, 0..1 from the left and the top.
+struct PicturePart {
+    float left = 0, top = 0, right = 1, bottom = 1;
+
+    float width() const { return right - left; }
+    float height() const { return bottom - top; }
+};
+
+// From the same eye, for a picture of this aspect ratio: what `camera` shows is seen in that part, the target in its
+// middle, as large as if the part were a picture of its own.
+Camera camera_around(const Camera& camera, const PicturePart& part, float aspect_ratio);
+
 // The picture's axes, to go from its points to rays and back. Points of the picture: 0..1 from the left and the top.
 class Projection {
 public:

@@ -265,6 +265,16 @@ bool corner_button(const char* name, float panel_width) {
     return ImGui::SmallButton(name);
 }
 
+PicturePart part_without_panels() {
+    const ImVec2 display = ImGui::GetIO().DisplaySize;
+    PicturePart part{.left = scaled(kSettingsWidth + kPanelGap) / display.x,
+                     .bottom = 1 - scaled(kGraphHeight + kPanelGap) / display.y};
+    constexpr float kLeast = 1 / 3.0f;
+    if (part.width() < kLeast) part.left = 0;
+    if (part.height() < kLeast) part.bottom = 1;
+    return part;
+}
+
 void draw_settings(State& state, Scene& scene, const Measured& measured) {
     begin_side_panel("settings", kSettingsWidth, false);
     ImGui::Text("%.1f frames/s", measured.frame_ms > 0 ? 1000 / double{measured.frame_ms} : 0.0);

@@ -11,6 +11,8 @@ namespace throng::view {
 void draw_settings(State& state, Scene& scene, const Measured& measured);
 void draw_graph(const Measured& measured);
 void draw_inspector(State& state, Scene& scene, const Measured& measured);
+// What the first two leave free of the picture; all of its width, or height, where that would be less than a third.
+PicturePart part_without_panels();
 // Over the picture: the selected character's box, keys, what has been said.
 void draw_selection(const State& state, const Scene& scene);
 void draw_keys(State& state);

@@ -30,6 +30,8 @@ struct State {
     float time_factor = 1;
 
     bool shows_panels = true, shows_keys = false;
+    PicturePart free;      // of panels: shows what `orbit` looks at
+    Camera whole_picture;  // so that it does
     std::optional<uint32_t> selected;
 
     bool resets_view = true;
