@@ -2,6 +2,7 @@
 #include "gpu/gpu.h"
 #include "scan/scan_costs.h"
 #include "tests/files.h"
+#include "tests/kernel_runner.h"
 #include "tests/test_device.h"
 #include "tests/test_rig.h"
 
