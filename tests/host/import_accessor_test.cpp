@@ -1,0 +1,133 @@
+// Accessors: bounds, strides, sparse ones.
+#include "tests/host/import_cases.h"
+
+namespace throng::test {
+namespace {
+
+TEST(Import, AccessorsALittleTooLongAreReadAsFarAsTheyGo) {
+    const auto with_colors = [](size_t count, size_t there) {
+        GlbBuilder b = tiny_character();
+        GltfJson& of = attributes(b);
+        of.erase("JOINTS_0");
+        of.erase("WEIGHTS_0");
+        b.json["nodes"][0].erase("skin");
+        of["POSITION"] = b.add(std::vector<float>(3 * count, 1), "VEC3", kFloat);
+        of["NORMAL"] = b.add(std::vector<float>(3 * count, 1), "VEC3", kFloat);
+        of["COLOR_0"] = b.add(std::vector<float>(4 * there, 0.5f), "VEC4", kFloat);
+        b.json["accessors"].back()["count"] = count;
+        return b;
+    };
+    const Asset asset = loaded(with_colors(20, 18));
+    EXPECT_TRUE(has_warning(asset, "accessors[10]: 2 of 20 elements lie beyond its buffer view: they are 0"));
+    EXPECT_EQ(asset.warnings.size(), 1u);
+    const auto& colors = asset.meshes[0].primitives[0].colors;
+    ASSERT_EQ(colors.size(), 20u);
+    for (size_t v = 0; v < colors.size(); ++v) EXPECT_EQ(colors[v][0], v < 18 ? 0.5f : 0) << v;
+    expect_refused(with_colors(20, 17), "accessors[10]", "a tenth of them may be missing");
+    expect_refused(with_colors(20, 0), "accessors[10]", "do not fit");
+    GlbBuilder many = with_colors(20, 18);
+    many.json["accessors"].back()["count"] = 4'000'000'000u;
+    EXPECT_FALSE(load(many));
+}
+
+TEST(Import, AccessorBounds) {
+    const auto with = [](const char* key, const GltfJson& value) {
+        GlbBuilder b = tiny_character();
+        b.json["accessors"][kPosition][key] = value;
+        return b;
+    };
+    const std::string place = "accessors[0]";
+    expect_refused(with("count", 4), place, "4 elements of 12 bytes from byte 0 do not fit");
+    expect_refused(with("count", 2), "meshes[0].primitives[0].attributes.NORMAL", "has 3 elements, but POSITION has 2");
+    expect_refused(with("byteOffset", 1), place, "do not fit");
+    expect_refused(with("byteOffset", 1ull << 52), place, "do not fit");
+    expect_refused(with("byteOffset", -4), place + ".byteOffset", "-4");
+    expect_refused(with("byteOffset", 1ull << 60), place + ".byteOffset", "non-negative integer");
+    expect_refused(with("bufferView", 99), place + ".bufferView", "index 99");
+    expect_refused(with("componentType", 5124), place, "componentType 5124 is unknown");
+    expect_refused(with("type", "VEC9"), place, "type 'VEC9' is unknown");
+    expect_refused(with("type", 3), place + ".type", "must be a string");
+    expect_refused(with("count", 3.5), place + ".count", "3.5");
+    expect_limit(with("count", 4294967295u), place);
+
+    const auto with_view = [](const char* key, const GltfJson& value) {
+        GlbBuilder b = tiny_character();
+        b.json["bufferViews"][0][key] = value;
+        return b;
+    };
+    expect_refused(with_view("byteLength", 35), place, "do not fit into its buffer view of 35 bytes");
+    expect_refused(with_view("byteLength", 1 << 20), "bufferViews[0]", "ends at byte 1048576");
+    expect_refused(with_view("byteOffset", 4294967280u), "bufferViews[0]", "ends at byte");
+    expect_refused(with_view("byteOffset", (1ull << 53) - 1), "bufferViews[0]", "ends at byte");
+    expect_refused(with_view("buffer", 1), "bufferViews[0].buffer", "index 1, but buffers has 1 entry");
+    expect_refused(with_view("byteStride", 4), place, "byteStride of its buffer view is 4");
+    expect_refused(with_view("byteStride", 1ull << 40), place, "byteStride");
+}
+
+TEST(Import, Strides) {
+    GlbBuilder b = tiny_character();
+    const std::vector<float> values{9, 1, 2, 3, 9, 4, 5, 6, 9, 7, 8, 9};
+    const size_t view = b.add_view(std::as_bytes(std::span(values)));
+    b.json["bufferViews"][view]["byteStride"] = 16;
+    const size_t accessor = b.add_accessor(view, 9, "VEC3", kFloat);
+    b.json["accessors"][accessor]["byteOffset"] = 4;  // the last element ends with the view
+    attributes(b)["POSITION"] = accessor;
+    EXPECT_EQ(loaded(b).meshes[0].primitives[0].positions, (std::vector<Vec3<float>>{{1, 2, 3}, {4, 5, 6}, {7, 8, 9}}));
+    b.json["accessors"][accessor]["byteOffset"] = 8;
+    expect_refused(b, "accessors[8]", "do not fit");
+}
+
+TEST(Import, Sparse) {
+    GlbBuilder b = tiny_character();
+    const std::vector<uint16_t> indices{0, 2};
+    const std::vector<float> values{5, 6, 7, 8, 9, 10};
+    GltfJson& accessor = b.json["accessors"][kPosition];
+    const size_t indices_view = b.add_view(std::as_bytes(std::span(indices))),
+                 values_view = b.add_view(std::as_bytes(std::span(values)));
+    accessor["sparse"] = {{"count", 2},
+                          {"indices", {{"bufferView", indices_view}, {"componentType", kUint16}}},
+                          {"values", {{"bufferView", values_view}}}};
+    EXPECT_EQ(loaded(b).meshes[0].primitives[0].positions,
+              (std::vector<Vec3<float>>{{5, 6, 7}, {1, 0, 0}, {8, 9, 10}}));
+    accessor.erase("bufferView");  // zeros
+    EXPECT_EQ(loaded(b).meshes[0].primitives[0].positions,
+              (std::vector<Vec3<float>>{{5, 6, 7}, {0, 0, 0}, {8, 9, 10}}));
+    const GltfJson good = accessor["sparse"];
+    accessor["sparse"]["count"] = 4;
+    expect_refused(b, "accessors[0].sparse", "count is 4, but the accessor has 3 elements");
+    accessor["sparse"]["count"] = 3;
+    expect_refused(b, "accessors[0].sparse.indices", "do not fit");
+    accessor["sparse"] = good;
+    accessor["sparse"]["indices"]["componentType"] = kFloat;
+    expect_refused(b, "accessors[0].sparse.indices", "must be unsigned integers");
+    accessor["sparse"] = good;
+    accessor["sparse"]["values"]["bufferView"] = 99;
+    expect_refused(b, "accessors[0].sparse.values.bufferView", "index 99");
+    accessor["sparse"] = good;
+    accessor["sparse"]["values"]["byteOffset"] = 4;
+    expect_refused(b, "accessors[0].sparse.values", "do not fit");
+    accessor["sparse"] = good;
+    b.bin[size_t(b.json["bufferViews"][indices_view]["byteOffset"])] = std::byte(3);
+    expect_refused(b, "accessors[0].sparse.indices", "index 3, but the accessor has 3 elements");
+}
+
+TEST(Import, AmplificationIsBounded) {
+    // An accessor without data costs its file nothing.
+    GlbBuilder b = tiny_character();
+    b.json["accessors"].push_back({{"componentType", kFloat}, {"count", 400'000'000}, {"type", "VEC3"}});
+    attributes(b) = {{"POSITION", 8}};
+    expect_limit(b, "meshes[0].primitives[0].attributes.POSITION");
+    b.json["accessors"][8]["sparse"] = {
+        {"count", 0}, {"indices", {{"bufferView", 0}, {"componentType", kUint8}}}, {"values", {{"bufferView", 0}}}};
+    expect_limit(b, "meshes[0].primitives[0].attributes.POSITION");
+    // Nor do many primitives over one.
+    b.json["accessors"][8] = {{"componentType", kFloat}, {"count", 1'000'000}, {"type", "VEC3"}};
+    const GltfJson one = primitive(b);
+    for (int i = 0; i < 1000; ++i) b.json["meshes"][0]["primitives"].push_back(one);
+    const auto result = load(b);
+    ASSERT_FALSE(result.ok());
+    EXPECT_EQ(result.error().code, ErrorCode::kLimit);
+}
+
+}  // namespace
+}  // namespace throng::test

@@ -1,0 +1,39 @@
+// Loading of files that are built for it, and what is expected of them.
+#pragma once
+
+#include "tests/glb_builder.h"
+
+#include <throng/throng.h>
+
+#include <gtest/gtest.h>
+
+#include <cstring>
+#include <string>
+
+namespace throng::test {
+
+Result<Asset> load(const std::string& content, const std::string& name = "file.glb");
+Result<Asset> load(const GlbBuilder& b);
+// What must be valid.
+Asset loaded(const GlbBuilder& b);
+bool has_warning(const Asset& asset, const std::string& part);
+
+// With one line that names the place, and has `part`.
+void expect_refused(const Result<Asset>& result, ErrorCode code, const std::string& place,
+                    const std::string& part = "");
+void expect_refused(const GlbBuilder& b, const std::string& place, const std::string& part = "");
+void expect_limit(const GlbBuilder& b, const std::string& place);
+
+// The first ones.
+GltfJson& primitive(GlbBuilder& b);
+GltfJson& attributes(GlbBuilder& b);
+GltfJson& sampler(GlbBuilder& b);
+GltfJson& channel(GlbBuilder& b);
+
+template <class T>
+void overwrite(GlbBuilder& b, size_t accessor, size_t component, T value) {
+    const size_t offset = b.json["bufferViews"][size_t(b.json["accessors"][accessor]["bufferView"])]["byteOffset"];
+    std::memcpy(b.bin.data() + offset + component * sizeof(T), &value, sizeof(T));
+}
+
+}  // namespace throng::test

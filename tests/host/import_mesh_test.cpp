@@ -1,0 +1,214 @@
+// Meshes: attributes, influences, indices.
+#include "tests/host/import_cases.h"
+#include "tests/test_rig.h"
+
+namespace throng::test {
+namespace {
+
+TEST(Import, NormalsThatAreMissingAreMade) {
+    GlbBuilder b = tiny_character();
+    attributes(b).erase("NORMAL");
+    Asset asset = loaded(b);
+    EXPECT_TRUE(has_warning(asset, "meshes[0].primitives[0]: 3 of 3 vertices have no normal")) << asset.warnings[0];
+    EXPECT_EQ(asset.meshes[0].primitives[0].normals, (std::vector<Vec3<float>>(3, {0, 0, 1})));
+
+    b = tiny_character();
+    overwrite(b, kNormals, 3, 1.0f);  // of the second, which looks along x
+    overwrite(b, kNormals, 5, 0.0f);
+    overwrite(b, kNormals, 8, 0.0f);  // of the third
+    asset = loaded(b);
+    EXPECT_TRUE(has_warning(asset, "1 of 3 vertices have no normal"));
+    EXPECT_EQ(asset.meshes[0].primitives[0].normals, (std::vector<Vec3<float>>{{0, 0, 1}, {1, 0, 0}, {0, 0, 1}}));
+
+    overwrite(b, kPosition, 3, 0.0f);  // a triangle of no area: nobody knows
+    asset = loaded(b);
+    EXPECT_EQ(asset.meshes[0].primitives[0].normals[2], (Vec3<float>{}));
+    EXPECT_TRUE(compile_character(asset));
+}
+
+TEST(Import, VertexAttributes) {
+    GlbBuilder b = tiny_character();
+    attributes(b)["NORMAL"] = b.add<float>({0, 0, 1, kNan, 0, 1, 0, 1, 0}, "VEC3", kFloat);
+    attributes(b)["TEXCOORD_0"] = b.add<uint16_t>({0, 65535, 65535, 0, 0, 0}, "VEC2", kUint16);
+    b.json["accessors"].back()["normalized"] = true;
+    attributes(b)["TEXCOORD_1"] = b.add<float>({1, 2, 3, 4, 5, 6}, "VEC2", kFloat);
+    attributes(b)["COLOR_0"] = b.add<float>({1, 0.5f, 0, 0, 0, 0, 1, 1, 1}, "VEC3", kFloat);
+    Asset asset = loaded(b);
+    const AssetPrimitive& p = asset.meshes[0].primitives[0];
+    EXPECT_EQ(p.normals[0], (Vec3<float>{0, 0, 1}));
+    EXPECT_EQ(p.normals[1], (Vec3<float>{0, 0, 1}));  // mended
+    EXPECT_TRUE(has_warning(asset, "meshes[0].primitives[0].attributes.NORMAL: has values that are not finite"));
+    EXPECT_EQ(p.texcoords[0], (std::array<float, 2>{0, 1}));
+    EXPECT_EQ(p.colors[0], (std::array<float, 4>{1, 0.5f, 0, 1}));
+
+    b.json["images"] = {{{"uri", "data:image/png;base64,AAAA"}}};
+    b.json["textures"] = {{{"source", 0}}};
+    b.json["materials"] = {{{"pbrMetallicRoughness", {{"baseColorTexture", {{"index", 0}, {"texCoord", 1}}}}}}};
+    primitive(b)["material"] = 0;
+    EXPECT_EQ(loaded(b).meshes[0].primitives[0].texcoords[2], (std::array<float, 2>{5, 6}));
+    b.json["materials"][0]["pbrMetallicRoughness"]["baseColorTexture"]["texCoord"] = 7;
+    asset = loaded(b);
+    EXPECT_TRUE(asset.meshes[0].primitives[0].texcoords.empty());
+    EXPECT_TRUE(has_warning(asset, "no texture coordinates"));
+}
+
+TEST(Import, BrokenAttributes) {
+    const std::string place = "meshes[0].primitives[0].attributes";
+    GlbBuilder b = tiny_character();
+    overwrite(b, kPosition, 4, kNan);
+    expect_refused(b, place + ".POSITION", "vertex 1 is not finite");
+    b = tiny_character();
+    b.json["accessors"][kPosition]["type"] = "VEC2";
+    expect_refused(b, place + ".POSITION", "must be VEC3, but is VEC2");
+    b = tiny_character();
+    attributes(b)["POSITION"] = 70;
+    expect_refused(b, place + ".POSITION", "index 70");
+    b = tiny_character();
+    attributes(b)["NORMAL"] = kTimes;
+    expect_refused(b, place + ".NORMAL", "has 2 elements, but POSITION has 3");
+    b = tiny_character();
+    attributes(b).erase("POSITION");
+    EXPECT_TRUE(has_warning(loaded(b), "meshes[0].primitives[0]: has no POSITION"));
+    primitive(b).erase("attributes");
+    EXPECT_TRUE(load(b).ok());
+    primitive(b)["attributes"] = 5;
+    expect_refused(b, place, "must be an object");
+    primitive(b)["material"] = 0;
+    expect_refused(b, "meshes[0].primitives[0].material", "index 0, but materials has no entries");
+    b.json["meshes"][0].erase("primitives");
+    expect_refused(b, "meshes[0].primitives", "is missing");
+}
+
+TEST(Import, Quantised) {
+    GlbBuilder b = tiny_character();
+    attributes(b)["POSITION"] = b.add<int16_t>({1, -2, 300, 4, 5, 6, 7, 8, 9}, "VEC3", kInt16);
+    attributes(b)["NORMAL"] = b.add<int8_t>({127, 0, -127, -128, 0, 0, 0, 0, 0}, "VEC3", kInt8);
+    b.json["accessors"].back()["normalized"] = true;
+    attributes(b)["TEXCOORD_0"] = b.add<uint8_t>({1, 2, 3, 4, 5, 6}, "VEC2", kUint8);
+    expect_refused(b, "meshes[0].primitives[0].attributes.POSITION", "without KHR_mesh_quantization");
+    b.json["extensionsUsed"] = b.json["extensionsRequired"] = {"KHR_mesh_quantization"};
+    const Asset asset = loaded(b);
+    const AssetPrimitive& p = asset.meshes[0].primitives[0];
+    EXPECT_EQ(p.positions[0], (Vec3<float>{1, -2, 300}));
+    EXPECT_EQ(p.normals[0], (Vec3<float>{1, 0, -1}));
+    EXPECT_EQ(p.normals[1], (Vec3<float>{-1, 0, 0}));
+    EXPECT_EQ(p.texcoords[2], (std::array<float, 2>{5, 6}));
+}
+
+TEST(Import, Influences) {
+    const std::string place = "meshes[0].primitives[0].attributes";
+    // Two sets, the second of normalised integers.
+    GlbBuilder b = tiny_character();
+    attributes(b)["JOINTS_1"] = b.add<uint16_t>({1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0}, "VEC4", kUint16);
+    attributes(b)["WEIGHTS_1"] = b.add<uint8_t>({255, 0, 0, 0, 51, 0, 0, 0, 0, 0, 0, 0}, "VEC4", kUint8);
+    expect_refused(b, place + ".WEIGHTS_1", "unsigned 8-bit integers");
+    b.json["accessors"].back()["normalized"] = true;
+    const Asset asset = loaded(b);
+    const AssetPrimitive& p = asset.meshes[0].primitives[0];
+    EXPECT_EQ(p.influence_count, 8u);
+    EXPECT_EQ(std::vector<float>(p.influence_weights.begin() + 8, p.influence_weights.begin() + 16),
+              (std::vector<float>{1, 0, 0, 0, 0.2f, 0, 0, 0}));
+    EXPECT_EQ(p.influence_joints[4], 1);
+    attributes(b).erase("WEIGHTS_1");
+    expect_refused(b, place, "there are 2 sets of JOINTS, but 1 of WEIGHTS");
+
+    b = tiny_character();
+    overwrite<uint8_t>(b, kVertexJoints, 3, 200);  // of weight 0
+    EXPECT_EQ(loaded(b).meshes[0].primitives[0].influence_joints[3], 0);
+    overwrite<uint8_t>(b, kVertexJoints, 4, 2);
+    expect_refused(b, place + ".JOINTS_0", "vertex 1 follows joint 2, but skins[0] has 2");
+    b.json["nodes"][0].erase("skin");  // nobody uses the joints
+    EXPECT_TRUE(load(b).ok());
+    b = tiny_character();
+    overwrite(b, kWeights, 1, -0.5f);
+    const Asset negative = loaded(b);
+    EXPECT_EQ(negative.meshes[0].primitives[0].influence_weights[1], 0);
+    EXPECT_TRUE(has_warning(negative, place + ".WEIGHTS_0: 1 of 3 vertices have negative weights"));
+    b = tiny_character();
+    attributes(b)["JOINTS_0"] = kWeights;
+    expect_refused(b, place + ".JOINTS_0", "must be VEC4 of unsigned");
+    b = tiny_character();
+    attributes(b)["JOINTS_2"] = kVertexJoints;
+    EXPECT_TRUE(has_warning(loaded(b), "JOINTS_1: is missing"));
+}
+
+TEST(Import, WeightsThatAreNotFiniteAreZero) {
+    const std::string place = "meshes[0].primitives[0].attributes.WEIGHTS_0: ";
+    GlbBuilder b = tiny_character();
+    overwrite(b, kWeights, 1, kInfinity);
+    overwrite(b, kWeights, 2, -kInfinity);
+    overwrite(b, kWeights, 11, kNan);
+    overwrite<uint8_t>(b, kVertexJoints, 11, 200);
+    Asset asset = loaded(b);
+    EXPECT_EQ(asset.warnings.size(), 1u);
+    EXPECT_TRUE(has_warning(asset, place + "2 of 3 vertices have weights that are not finite: they are set to 0"));
+    const AssetPrimitive& p = asset.meshes[0].primitives[0];
+    EXPECT_EQ(p.influence_weights, (std::vector<float>{0.25f, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0}));
+    EXPECT_EQ(p.influence_joints, (std::vector<uint16_t>{0, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0}));
+
+    // None is left: each vertex follows its first joint, or the skin's first where that has no such joint.
+    for (size_t i = 0; i < 12; ++i) overwrite(b, kWeights, i, kNan);
+    for (size_t i = 0; i < 12; ++i) overwrite<uint8_t>(b, kVertexJoints, i, i == 8 ? 200 : 1);
+    asset = loaded(b);
+    EXPECT_EQ(asset.warnings.size(), 1u);
+    EXPECT_TRUE(has_warning(asset, place + "3 of 3 vertices"));
+    EXPECT_EQ(asset.meshes[0].primitives[0].influence_joints,
+              (std::vector<uint16_t>{1, 0, 0, 0, 1, 0, 0, 0, 200, 0, 0, 0}));
+    const Character character = *compile_character(asset);
+    const auto positions = reference_positions(character, *reference_pose(character, {}));
+    ASSERT_EQ(positions.size(), 3u);
+    // The tip stands at (1, -2, -3); its inverse bind matrix moves by (-1, 2, 3).
+    EXPECT_EQ(positions[1], (Vec3<double>{1, 0, 0}));
+    EXPECT_EQ(positions[2], (Vec3<double>{0, 1, 0}));
+    const auto turned = reference_pose(character, {.first = {.clip = 0, .time_s = 1, .loop = false}});
+    const auto later = reference_positions(character, *turned);
+    EXPECT_GT(length(later[1] - positions[1]), 1) << "follows joint 1, which turns";
+    EXPECT_EQ(later[2], positions[2]) << "follows joint 0, which stands";
+    ASSERT_EQ(character.warnings.size(), 2u);
+    EXPECT_NE(character.warnings[1].find("3 of 3 skinned vertices"), std::string::npos) << character.warnings[1];
+
+    // A second set has weight: the joints of the first mean nothing.
+    attributes(b)["JOINTS_1"] = b.add<uint8_t>({1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0}, "VEC4", kUint8);
+    attributes(b)["WEIGHTS_1"] = b.add<float>({1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0}, "VEC4", kFloat);
+    EXPECT_EQ(loaded(b).meshes[0].primitives[0].influence_joints[16], 0);
+}
+
+TEST(Import, Indices) {
+    const std::string place = "meshes[0].primitives[0].indices";
+    GlbBuilder b = tiny_character();
+    primitive(b).erase("indices");
+    EXPECT_EQ(loaded(b).meshes[0].primitives[0].indices, (std::vector<uint32_t>{0, 1, 2}));
+    primitive(b)["indices"] = b.add<uint8_t>({2, 1, 0, 1}, "SCALAR", kUint8);
+    const Asset cut = loaded(b);
+    EXPECT_EQ(cut.meshes[0].primitives[0].indices, (std::vector<uint32_t>{2, 1, 0}));
+    EXPECT_TRUE(has_warning(cut, "last triangle is incomplete"));
+    primitive(b)["indices"] = b.add<uint32_t>({0, 1, 3}, "SCALAR", kUint32);
+    expect_refused(b, place, "index 3, but there are 3 vertices");
+    primitive(b)["indices"] = b.add<uint16_t>({0, 1, 65535}, "SCALAR", kUint16);
+    expect_refused(b, place, "primitive restart");
+    primitive(b)["indices"] = kTimes;
+    expect_refused(b, place, "must be SCALAR of unsigned integers, but is SCALAR of floats");
+    primitive(b)["indices"] = 70;
+    expect_refused(b, place, "index 70");
+}
+
+TEST(Import, Modes) {
+    GlbBuilder b = tiny_character();
+    attributes(b) = {{"POSITION", b.add<float>(std::vector<float>(15), "VEC3", kFloat)}};
+    b.json["nodes"][0].erase("skin");
+    primitive(b).erase("indices");
+    const auto with_mode = [&](int mode) {
+        primitive(b)["mode"] = mode;
+        return loaded(b).meshes[0].primitives[0].indices;
+    };
+    EXPECT_EQ(with_mode(4), (std::vector<uint32_t>{0, 1, 2}));
+    EXPECT_EQ(with_mode(5), (std::vector<uint32_t>{0, 1, 2, 1, 3, 2, 2, 3, 4}));
+    EXPECT_EQ(with_mode(6), (std::vector<uint32_t>{1, 2, 0, 2, 3, 0, 3, 4, 0}));
+    for (int mode = 0; mode < 4; ++mode) EXPECT_TRUE(with_mode(mode).empty());
+    EXPECT_TRUE(has_warning(loaded(b), "meshes[0].primitives[0]: points and lines are not drawn"));
+    primitive(b)["mode"] = 99;
+    expect_refused(b, "meshes[0].primitives[0].mode", "99 is unknown");
+}
+
+}  // namespace
+}  // namespace throng::test
