@@ -1,5 +1,5 @@
 # Numbers of the buffers that kernels read and write, from the table of docs/buffers.md: gpu/buffers_io.h, which C++ and
-# GLSL include, and their names for messages.
+# GLSL include; their names for messages; and which of them outlive an update, by the words of the last column.
 set(buffers_table ${PROJECT_SOURCE_DIR}/docs/buffers.md)
 set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${buffers_table})
 set(THRONG_GENERATED_DIR ${PROJECT_BINARY_DIR}/generated)
@@ -12,12 +12,18 @@ string(REPLACE "]" "@close@" text "${text}")
 string(REGEX MATCHALL "\n\\| `[^\n]*" lines "${text}")
 set(constants "")
 set(names "")
+set(uses saved shown scattered)
+foreach(use IN LISTS uses)
+  set(${use} "")
+endforeach()
 set(count 0)
 foreach(line IN LISTS lines)
-  if(NOT line MATCHES "^\n\\| `([a-z ]+)` \\|[^|]+\\|[^|]+\\|[^|]+\\|[^|]+\\|[^|]+\\|$")
-    message(FATAL_ERROR "docs/buffers.md: a row must have six cells, and a name of small letters in the first: ${line}")
+  if(NOT line MATCHES "^\n\\| `([a-z ]+)` \\|[^|]+\\|[^|]+\\|[^|]+\\|[^|]+\\|[^|]+\\| ([^|]+) \\|$")
+    message(FATAL_ERROR "docs/buffers.md: a row must have seven cells, and a name of small letters in the first: "
+      "${line}")
   endif()
   set(name "${CMAKE_MATCH_1}")
+  string(REPLACE ", " ";" uses_of_it "${CMAKE_MATCH_2}")
   string(APPEND names "\"${name}\",\n")
   string(REPLACE " " "@word@" words "@word@${name}")
   foreach(letter a b c d e f g h i j k l m n o p q r s t u v w x y z)
@@ -25,6 +31,13 @@ foreach(line IN LISTS lines)
     string(REPLACE "@word@${letter}" ${capital} words "${words}")
   endforeach()
   string(APPEND constants "THRONG_IO_CONSTANT k${words}Buffer = ${count};\n")
+  foreach(use IN LISTS uses_of_it)
+    if(use IN_LIST uses)
+      string(APPEND ${use} "    io::k${words}Buffer,\n")
+    elseif(NOT use STREQUAL "–")
+      message(FATAL_ERROR "docs/buffers.md: the last cell of `${name}` has ${use}; there are ${uses}")
+    endif()
+  endforeach()
   math(EXPR count "${count} + 1")
 endforeach()
 file(CONFIGURE OUTPUT ${THRONG_GENERATED_DIR}/gpu/buffers_io.h @ONLY CONTENT
@@ -41,3 +54,22 @@ THRONG_IO_END
 #endif
 ")
 file(CONFIGURE OUTPUT ${THRONG_GENERATED_DIR}/gpu/buffer_names.inc @ONLY CONTENT "${names}")
+file(CONFIGURE OUTPUT ${THRONG_GENERATED_DIR}/gpu/buffer_uses.h @ONLY CONTENT
+"// Buffers of a batch that outlive an update, from the last column of docs/buffers.md by cmake/buffers.cmake.
+#pragma once
+
+#include \"gpu/buffers_io.h\"
+
+#include <array>
+
+namespace throng {
+
+inline constexpr std::array kSavedBuffers{
+${saved}};
+inline constexpr std::array kShownBuffers{
+${shown}};
+inline constexpr std::array kScatteredBuffers{
+${scattered}};
+
+}  // namespace throng
+")

@@ -29,6 +29,7 @@ public:
           active_clip_times_(poison<float>(count * size_t{made_.active_clip_limit})),
           events_(poison<uint32_t>(sizeof(io::EventHead) / 4 + kEventCapacity * sizeof(io::EventRecord) / 4)),
           roots_(std::vector<io::RootState>(count)),
+          root_remainders_(std::vector<io::vec2>(count)),
           placements_(std::vector<Affine>(count)),
           inertias_(std::vector<io::InstanceInertia>(count)),
           commands_(std::vector<io::ControlCommand>(count * size_t{kCommandsEach})),
@@ -42,6 +43,7 @@ public:
                                                             {io::kActiveClipsBuffer, active_clips_},
                                                             {io::kEventsBuffer, events_},
                                                             {io::kRootsBuffer, roots_},
+                                                            {io::kRootRemaindersBuffer, root_remainders_},
                                                             {io::kPlacementsBuffer, placements_},
                                                             {io::kInertiasBuffer, inertias_},
                                                             {io::kLayersBeforeBuffer, layers_},
@@ -95,6 +97,7 @@ private:
     Guarded<float> active_clip_times_;
     Guarded<uint32_t> events_;
     Guarded<io::RootState> roots_;
+    Guarded<io::vec2> root_remainders_;
     Guarded<Affine> placements_;
     Guarded<io::InstanceInertia> inertias_;
     Guarded<io::ControlCommand> commands_;

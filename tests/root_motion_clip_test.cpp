@@ -512,6 +512,30 @@ TEST(RootMotionOnTheGpu, PlacementsFollowTheClips) {
         }
 }
 
+// Each step is rounded to what a float holds at such a distance: by itself a hundred times the bound.
+TEST(RootMotionOnTheGpu, ManyShortStepsAddUp) {
+    constexpr float kStep_s = 1 / 30.0f, kSpeed = 1.5f;
+    constexpr int kSteps = 3000;
+    Walker walker(true);
+    walker.move("run", times(1, 30), [](double time_s) { return ModelPose{{}, {0, 0.9, double{kSpeed} * time_s}}; });
+    const Character character = compiled(walker.asset, {.error = 0, .root_motion_joint = "hips"});
+    const Controller controller = direct_layers(1);
+    for (const UpdatePath path : {UpdatePath::kAuto, UpdatePath::kStaged}) {
+        Crowd crowd = create(
+            {.groups = {{.character = &character, .instance_count = 2, .controller = &controller}}, .path = path});
+        ASSERT_TRUE(crowd.play(crowd.instances(), 0, LayerPlayback{.clip = {.clip = 0}}));
+        const Affine far_away = to_affine(Trs<float>{.translation = {700, 2, -300}});
+        ASSERT_TRUE(crowd.set_placement(InstanceHandle{1}, far_away));
+        for (int step = 0; step < kSteps; ++step) ASSERT_TRUE(crowd.update(kStep_s));
+        const std::vector<Affine> placements = output<Affine>(crowd.outputs()[0], &OutputBlock::placement, 2,
+                                                              crowd.state().gpu);
+        const double way = double{kSpeed} * kSteps * double{kStep_s};
+        EXPECT_NEAR(placements[0].row[2][3], way, 2e-6 * way);
+        EXPECT_NEAR(placements[1].row[2][3], far_away.row[2][3] + way, 2e-6 * way);
+        EXPECT_NEAR(placements[1].row[0][3], far_away.row[0][3], 2e-6 * way);
+    }
+}
+
 TEST(RootMotionOnTheGpu, ItIsOnlyReportedWhereThatIsAsked) {
     const Character character = walkers(0);
     Walking walking(character, 2, false);

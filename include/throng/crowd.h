@@ -156,9 +156,11 @@ struct CrowdSettings {
     // (shadow maps, depths, the picture) or others who read vertices; Renderer does so then. 16 bytes a vertex and
     // instance.
     bool skins_once = false;
-    bool timestamps = true;           // measure the stages; costs one query a stage and one more
-    uint32_t event_capacity = 16384;  // events of one update that feedback() can hold; the others are counted
-    uint32_t watch_capacity = 64;     // instances that watch() takes
+    bool timestamps = true;  // measure the stages; costs one query a stage and one more
+    // Events of one update that feedback() can hold; the others are counted. 24 bytes each, five times; of a native
+    // device's only those that happen take memory
+    uint32_t event_capacity = 16384;
+    uint32_t watch_capacity = 64;  // instances that watch() takes
     // Poses that request_poses() may ask of one update; room for their skin matrices, four times
     uint32_t pose_request_capacity = 0;
 };
@@ -365,7 +367,8 @@ public:
     // since the last discard or update(), or its commands have run).
     Result<void> discard_last_record();
     // record(), submit to the device's queue, and wait; a native device computes here. Commands of record() that have
-    // not been submitted are taken for dropped.
+    // not been submitted are taken for dropped. After an error half of an update may have happened (a device that is
+    // lost, a JobSystem that throws): then the crowd goes on from a state that is restored.
     Result<void> update(float time_step_s, const CrowdView* view = nullptr);
 
     // What the next updates go on from, as bytes: for a game that is saved, a replay, a rollback. A crowd that is given
@@ -412,7 +415,7 @@ public:
     // CrowdSettings::culling.
     Result<std::vector<DrawnInstance>> read_drawn();
 
-    // Device memory that the crowd holds.
+    // Device memory that the crowd holds; what it shares with other crowds of its characters is in each one's.
     uint64_t size_bytes() const;
 
     // Internal.

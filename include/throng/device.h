@@ -81,7 +81,8 @@ class Gpu;  // internal
 
 // A handle; copies share one device, which lives as long as the last copy and the last crowd made with it.
 // Several devices may live side by side. Creation is thread-safe; crowds of one device share its queue, so calls that
-// submit (Crowd::update, read_*, Renderer::render) need the caller's lock when made from several threads.
+// submit (Crowd::update, read_*, Renderer::render) need the caller's lock when made from several threads. A native
+// device has no queue: its crowds may be updated side by side, each by one thread at a time.
 class Device {
 public:
     // All physical devices of this machine, and the native one, which is the last. Errors: kVulkan.

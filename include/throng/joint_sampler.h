@@ -16,8 +16,9 @@ class NativeJoints;  // internal
 // made of, and any number of threads may use it at a time. The character is not kept.
 class JointSampler {
 public:
-    // Errors: kInvalidArgument (no joints, or one that is out of range), kUnsupported (a processor without a native
-    // engine).
+    // Reads the clips' keys of all these joints: milliseconds, of large characters tens; so once a character, not for
+    // each question. Errors: kInvalidArgument (no joints, or one that is out of range), kUnsupported (a processor
+    // without a native engine).
     static Result<JointSampler> create(const Character& character, std::span<const uint32_t> joints);
 
     // model_from_joint, in the order of the joints, of a character that plays this at the times given; within 1e-5 of

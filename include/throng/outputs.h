@@ -42,8 +42,8 @@ struct BufferView {
     explicit operator bool() const { return buffer != VK_NULL_HANDLE; }
 };
 
-// What an OutputBlock says of its buffers, on a native device in host memory; empty on others. What is not const may be
-// written between two updates.
+// What an OutputBlock says of its buffers, on a native device in host memory, shaped as they are there; empty on
+// others. What is not const may be written between two updates.
 struct HostOutputs {
     std::span<const std::byte> skin{}, previous_skin{};
     std::span<const Affine> model{}, placement{}, socket{};

@@ -59,6 +59,7 @@ THRONG_IO_CONSTANT kHasController = 2;
 THRONG_IO_CONSTANT kMayBeInertial = 4;  // has inertial transitions or plays
 THRONG_IO_CONSTANT kHasRoots = 8;
 THRONG_IO_CONSTANT kHasDestinations = 16;
+THRONG_IO_CONSTANT kMovesPlacements = 32;  // root motion does
 
 // Which part of `changes` belongs to the buffer `changed`. For each item it holds the item's number in that buffer,
 // then its words.

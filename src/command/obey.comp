@@ -10,6 +10,7 @@ BUFFER_WITH_HEAD(kInstanceCommandsBuffer, CommandHead, head, InstanceCommand, co
 BUFFER(kClaimsBuffer, uint, claims);
 BUFFER(kPlacementsBuffer, Affine, placements);
 BUFFER(kRootsBuffer, RootState, roots);
+BUFFER(kRootRemaindersBuffer, vec2, root_remainders);
 BUFFER(kInstanceLooksBuffer, InstanceLook, looks);
 BUFFER(kPlaybacksBuffer, InstancePlayback, playbacks);
 BUFFER(kLayersBuffer, LayerState, layers);

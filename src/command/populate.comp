@@ -11,6 +11,7 @@ BUFFER(kClaimsBuffer, uint, claims);
 BUFFER(kBirthsBuffer, uint, births);
 BUFFER(kPlacementsBuffer, Affine, placements);
 BUFFER(kRootsBuffer, RootState, roots);
+BUFFER(kRootRemaindersBuffer, vec2, root_remainders);
 BUFFER(kInstanceLooksBuffer, InstanceLook, looks);
 BUFFER(kPlaybacksBuffer, InstancePlayback, playbacks);
 BUFFER(kLayersBuffer, LayerState, layers);

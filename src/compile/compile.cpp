@@ -87,6 +87,8 @@ Result<Character> compile(const Asset& asset, const CompileSettings& settings, c
             }
             measure_clips(character, progress.between(kLodsMade, 1));
             file::visit_strings(character, [](std::string& text) { text = printable(text, std::string::npos); });
+            // Numbers so large that what is made of them is not finite, for example
+            check_character(character, asset.name, ErrorCode::kInvalidFile);
             progress.report(1);
             return character;
         },

@@ -18,6 +18,7 @@ BUFFER(kParametersBuffer, float, parameters);  // [instance][parameter]
 WRITEONLY_BUFFER(kActiveClipsBuffer, StoredPair, active_clips);
 BUFFER_WITH_HEAD(kEventsBuffer, EventHead, event_head, EventRecord, events);
 BUFFER(kRootsBuffer, RootState, roots);
+BUFFER(kRootRemaindersBuffer, vec2, root_remainders);
 // world_from_model, three rows each
 WRITEONLY_BUFFER(kPlacementsBuffer, vec4, placements);
 // The same as layers and parameters: to read them, which a software device does faster as tables

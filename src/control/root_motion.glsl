@@ -40,13 +40,19 @@ void add_move(uint clip, PhaseStep phase_step, float weight) {
     if ((push.flags & kPushHasRootMotion) != 0) move_sum += weight * move_of(load_clip(clip), phase_step);
 }
 
-// The move is reported, and where it is applied the instance stands at base * place.
+// The move is reported, and where it is applied the instance stands at base * place. What rounding leaves out of x and
+// z is added with the next move (Kahan, 1965), or a long way of short steps would miss its end.
 void end_move() {
     if ((push.flags & kPushHasRootMotion) == 0) return;
     const vec4 move = move_sum == vec4(0) ? vec4(0, 0, 1, 0) : turned_to_length_one(move_sum);
     roots[instance].move = move;
     if ((push.flags & kPushMovesPlacements) == 0) return;
-    const vec4 place = turned_to_length_one(compose_places(roots[instance].place, move));
+    const vec4 before = roots[instance].place;
+    const vec2 remainder = root_remainders[instance], step = compose_places(vec4(remainder, before.zw), move).xy,
+               reached = vec2(sum(before.x, step.x), sum(before.y, step.y));
+    root_remainders[instance] = vec2(difference(step.x, difference(reached.x, before.x)),
+                                     difference(step.y, difference(reached.y, before.y)));
+    const vec4 place = vec4(reached, turned_to_length_one(compose_places(before, move)).zw);
     roots[instance].place = place;
     for (uint row = 0; row < 3; ++row) placements[3 * instance + row] = placed_row(roots[instance].base[row], place);
 }

@@ -2,17 +2,12 @@
 #pragma once
 
 #include "crowd/group.h"
+#include "gpu/buffer_uses.h"
 #include "gpu/kernel.h"
 
 #include <algorithm>
 
 namespace throng {
-
-// Outputs that are copied into a frame slot at the end of an update, since the next one goes on from them or their
-// kernels know one place only; small beside skin matrices.
-inline constexpr std::array kShownBuffers{io::kPlacementsBuffer,   io::kRootsBuffer,    io::kSocketsBuffer,
-                                          io::kActiveMorphsBuffer, io::kModelBuffer,    io::kListBuffer,
-                                          io::kDrawsBuffer,        io::kSkinRowsBuffer, io::kInstanceLooksBuffer};
 
 struct Batch {
     uint32_t group = 0, of_group = 0;  // and which of the group's batches it is

@@ -7,6 +7,8 @@
 #include <array>
 #include <cstring>
 #include <ranges>
+#include <stdexcept>
+#include <string>
 
 namespace throng {
 namespace {
@@ -15,10 +17,6 @@ constexpr size_t kFew = 16;                  // ranges, which are commands of th
 constexpr size_t kLong_bytes = 4096;         // of a range, which is one too, however many there are
 constexpr size_t kRoundWords = 1 << 16;      // 256 KiB
 constexpr size_t kMostWordsAnInstance = 80;  // of what may change, about; more is a further round
-
-constexpr std::array kChangedBuffers{io::kBirthsBuffer,        io::kPlacementsBuffer, io::kRootsBuffer,
-                                     io::kInstanceLooksBuffer, io::kPlaybacksBuffer,  io::kDestinationsBuffer,
-                                     io::kAttachmentsBuffer,   io::kTargetsBuffer};
 
 }  // namespace
 
@@ -30,7 +28,7 @@ ChangeStage::ChangeStage(const StageContext& context) : Stage(context) {
     uploaded_ = Buffer(gpu_, "changes", words * sizeof(uint32_t), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT);
     pending_.resize(batches_.size());
     for (size_t i = 0; i < batches_.size(); ++i)
-        for (const uint32_t buffer : kChangedBuffers)
+        for (const uint32_t buffer : kScatteredBuffers)
             if (const Buffer& changed = batches_[i][buffer]) {
                 const BufferTable table{{io::kChangesBuffer, uploaded_}, {io::kChangedBuffer, changed}};
                 pending_[i].push_back({.buffer = buffer, .bindings = scatter_.bind(table)});
@@ -44,6 +42,8 @@ void ChangeStage::begin(const Update&) {
 
 void ChangeStage::write(const Update& update, size_t range_count, const Batch& batch, uint32_t buffer,
                         uint32_t item_words, uint32_t first, std::span<const std::byte> items) {
+    if (std::ranges::count(kScatteredBuffers, buffer) == 0)
+        throw std::logic_error(std::string(name_of_buffer(buffer)) + " is not \"scattered\" in docs/buffers.md");
     const size_t item_bytes = item_words * sizeof(uint32_t);
     if (!update.commands || !uploaded_ || range_count <= kFew || items.size() >= kLong_bytes)
         return record_update(*gpu_, update.commands, batch[buffer], first * item_bytes, items);

@@ -52,7 +52,9 @@ void ControllerStage::plan(BatchPlan& plan) {
     if (controller.model_layer_count > 0)
         plan.add_storage(io::kRotationsBuffer,
                          uint64_t{group.joint_count} * controller.model_layer_count * sizeof(io::ModelRotations));
-    if (group.has_root_motion()) plan.add_filled(io::kRootsBuffer, std::vector{standing_at(Affine{})});
+    if (!group.has_root_motion()) return;
+    plan.add_filled(io::kRootsBuffer, std::vector{standing_at(Affine{})});
+    if (controller.moves_placements) plan.add_zeros(io::kRootRemaindersBuffer, sizeof(io::vec2));
 }
 
 ControllerStage::ControllerStage(const StageContext& context)

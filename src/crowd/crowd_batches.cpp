@@ -206,7 +206,7 @@ OutputBlock CrowdState::output_of(const Batch& batch, uint32_t of_slot) const {
             .host = host_outputs(batch, of_slot)};
 }
 
-// What there is of it stays.
+// Keeps feedback that there is already, and makes room in it.
 void CrowdState::make_feedback() {
     watch_capacity_ = settings_.watch_capacity;
     pose_request_capacity_ = settings_.pose_request_capacity;

@@ -39,7 +39,7 @@ std::vector<InstanceHandle> CrowdState::spawn(uint32_t group, std::span<const Af
     return handles;
 }
 
-// What is left of it would else be its successor's.
+// Resets what the next instance with this number would inherit.
 void CrowdState::despawn(std::span<const InstanceHandle> instances) {
     for (size_t i = 0; i < instances.size(); ++i) {
         const InstanceHandle& gone = instances[i];

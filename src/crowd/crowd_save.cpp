@@ -13,7 +13,7 @@ namespace throng {
 namespace {
 
 constexpr uint64_t kMagic = 0x6574617473676874;  // "thgstate"
-constexpr uint32_t kVersion = 5;
+constexpr uint32_t kVersion = 6;
 
 struct Head {
     uint64_t magic = kMagic;
@@ -24,13 +24,6 @@ struct Head {
     uint64_t buffers_bytes = 0;
 };
 constexpr uint32_t kHasUpdated = 1, kWasNative = 2;
-
-// Buffers from which an update goes on, beside `skin` where that is so, and those that are filled from the CPU.
-constexpr std::array kKeptBuffers{io::kPlacementsBuffer,    io::kPlaybacksBuffer,     io::kLayersBuffer,
-                                  io::kParametersBuffer,    io::kRootsBuffer,         io::kInertiasBuffer,
-                                  io::kInertiaStatesBuffer, io::kTargetsBuffer,       io::kSpringsBuffer,
-                                  io::kDestinationsBuffer,  io::kAgentsBuffer,        io::kStatesBuffer,
-                                  io::kSkinTargetBuffer,    io::kInstanceLooksBuffer, io::kInstanceCommandsBuffer};
 
 // A checksum of things one after another.
 class Checksum {
@@ -80,6 +73,7 @@ void add_group(Checksum& made_of, const Group& group) {
     made_of.add(group.command_capacity);
     made_of.add(uint32_t{group.shaders_populate});
     made_of.add(group.socket_count());
+    if (group.sockets) made_of.add_all(group.sockets->joints);
     made_of.add(static_cast<uint32_t>(group.socket_space));
     made_of.add(group.pose_capacity);
     made_of.add(group.outfit_count);
@@ -133,7 +127,7 @@ StateFit CrowdState::state_fit() const {
 std::vector<CrowdState::KeptBuffer> CrowdState::kept_buffers() const {
     std::vector<KeptBuffer> kept;
     for (const Batch& batch : batches) {
-        for (const uint32_t number : kKeptBuffers)
+        for (const uint32_t number : kSavedBuffers)
             if (batch[number]) kept.push_back({&batch, number, &batch[number]});
         if (groups[batch.group].shaders_populate)
             kept.push_back({&batch, io::kBirthsBuffer, &batch[io::kBirthsBuffer]});
@@ -156,7 +150,7 @@ void CrowdState::exchange(StateArchive& archive) {
     std::ranges::sort(as_asked, {}, &Watched::place);
     std::vector<uint32_t> watched;
     for (const Watched& one : as_asked) watched.push_back(one.instance);
-    archive.list(watched, watch_capacity_);
+    archive.list(watched, watch_capacity_, "that one watches more instances than CrowdSettings::watch_capacity here");
     // Twice the capacity: discard_last_record() puts the requests of its update back, in front of newer ones.
     archive.list(pose_requests_, 2 * uint64_t{pose_request_capacity_});
     if (!archive.reads()) return;

@@ -134,7 +134,7 @@ void CullStage::exchange(StateArchive& archive) {
     for (Member& member : members_) member.has_cells = false;
 }
 
-// Numbers that floats hold. Of as many changes ago none is left.
+// A number that a float holds exactly. It wraps after 2^24 changes, when no cell has a version as old.
 float CullStage::version_of(const Batch& batch) const {
     constexpr uint32_t kNumbers = 1u << 24;
     return group_of(batch).moves_placements() ? 0 : static_cast<float>(1 + batch.move_count % (kNumbers - 1));

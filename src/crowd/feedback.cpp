@@ -78,26 +78,33 @@ void FeedbackRing::restart(uint64_t update_count) {
     update_count_ = update_count;
 }
 
+// What a native update has written of the events: so the rest of their room takes no memory.
+BufferRange FeedbackRing::happened() const {
+    io::EventHead head;
+    std::memcpy(&head, events_.mapped(), sizeof head);
+    return {events_, 0, sizeof head + std::min(head.count, event_capacity_) * sizeof(io::EventRecord)};
+}
+
 void FeedbackRing::end(VkCommandBuffer commands, std::span<const Watched> watched, std::vector<RequestedPose> poses) {
     Slot& slot = last_slot();
     memory_barrier(*gpu_, commands, kShaderWrite | kTransferWrite, kTransferRead | kTransferWrite);
-    std::vector<CopyFrom> copies{{events_, 0}};
+    copies_.assign(1, {commands ? BufferRange(events_) : happened(), 0});
     VkDeviceSize at = events_.size_bytes();
     // A driver's time is per copy: thousands took NVIDIA's over a millisecond.
     const auto copy = [&](const BufferRange& range) {
         if (range.size_bytes == 0) return;
-        BufferRange& last = copies.back().from;
+        BufferRange& last = copies_.back().from;
         if (last.buffer == range.buffer && last.mapped == range.mapped &&
             last.offset_bytes + last.size_bytes == range.offset_bytes)
             last.size_bytes += range.size_bytes;
         else
-            copies.push_back({range, at});
+            copies_.push_back({range, at});
         at += range.size_bytes;
     };
     for (size_t part = 0; part < Watched::kParts; ++part)
         for (const Watched& one : watched) copy(one.parts()[part]);
     for (const RequestedPose& pose : poses) copy(pose.skin);
-    record_copies(*gpu_, commands, copies, slot.copy);
+    record_copies(*gpu_, commands, copies_, slot.copy);
     slot.update.watched.assign(watched.begin(), watched.end());
     slot.update.poses = std::move(poses);
     slot.done.record_set(commands);

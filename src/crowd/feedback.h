@@ -80,6 +80,7 @@ private:
         Update update, before;  // what the slot had before the update, which may be discarded
     };
     Buffer make_copy() const;
+    BufferRange happened() const;
     Slot& last_slot() { return slots_[(update_count_ - 1) % slots_.size()]; }
     bool was_dropped(const Slot& slot) const;
     Feedback read(const Slot& slot) const;
@@ -92,6 +93,7 @@ private:
     uint64_t instance_bytes_;
     Buffer events_;
     std::array<Slot, 4> slots_;
+    std::vector<CopyFrom> copies_;  // of one end(); kept for their memory
     uint64_t update_count_ = 0;
 };
 

@@ -41,7 +41,7 @@ std::vector<std::array<float, 4>> readable_keys(const Character& character) {
     return keys;
 }
 
-// Those of clips by clip, and one that nothing reads.
+// The rows of all clips, then one that nothing reads, so that the buffer is not empty.
 std::vector<io::vec4> readable_root_rows(const Character& character) {
     std::vector<io::vec4> rows;
     for (const auto& [x, z, cosine, sine] : character.root_rows) rows.push_back({x, z, cosine, sine});

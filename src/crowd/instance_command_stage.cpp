@@ -35,7 +35,9 @@ uint64_t claim_count(const Group& group) {
 uint32_t flags_of(const Group& group, const Batch& batch) {
     return (group.shaders_populate ? io::kShadersPopulate : 0) | (group.controller ? io::kHasController : 0) |
            (group.controller && group.controller->is_inertial ? io::kMayBeInertial : 0) |
-           (batch[io::kRootsBuffer] ? io::kHasRoots : 0) | (batch[io::kDestinationsBuffer] ? io::kHasDestinations : 0);
+           (batch[io::kRootsBuffer] ? io::kHasRoots : 0) |
+           (batch[io::kRootRemaindersBuffer] ? io::kMovesPlacements : 0) |
+           (batch[io::kDestinationsBuffer] ? io::kHasDestinations : 0);
 }
 
 }  // namespace

@@ -138,7 +138,7 @@ PathChoice vulkan_path(const Gpu& gpu, const CrowdSettings& settings, const Crow
     return choice;
 }
 
-// What computes sockets alone.
+// Throws where the chosen path cannot compute sockets alone.
 void check_sockets_only(const PathChoice& choice, const CrowdGroup& group) {
     const std::string place = group.character->name + ": sockets only";
     if (group.sockets.empty()) throw Failure(ErrorCode::kInvalidArgument, place, "there are no sockets");

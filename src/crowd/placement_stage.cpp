@@ -75,10 +75,10 @@ void PlacementStage::take_over(const Batch& batch, std::span<const Affine> moved
 }
 
 void PlacementStage::begin(const Update& update) {
-    std::vector<bool> moved(batches_.size());
+    for (Batch& batch : batches_) batch.is_moved = false;
     const std::span<const DirtyRanges::Range> ranges = dirty_.take();
     for_each_part(batches_, ranges, [&](const Batch& batch, uint32_t first, uint32_t count) {
-        moved[batch_index_of(batches_, first)] = true;
+        batches_[batch_index_of(batches_, first)].is_moved = true;
         const uint32_t first_of_batch = first - batch.first_instance;
         update.changes->write(update, ranges.size(), batch, io::kPlacementsBuffer, first_of_batch,
                               std::span<const Affine>(placements_).subspan(first, count));
@@ -87,11 +87,11 @@ void PlacementStage::begin(const Update& update) {
         for (uint32_t i = first; i < first + count; ++i) roots.push_back(standing_at(placements_[i]));
         update.changes->write(update, ranges.size(), batch, io::kRootsBuffer, first_of_batch,
                               std::span<const io::RootState>(roots));
+        if (!batch[io::kRootRemaindersBuffer]) return;
+        update.changes->write(update, ranges.size(), batch, io::kRootRemaindersBuffer, first_of_batch,
+                              std::span<const io::vec2>(std::vector<io::vec2>(count)));
     });
-    for (size_t i = 0; i < batches_.size(); ++i) {
-        batches_[i].is_moved = moved[i];
-        if (moved[i]) ++batches_[i].move_count;
-    }
+    for (Batch& batch : batches_) batch.move_count += batch.is_moved;
     ++update_count_;
     if (followed_) followed_->begin(update_count_);
 }

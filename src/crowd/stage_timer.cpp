@@ -2,6 +2,9 @@
 
 #include "base/failure.h"
 
+#include <stdexcept>
+#include <string>
+
 namespace throng {
 
 StageTimer::StageTimer(std::shared_ptr<Gpu> gpu, uint32_t most_stages) : stamps_(std::move(gpu), most_stages + 1) {}
@@ -12,7 +15,11 @@ void StageTimer::begin(VkCommandBuffer commands) {
     stages_of(stamps_.frame_number()).clear();
 }
 
-void StageTimer::end_stage(VkCommandBuffer commands, std::string_view name) { end(commands, index_of_stage(name)); }
+void StageTimer::end_stage(VkCommandBuffer commands, std::string_view name) {
+    const size_t stage = index_of_stage(name);
+    if (stage >= kStageNames.size()) throw std::logic_error("kStageNames has no " + std::string(name));
+    end(commands, stage);
+}
 
 void StageTimer::end(VkCommandBuffer commands, size_t stage) {
     stages_of(stamps_.frame_number()).push_back(stage);

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include <cstring>
+#include <stdexcept>
 #include <vector>
 
 namespace throng::test {
@@ -23,7 +24,7 @@ class NativeRun {
 public:
     // `constants`: constant_id 1, 2, …
     explicit NativeRun(const NativeKernel* kernel, std::vector<uint32_t> constants = {}, uint32_t workgroup_size = 0)
-        : kernel_(*kernel),
+        : kernel_(there(kernel)),
           workgroup_size_(workgroup_size != 0 ? workgroup_size : kernel->workgroup_size),
           constants_(std::move(constants)) {
         constants_.insert(constants_.begin(), workgroup_size_);
@@ -52,6 +53,11 @@ public:
     }
 
 private:
+    static const NativeKernel& there(const NativeKernel* kernel) {
+        if (!kernel) throw std::runtime_error("the kernel is not among THRONG_NATIVE_KERNELS of CMakeLists.txt");
+        return *kernel;
+    }
+
     const NativeKernel& kernel_;
     uint32_t workgroup_size_;
     std::vector<uint32_t> constants_;

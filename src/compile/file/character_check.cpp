@@ -18,7 +18,7 @@ namespace {
 
 constexpr uint32_t kPackedLayoutBits = kPackedBitsMask | 3u << kPackedLeftOutShift | kPackedFull | kPackedStep;
 
-// And so is the extent between two that are finite.
+// The corners are finite, and so is their difference, which may overflow.
 bool is_finite_box(const Vec3<float>& low, const Vec3<float>& high) {
     return all_finite(low) && all_finite(high) && all_finite(high - low);
 }
