@@ -512,7 +512,7 @@ TEST(RootMotionOnTheGpu, PlacementsFollowTheClips) {
         }
 }
 
-// Each step is rounded to what a float holds at such a distance: by itself a hundred times the bound.
+// Each step is rounded to what a float holds at such a distance: by itself fifteen times the bound.
 TEST(RootMotionOnTheGpu, ManyShortStepsAddUp) {
     constexpr float kStep_s = 1 / 30.0f, kSpeed = 1.5f;
     constexpr int kSteps = 3000;
