@@ -263,6 +263,26 @@ TEST_F(SavedState, RefusesWhatIsNotIts) {
 }
 
 // Springs, targets, clips of states, how agents walk: of the same numbers of everything.
+TEST_F(SavedState, RefusesThatOfOtherSocketsAndOfMoreWhoAreWatched) {
+    const auto with = [&](uint32_t socket, uint32_t watch_capacity) {
+        CrowdSettings made = settings();
+        made.groups[0].sockets = {socket};
+        made.watch_capacity = watch_capacity;
+        return create(made);
+    };
+    Crowd crowd = with(1, 2), other = with(2, 2), narrow = with(1, 1);
+    ASSERT_TRUE(crowd.watch(std::array{InstanceHandle{0}, InstanceHandle{1}}));
+    ASSERT_TRUE(crowd.update(0.1f));
+    const std::vector<std::byte> saved = *crowd.save_state();
+    const std::string fits_not = "crowd state: it does not fit this crowd: ";
+    EXPECT_EQ(refusal(other.restore_state(saved)),
+              fits_not + "a group has another character, controller or CrowdGroup setting there");
+    const Result<void> refused = narrow.restore_state(saved);
+    EXPECT_EQ(refusal(refused), fits_not + "2 instances are watched there, and CrowdSettings::watch_capacity is 1");
+    ASSERT_FALSE(refused);
+    EXPECT_EQ(refused.error().code, ErrorCode::kInvalidArgument);
+}
+
 TEST_F(SavedState, RefusesThatOfOtherRules) {
     const auto rules = [&](float frequency_hz, const char* target) {
         return ProceduralRules{.targets = {target},

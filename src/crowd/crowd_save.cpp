@@ -72,7 +72,6 @@ void add_group(Checksum& made_of, const Group& group) {
     made_of.add(uint32_t{group.is_carried});
     made_of.add(group.command_capacity);
     made_of.add(uint32_t{group.shaders_populate});
-    made_of.add(group.socket_count());
     if (group.sockets) made_of.add_all(group.sockets->joints);
     made_of.add(static_cast<uint32_t>(group.socket_space));
     made_of.add(group.pose_capacity);
@@ -150,7 +149,10 @@ void CrowdState::exchange(StateArchive& archive) {
     std::ranges::sort(as_asked, {}, &Watched::place);
     std::vector<uint32_t> watched;
     for (const Watched& one : as_asked) watched.push_back(one.instance);
-    archive.list(watched, watch_capacity_, "that one watches more instances than CrowdSettings::watch_capacity here");
+    archive.list(watched, instance_count);
+    if (watched.size() > watch_capacity_)
+        throw Failure(ErrorCode::kInvalidArgument, "crowd state", "it does not fit this crowd: ", watched.size(),
+                      " instances are watched there, and CrowdSettings::watch_capacity is ", watch_capacity_);
     // Twice the capacity: discard_last_record() puts the requests of its update back, in front of newer ones.
     archive.list(pose_requests_, 2 * uint64_t{pose_request_capacity_});
     if (!archive.reads()) return;

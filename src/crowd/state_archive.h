@@ -60,14 +60,13 @@ public:
         require(byte <= 1, "what is true or false is neither");
         one = byte != 0;
     }
-    // With their number, at most `most`; `too_many` says what more would be.
+    // With their number, at most `most`.
     template <class T>
-    void list(std::vector<T>& all, uint64_t most, const char* too_many = "a list is too long") {
+    void list(std::vector<T>& all, uint64_t most) {
         auto count = static_cast<uint64_t>(all.size());
         value(count);
         if (reads_) {
-            require(count <= most, too_many);
-            require(count <= unread_.size() / sizeof(T), "a list is too long");
+            require(count <= most && count <= unread_.size() / sizeof(T), "a list is too long");
             all.resize(count);
         }
         values(std::span(all));
