@@ -26,8 +26,8 @@ inline constexpr Camera kFront{.eye = {0, 0.5f, 5}, .target = {0, 0.5f, 0}, .ver
 // Shaders where the device has some: on native devices these are tests of the native renderer.
 DrawPath device_path();
 
-// Of kDrawWidth times kDrawHeight pixels; made once for each number of samples, since making pipelines takes most of a
-// small picture's time.
+// A renderer of kDrawWidth x kDrawHeight pixels, made once for each number of samples: its pipelines take longer to
+// make than a small picture to draw.
 Renderer& shared_renderer(uint32_t samples, const DrawOptions& options = {});
 
 // Three instances that play the clip, the last far away.

@@ -65,7 +65,7 @@ struct LitSquare {
     Vec3<double> normal;
 };
 
-// Of squares side by side, some pixels of each.
+// Draws the squares side by side and compares some pixels of each with the reference.
 void expect_lit_as_the_reference(const std::vector<LitSquare>& squares, const DrawOptions& options) {
     std::vector<Character> characters;
     std::vector<Affine> placements;

@@ -157,8 +157,7 @@ struct CrowdSettings {
     // instance.
     bool skins_once = false;
     bool timestamps = true;  // measure the stages; costs one query a stage and one more
-    // Events of one update that feedback() can hold; the others are counted. 24 bytes each, five times; of a native
-    // device's only those that happen take memory
+    // Events of one update that feedback() can hold; the others are counted. Room for 16 bytes each, five times
     uint32_t event_capacity = 16384;
     uint32_t watch_capacity = 64;  // instances that watch() takes
     // Poses that request_poses() may ask of one update; room for their skin matrices, four times

@@ -142,7 +142,7 @@ TEST(Import, MendedKeysAreOneWarningAClip) {
     EXPECT_TRUE(has_warning(loaded(with_keys({0, 3, 2, 1})), place + "2 of the clip's 4 keys are earlier"));
 }
 
-// What is mended plays: as three.js plays keys at one time, and keys that go back as if they stood in order.
+// Keys that share a time play as three.js plays them; keys that go back play as if they had been sorted.
 TEST(Import, MendedKeysPlay) {
     const auto tip_x = [](const GlbBuilder& b, double time_s) {
         const Character character = *compile_character(loaded(b));

@@ -101,7 +101,7 @@ void take_drags(State& state) {
     const bool turns = !pans && ImGui::IsMouseDown(ImGuiMouseButton_Left);
     if (((pans || turns) && (x != 0 || y != 0)) || io.MouseWheel != 0) state.camera = kByHand;
     if (pans)
-        state.orbit.pan(-x / state.free.height(), y / state.free.height());
+        state.orbit.pan(-x / state.free_part.height(), y / state.free_part.height());
     else if (turns && state.flies)
         state.orbit.look(-x * kLook_rad, y * kLook_rad);
     else if (turns)

@@ -36,7 +36,7 @@ private:
     float ground_y_ = -std::numeric_limits<float>::infinity();
 };
 
-// Of a picture, 0..1 from the left and the top.
+// A rectangle of a picture; 0 is its left or upper edge, 1 its right or lower one.
 struct PicturePart {
     float left = 0, top = 0, right = 1, bottom = 1;
 

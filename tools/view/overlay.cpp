@@ -19,7 +19,7 @@ void begin_notice(const char* id, ImVec2 at, ImVec2 pivot) {
 void draw_selection(const State& state, const Scene& scene) {
     const PlacedBox box = scene.box_of(*state.selected);
     const ImVec2 display = ImGui::GetIO().DisplaySize;
-    const Projection projection(state.whole_picture, display.x / display.y);
+    const Projection projection(state.picture_camera, display.x / display.y);
     std::array<Vec3<float>, 8> corners;  // corner c is at the maximum along x, y, z by its bits
     for (size_t c = 0; c < corners.size(); ++c)
         corners[c] = projection.project(transform_point(

@@ -30,8 +30,8 @@ struct State {
     float time_factor = 1;
 
     bool shows_panels = true, shows_keys = false;
-    PicturePart free;      // of panels: shows what `orbit` looks at
-    Camera whole_picture;  // so that it does
+    PicturePart free_part;  // of the picture, beside the panels: there it shows what `orbit` looks at
+    Camera picture_camera;  // of the whole picture, so that free_part does
     std::optional<uint32_t> selected;
 
     bool resets_view = true;

@@ -188,10 +188,10 @@ void Viewer::draw_panels() {
     const ImVec2 display = ImGui::GetIO().DisplaySize;
     const float aspect_ratio = display.x / display.y;
     if (const std::optional<Click> click = take_commands(state_, window_.take_pressed()))
-        state_.selected = scene_.pick(Projection(state_.whole_picture, aspect_ratio).ray(click->x, click->y));
-    state_.free = state_.shows_panels ? part_without_panels() : PicturePart();
-    move_camera(aspect_ratio * state_.free.width() / state_.free.height());
-    state_.whole_picture = camera_around(state_.orbit.camera(), state_.free, aspect_ratio);
+        state_.selected = scene_.pick(Projection(state_.picture_camera, aspect_ratio).ray(click->x, click->y));
+    state_.free_part = state_.shows_panels ? part_without_panels() : PicturePart();
+    move_camera(aspect_ratio * state_.free_part.width() / state_.free_part.height());
+    state_.picture_camera = camera_around(state_.orbit.camera(), state_.free_part, aspect_ratio);
     if (state_.selected) draw_selection(state_, scene_);
     if (state_.shows_panels) {
         draw_settings(state_, scene_, measured_);
@@ -209,7 +209,7 @@ void Viewer::record() {
     drawing.skeletons = scene_.settings().keeps_joints;  // a crowd that keeps joints comes a frame later
     unwrap(renderer_.set_options(drawing));
     if (watches()) unwrap(scene_.crowd().watch(InstanceHandle{*state_.selected}));
-    const Camera& camera = state_.whole_picture;
+    const Camera& camera = state_.picture_camera;
     const bool is_native = unwrap(scene_.crowd().path(0)).is_native;
     measured_.is_drawn_natively = is_native && renderer_.is_native();  // who records an update has the device draw
     if (!measured_.is_drawn_natively) display_.finish();
