@@ -462,11 +462,7 @@ TEST(Pack, MoreThanCanBeMeasuredIsRefused) {
         track.values.insert(track.values.end(), {static_cast<float>(key % 7), 0, 0});
     }
     asset.clips.push_back({.name = "long", .duration_s = 4099, .tracks = {track}});
-    const Result<Character> exact = compile_character(asset, kExact);
-    ASSERT_FALSE(exact) << "no crowd would take it";
-    EXPECT_EQ(exact.error().code, ErrorCode::kInvalidFile);
-    EXPECT_NE(exact.error().text().find("clips[0]: its bounds are not finite"), std::string::npos)
-        << exact.error().text();
+    EXPECT_TRUE(compile_character(asset, kExact));
     const Result<Character> packed = compile_character(asset);
     ASSERT_FALSE(packed);
     EXPECT_EQ(packed.error().code, ErrorCode::kLimit);
