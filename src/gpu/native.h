@@ -56,6 +56,7 @@ public:
     ~NativeMemory();
     NativeMemory(NativeMemory&& other) noexcept { *this = std::move(other); }
     NativeMemory& operator=(NativeMemory&& other) noexcept {
+        std::swap(allocation_, other.allocation_);
         std::swap(bytes_, other.bytes_);
         return *this;
     }
@@ -63,7 +64,8 @@ public:
     std::byte* bytes() const { return bytes_; }
 
 private:
-    std::byte* bytes_ = nullptr;
+    void* allocation_ = nullptr;
+    std::byte* bytes_ = nullptr;  // within it
 };
 
 }  // namespace throng
