@@ -8,11 +8,42 @@
 #include <gtest/gtest.h>
 
 #include <cstddef>
+#include <tuple>
 #include <vector>
 
 namespace throng::test {
 
 using Bytes = std::vector<std::byte>;
+
+// The fields of a structure. One that is added fails to compile here: write it to the file, and compare it.
+inline auto fields_of(const Clip& clip) {
+    const auto& [name, duration_s, first_time, row_count, row_stride, first_row, channels, source_keys, animated,
+                 refined, dropped, size_bytes, raw_size_bytes, first_root_row, root_row_count, error, first_morph_time,
+                 morph_row_count, morph_row_stride, bounds_min, bounds_max] = clip;
+    return std::tie(name, duration_s, first_time, row_count, row_stride, first_row, channels, source_keys, animated,
+                    refined, dropped, size_bytes, raw_size_bytes, first_root_row, root_row_count, error,
+                    first_morph_time, morph_row_count, morph_row_stride, bounds_min, bounds_max);
+}
+inline auto fields_of(const Morph& morph) {
+    const auto& [name, node, target, default_weight] = morph;
+    return std::tie(name, node, target, default_weight);
+}
+inline auto fields_of(const Skin& skin) {
+    const auto& [name, first_entry, joint_count] = skin;
+    return std::tie(name, first_entry, joint_count);
+}
+inline auto fields_of(const AssetMaterial& material) {
+    const auto& [name, base_color, image, alpha_mode, alpha_cutoff, double_sided, filter, wrap_u, wrap_v, metallic,
+                 roughness, metallic_roughness_image, normal_image, normal_scale, occlusion_image, occlusion_strength,
+                 emissive, emissive_image] = material;
+    return std::tie(name, base_color, image, alpha_mode, alpha_cutoff, double_sided, filter, wrap_u, wrap_v, metallic,
+                    roughness, metallic_roughness_image, normal_image, normal_scale, occlusion_image,
+                    occlusion_strength, emissive, emissive_image);
+}
+inline auto fields_of(const AssetImage& image) {
+    const auto& [name, encoded] = image;
+    return std::tie(name, encoded);
+}
 
 inline constexpr double kErrors[] = {0, 1e-4};  // exact and packed
 
