@@ -1,4 +1,4 @@
-// places: where all agents are, and a list of those in each bucket of cells. In which order a list has them is left to
+// places: stores where all agents are, and lists those in each bucket of cells. The order within a list is left to
 // chance; nothing depends on it. One invocation per agent. Cost: 8 bytes of a placement read, 16 written, one atomic
 // exchange. Source: S. Green, Particle Simulation using CUDA, NVIDIA 2008 (the grid by atomics). Difference: lists
 // instead of a fixed number of places for each cell.

@@ -1,8 +1,8 @@
-// steer: an agent takes a step towards its destination and out of the way of others, and turns where it wants to go.
-// Or, where clips carry it, turns and says how fast it wants to go. One invocation per agent. Cost: docs/steering.md;
-// 92 bytes read, 60 written, and 4 read for each bucket, 16 for each agent in it. Source: C. Reynolds, Steering
-// Behaviors for Autonomous Characters, GDC 1999 (arrival, separation). Difference: a speed limit that keeps any two
-// from touching, whatever they want; passing on the right; patience.
+// steer: an agent takes a step towards its destination and out of the way of others, and turns to where it wants to go.
+// Or, if its clips carry it, only turns and says how fast it wants to go. One invocation per agent. Cost:
+// docs/steering.md; 92 bytes read, 60 written, and 4 read for each bucket, 16 for each agent in it. Source: C.
+// Reynolds, Steering Behaviors for Autonomous Characters, GDC 1999 (arrival, separation). Difference: a speed limit
+// that keeps any two from touching, whatever they want; passing on the right; patience.
 #include "gpu/buffers_io.h"
 #include "control/births.glsl"
 #include "gpu/ground.glsl"
@@ -37,9 +37,9 @@ void meet_cell(Agent agent, uint grid, ivec2 cell, INOUT(Met) met) {
     }
 }
 
-// A cell is as wide as the way at which two of its grid's largest agents meet. So in its own grid and those of larger
-// agents all whom this one may meet are in the nine cells around it; in those of smaller agents, which have smaller
-// cells, it looks through as many as its own size needs.
+// A cell is as wide as the distance at which two of its grid's largest agents meet. So in its own grid, and in those of
+// larger agents, all that an agent can meet are in the nine cells around it. Grids of smaller agents have smaller
+// cells; there it looks through as many as its own size needs.
 Met meet_all(Agent agent) {
     Met met = Met(ivec2(0), push.speed);
     for (uint grid = 0; grid < push.grid_count; ++grid) {
@@ -52,19 +52,6 @@ Met meet_all(Agent agent) {
             for (int x = -cells; x <= cells; ++x) meet_cell(agent, grid, centre + ivec2(x, z), met);
     }
     return met;
-}
-
-// A turn about +y of model space, as (cosine, sine), towards a direction over the ground; within what the update
-// allows.
-vec2 turn_towards(vec2 world_direction, vec4 x_axis, vec4 z_axis) {
-    const float determinant = x_axis.x * z_axis.z - x_axis.z * z_axis.x;
-    const vec2 model = vec2(z_axis.z * world_direction.x - z_axis.x * world_direction.y,
-                            x_axis.x * world_direction.y - x_axis.z * world_direction.x) *
-                       sign(determinant);
-    const float size = length(model);
-    if (!(size > 0)) return vec2(1, 0);
-    const vec2 wanted = vec2(model.y, model.x) / size;
-    return wanted.x >= push.turn_cos ? wanted : vec2(push.turn_cos, wanted.y < 0 ? -push.turn_sin : push.turn_sin);
 }
 
 void tell_speed(float model_speed) {
@@ -103,41 +90,29 @@ void main() {
     agent.index = push.first_agent + instance;
     agent.place = vec2(row0.w, row2.w);
     agent.radius = uintBitsToFloat(ROW_AT(places, agent.index).z);
+    agent.full_speed = push.speed;
     agent.time_step_s = push.time_step_s;
     const float scale = length(z_axis), upright = length(z_axis.xz);
     const vec2 way = destination.xz - agent.place;
-    const float remaining = length(way);
-    if (!(destination.w > 0) || !(remaining < 1e30) || !(upright > 1e-6 * scale)) {
+    if (!(destination.w > 0) || !(length(way) < 1e30) || !(upright > 1e-6 * scale)) {
         stop(state);
         return;
     }
     agent.heading = z_axis.xz / upright;
-    const bool stands = remaining < (state.stands != 0 ? 2 : 1) * agent.radius;
-    agent.ahead = stands ? vec2(0) : way / remaining;
-    agent.comfort = stands ? 0 : min(remaining / (3 * agent.radius), 1);
-    agent.width = mix(kSlimmest, 1, state.patience);
+    aim(agent, way, state);
     const Met met = meet_all(agent);
+    const vec2 wish = wish_of(agent, met);
+    state = state_after(agent, met, wish, state);
+    states[instance] = state;
+    tell_speed(state.speed / scale);
 
-    const float hurry = stands ? 0 : min(push.speed, remaining / kArrival_s);
-    vec2 wish = hurry * agent.ahead + vec2(met.push) * (kShyness * push.speed / kFixed);
-    const float eagerness = length(wish);
-    if (eagerness < kLeastWish * min(push.speed, kFast * agent.radius)) wish = vec2(0);
-    if (eagerness > push.speed) wish *= push.speed / eagerness;
-    float speed = min(max(dot(wish, agent.heading), 0),
-                      min(met.speed_limit, state.speed + kAcceleration * push.speed * push.time_step_s));
-    speed = min(speed, (stands ? agent.radius : min(remaining, agent.radius)) / push.time_step_s);
-    const bool is_held_up = !stands && speed < kHeldUp * hurry;
-    state.patience = clamp(state.patience + push.time_step_s * (is_held_up ? -1 / kPatience_s : 1 / kRecovery_s), 0, 1);
-    states[instance] = AgentState(speed, state.patience, stands ? 1 : 0);
-    tell_speed(speed / scale);
-
-    const vec2 turn = turn_towards(wish, x_axis, z_axis);
+    const vec2 turn = turn_towards(wish, x_axis, z_axis, vec2(push.turn_cos, push.turn_sin));
     if (push.is_carried != 0) {
         const vec4 place = turned_to_length_one(compose_places(roots[instance].place, vec4(0, 0, turn)));
         roots[instance].place = place;
         for (uint row = 0; row < 3; ++row)
             placements[3 * instance + row] = placed_row(roots[instance].base[row], place);
     } else {
-        place_anew(x_axis, z_axis, z_axis.xyz * (speed * push.time_step_s / scale), turn);
+        place_anew(x_axis, z_axis, z_axis.xyz * (state.speed * push.time_step_s / scale), turn);
     }
 }

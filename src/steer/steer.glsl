@@ -1,37 +1,40 @@
-// What an agent wants, and how much of that the others leave it: docs/steering.md.
+// What an agent wants, and how much of it the others allow: docs/steering.md.
 
-// Others are met from so many times the distance at which they touch; the width of a cell is that of its largest two
+// An agent meets others within this many times the distance at which they touch; a cell is as wide as that for its two
+// largest agents
 const float kReach = 2;
-// As a part of its speed: how strongly it goes out of the way of one that it all but coincides with
+// As a multiple of its speed: how strongly an agent avoids one that it nearly coincides with
 const float kShyness = 6;
-const float kPassing = 1.5;     // as a part of that: how strongly it passes on the right
-const float kHorizon_s = 0.25;  // of the way that there is to somebody, it takes half in so many seconds
-const float kArrival_s = 1;     // it slows down so long before it arrives
-const float kAcceleration = 2;  // of its speed, a second
-const float kLeastWish = 0.05;  // of its speed: less counts as none
-const float kFast = 10;         // radii a second, beyond which speed does not count for that
-const float kHeldUp = 0.3;      // of the speed that it wants
-const float kPatience_s = 3.3333333, kRecovery_s = 2;  // until none is left, until all is there again
-const float kSlimmest = 0.75;  // of the distance at which agents touch, for one without patience
-const float kFixed = 1048576;  // steps in 1: integers add up to the same in any order
+const float kPassing = 1.5;     // as a multiple of that: how strongly it passes on the right
+const float kHorizon_s = 0.25;  // it covers at most half of the way that is left until it touches another in this time
+const float kArrival_s = 1;     // it starts to slow down this long before it arrives
+const float kAcceleration = 2;  // times its speed, a second
+const float kLeastWish = 0.05;  // fraction of its speed: a weaker wish counts as none
+const float kFast = 10;         // radii a second: kLeastWish counts no speed beyond it
+const float kHeldUp = 0.3;      // fraction of the speed that it wants: slower is held up
+const float kPatience_s = 3.3333333, kRecovery_s = 2;  // until patience runs out, until it is back in full
+const float kSlimmest = 0.75;  // fraction of the distance at which agents touch, for one without patience
+const float kFixed = 1048576;  // steps in 1: sums of integers do not depend on their order
 
 struct Agent {
     uint index;
     vec2 place, heading;
-    float radius;
-    vec2 ahead;     // to the destination, of length 1; of one that stands 0
-    float comfort;  // how far from touching others it wants to be, 0..1
-    float width;    // of the distance at which agents touch
-    float time_step_s;
+    float radius, full_speed, time_step_s;
+    // Set by aim()
+    bool stands;      // has arrived
+    float remaining;  // to the destination
+    vec2 ahead;       // the direction to it, of length 1; 0 for an agent that stands
+    float comfort;    // how far from touching others it wants to be, 0..1
+    float width;      // the fraction of the distance at which agents touch that it keeps
 };
 
-// What the others do to it, in whatever order they are met.
+// What the others do to an agent; the order in which they are met does not matter.
 struct Met {
     ivec2 push;  // in 1 / kFixed
     float speed_limit;
 };
 
-// For those that share a place.
+// A direction for each agent, for those that share a place.
 vec2 direction_of(uint agent) {
     const uint mixed = agent * 2654435769u, both = mixed ^ mixed >> 15;
     return normalize(vec2(both & 0xFFFFu, both >> 16) - 32767.25);
@@ -50,4 +53,47 @@ void meet(Agent agent, vec2 other_place, float other_radius, INOUT(Met) met) {
     const vec2 right = vec2(-towards.y, towards.x);
     met.push += ivec2(
         round((kPassing * max(dot(towards, agent.ahead), 0) * right - towards) * (nearness * nearness * kFixed)));
+}
+
+// `way`: to its destination. An agent that stands goes on once it has been pushed two radii away.
+void aim(INOUT(Agent) agent, vec2 way, AgentState state) {
+    agent.remaining = length(way);
+    agent.stands = agent.remaining < (state.stands != 0 ? 2 : 1) * agent.radius;
+    agent.ahead = agent.stands ? vec2(0) : way / agent.remaining;
+    agent.comfort = agent.stands ? 0 : min(agent.remaining / (3 * agent.radius), 1);
+    agent.width = mix(kSlimmest, 1, state.patience);
+}
+
+// The speed at which it would go to its destination if nobody else were there.
+float hurry_of(Agent agent) { return agent.stands ? 0 : min(agent.full_speed, agent.remaining / kArrival_s); }
+
+// Where it would go, world units a second over the ground.
+vec2 wish_of(Agent agent, Met met) {
+    vec2 wish = hurry_of(agent) * agent.ahead + vec2(met.push) * (kShyness * agent.full_speed / kFixed);
+    const float eagerness = length(wish);
+    if (eagerness < kLeastWish * min(agent.full_speed, kFast * agent.radius)) wish = vec2(0);
+    if (eagerness > agent.full_speed) wish *= agent.full_speed / eagerness;
+    return wish;
+}
+
+// An agent moves only in the direction that it faces.
+AgentState state_after(Agent agent, Met met, vec2 wish, AgentState before) {
+    float speed = min(max(dot(wish, agent.heading), 0),
+                      min(met.speed_limit, before.speed + kAcceleration * agent.full_speed * agent.time_step_s));
+    speed = min(speed, (agent.stands ? agent.radius : min(agent.remaining, agent.radius)) / agent.time_step_s);
+    const bool is_held_up = !agent.stands && speed < kHeldUp * hurry_of(agent);
+    const float change = agent.time_step_s * (is_held_up ? -1 / kPatience_s : 1 / kRecovery_s);
+    return AgentState(speed, clamp(before.patience + change, 0, 1), agent.stands ? 1 : 0);
+}
+
+// A turn about +y of model space, as (cosine, sine), towards a direction over the ground; no further than `largest`.
+vec2 turn_towards(vec2 world_direction, vec4 x_axis, vec4 z_axis, vec2 largest) {
+    const float determinant = x_axis.x * z_axis.z - x_axis.z * z_axis.x;
+    const vec2 model = vec2(z_axis.z * world_direction.x - z_axis.x * world_direction.y,
+                            x_axis.x * world_direction.y - x_axis.z * world_direction.x) *
+                       sign(determinant);
+    const float size = length(model);
+    if (!(size > 0)) return vec2(1, 0);
+    const vec2 wanted = vec2(model.y, model.x) / size;
+    return wanted.x >= largest.x ? wanted : vec2(largest.x, wanted.y < 0 ? -largest.y : largest.y);
 }

@@ -22,11 +22,11 @@ struct SteerKernels {
 // Agents of about one size are in a grid of their own, so that a few large ones do not crowd the cells of the others.
 struct AgentGrid {
     float largest = 0;       // radius of its agents
-    float inverse_cell = 0;  // 1 / the width of a cell, from which nine hold all of these that one of them may meet
+    float inverse_cell = 0;  // 1 / the width of a cell; nine cells hold all of these that one of them can meet
 };
-// The largest first, at most kAgentGridLimit. `radii`: of all agents.
+// The grids, the largest agents first, at most kAgentGridLimit. `radii`: of all agents.
 std::vector<AgentGrid> agent_grids(std::vector<float> radii);
-// Which of them agents of this radius are in, one of those that they were made of.
+// The grid of the agents of this radius, which must be one of those that the grids were made from.
 uint32_t grid_of(std::span<const AgentGrid> grids, float radius);
 
 }  // namespace throng

@@ -7,7 +7,7 @@ THRONG_IO_BEGIN
 THRONG_IO_CONSTANT kSteerWorkgroupSize = 64;
 THRONG_IO_CONSTANT kMostMet = 64;         // agents of a bucket that are looked at
 THRONG_IO_CONSTANT kAgentGridLimit = 8;   // grids, one for each size; the last also for all that are smaller
-THRONG_IO_CONSTANT kAgentCellLimit = 32;  // of smaller agents, that an agent looks across in each direction
+THRONG_IO_CONSTANT kAgentCellLimit = 32;  // cells of smaller agents that an agent searches in each direction
 
 // An agent as others see it, a row of a table.
 struct AgentPlace {
@@ -19,7 +19,7 @@ struct AgentPlace {
 // What is kept of an agent from one update to the next.
 struct AgentState {
     float speed;     // that it wanted, world units a second
-    float patience;  // 1, down to 0 where it is held up
+    float patience;  // 1, falling to 0 while it is held up
     uint stands;     // 1: it has arrived
 };
 
@@ -27,7 +27,7 @@ struct PlacesPush {
     uint instance_count;
     uint first_agent;  // of all agents of the crowd
     float radius;
-    uint grid;           // that its agents are in
+    uint grid;           // the one that its agents are in
     float inverse_cell;  // 1 / the width of a cell of it
     uint bucket_mask;    // buckets - 1
     uint birth;          // control/births.glsl
@@ -45,7 +45,7 @@ struct SteerPush {
     uint speed_parameter;  // or kNone
     uint birth;
     uint grid_count;
-    float largest[kAgentGridLimit];  // radius in a grid; the next one's agents are smaller than its smallest
+    float largest[kAgentGridLimit];  // radius in each grid; the next grid's agents are smaller than all of this one's
     float inverse_cells[kAgentGridLimit];
 };
 

@@ -1,5 +1,5 @@
-// The definition of the steer stage (docs/steering.md), in double precision: each agent meets each other one, without a
-// grid.
+// The definition of the steer stage (docs/steering.md), in double precision: each agent meets every other one, without
+// a grid.
 #pragma once
 
 #include <throng/steering.h>
@@ -23,7 +23,7 @@ struct SteeredAgent {
     double model_speed() const;
 };
 
-// All of them after an update, time_step_s > 0.
+// All agents after an update, time_step_s > 0.
 std::vector<SteeredAgent> steer_reference(std::span<const SteeredAgent> agents, double time_step_s);
 
 }  // namespace throng
