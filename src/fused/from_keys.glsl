@@ -6,8 +6,8 @@ TABLE_OF_ROWS(kKeysBuffer, keys);
 TABLE_OF_WORDS(kWordsBuffer, words);
 TABLE_OF_WORDS(kPoseOverridesBuffer, pose_overrides);
 TABLE_OF_ROWS(kSetPosesBuffer, poses);
-CONSTANT(8, bool, kPacked, false);
-CONSTANT(18, bool, kPoseOverrides, false);  // poses may be set
+CONSTANT(kPackedId, bool, kPacked, false);
+CONSTANT(kPoseOverridesId, bool, kPoseOverrides, false);  // poses may be set
 #include "blend/pose_override.glsl"
 #include "blend/active_clips.glsl"
 #include "sample/sample.glsl"

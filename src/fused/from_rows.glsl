@@ -1,5 +1,5 @@
 // Local transforms from rows (fused/rows_io.h, native/gpu_rows.h): brought into the spaces of the bind pose, so that
-// the walk yields skin matrices. Rigs of uniform scale, without poses from outside.
+// the walk yields skin matrices. Only for rigs of uniform scale, without pose overrides.
 #include "blend/inertial.glsl"
 #include "fused/rows_io.h"
 
@@ -7,12 +7,12 @@ READONLY_BUFFER(kRowsBuffer, uvec2, rows);
 READONLY_BUFFER(kRowJointsBuffer, uvec4, row_joints);
 READONLY_BUFFER(kRowPlacesBuffer, uint, row_places);
 READONLY_BUFFER(kRowColumnsBuffer, uint, row_columns);
-CONSTANT(21, uint, kRowJoints, 1);         // that have columns
-CONSTANT(22, bool, kOtherColumns, false);  // the columns are those of a finer set of joints
-CONSTANT(23, uint, kFineRotations, 0);
-CONSTANT(24, uint, kMotions, 0);
-CONSTANT(25, uint, kFineMotions, 0);
-CONSTANT(26, bool, kPlainEntries, false);  // all are
+CONSTANT(kRowJointsId, uint, kRowJoints, 1);            // joints that have columns
+CONSTANT(kOtherColumnsId, bool, kOtherColumns, false);  // the columns are those of a finer set of joints
+CONSTANT(kFineRotationsId, uint, kFineRotations, 0);
+CONSTANT(kMotionsId, uint, kMotions, 0);
+CONSTANT(kFineMotionsId, uint, kFineMotions, 0);
+CONSTANT(kPlainEntriesId, bool, kPlainEntries, false);  // all entries are plain
 const uint kRowColumns = kRowJoints + kFineRotations + kMotions + kFineMotions;
 
 // A place in a clip.
@@ -34,7 +34,7 @@ float first_weight;
 RowJoint row_joint;
 
 RowPlace row_place(SlotCursor cursor) {
-    // In floats, which are exact enough here: integers are divided slowly
+    // In floats, which are exact enough here: integer division is slow
     const uint clip = kRowClipWords * uint(float(cursor.first_track) / float(push.rig_joint_count) + 0.5);
     const float keys = float(cursor.earlier - row_places[clip]) * uintBitsToFloat(row_places[clip + 1]);
     const uint span = row_places[clip + 2] + kRowSpanWords * uint(keys + 0.5);
@@ -111,7 +111,7 @@ void begin_joint(uint joint) {
     row_joint.fine_rotation = pivot.w >> 16;
 }
 
-// linear * (p - pivot) + centre: of a quaternion of any length.
+// linear * (p - pivot) + centre: for a quaternion of any length.
 Affine turned(vec4 q, vec4 motion) {
     const float scale = motion.w;
     const vec3 v = q.xyz * (2 * scale / dot(q, q));
@@ -125,7 +125,7 @@ Affine turned(vec4 q, vec4 motion) {
     return m;
 }
 
-// blend_rotation() but for the length of the result.
+// blend_rotation(), except for the length of the result.
 vec4 blend_of_any_length(vec4 a, vec4 b, float weight) {
     const float of_b = (1 - weight) * inversesqrt(dot(b, b));
     return a * (weight * inversesqrt(dot(a, a))) + b * (dot(a, b) < 0 ? -of_b : of_b);

@@ -70,7 +70,7 @@ FusedRig FusedRig::in_stream_order(uint32_t lanes) const {
     std::vector<uint32_t> order, parents(rig.joint_count()), places(rig.joint_count());
     for (const std::vector<uint32_t>& chunk : plan_stream(rig, {.lanes = lanes}).chunks)
         for (const uint32_t joint : chunk)
-            if (joint < rig.joint_count()) order.push_back(joint);  // of several characters the first
+            if (joint < rig.joint_count()) order.push_back(joint);  // of several characters, only the first
     for (uint32_t place = 0; place < order.size(); ++place) places[order[place]] = place;
     for (uint32_t place = 0; place < order.size(); ++place) {
         const uint32_t parent = rig.parents[order[place]];
@@ -89,7 +89,8 @@ FusedPlan plan_fused(const ScanChoice& choice, const FusedRig& rig, const ScanLi
         return {.unsupported_reason = std::move(unsupported_reason)};
     const std::span<const uint32_t> shader = scan_shaders(method.name).fused;
     if (shader.empty()) return {.unsupported_reason = std::string(method.name) + " has no fused form"};
-    // On a software device tables are texels, and fewer storage buffers are bound: none has too few of them.
+    // Counts tables too. Software devices read those as texels and bind fewer storage buffers, but none has so few that
+    // it matters.
     const std::vector<BindingInfo> bindings = read_spirv(shader).bindings;
     if (bindings.size() > limits.storage_buffers)
         return {.unsupported_reason = std::to_string(bindings.size()) +
@@ -158,27 +159,29 @@ Kernel fused_kernel(const std::shared_ptr<Gpu>& gpu, const FusedPlan& plan, cons
     const bool has_rows = rows.joint_count > 0, software = gpu->uses_software_kernels();
     const uint32_t tile_instances = plan.tile_transforms > 0 ? plan.scan.instances_per_workgroup : 1;
     std::vector<uint32_t> constants = plan.scan.constants;
-    constants.resize(io::kMethodConstants);
-    constants.insert(constants.end(), {settings.packed,
-                                       settings.blends,
-                                       settings.keeps_model,
-                                       static_cast<uint32_t>(settings.skin_format),
-                                       plan.one_bind,
-                                       tile_instances,
-                                       std::max(plan.tile_transforms, 1u),
-                                       settings.layered,
-                                       settings.socket_count,
-                                       settings.inertial,
-                                       settings.pose_overrides,
-                                       settings.listed,
-                                       settings.some_joints,
-                                       rows.joint_count,
-                                       rows.other_columns,
-                                       rows.fine_rotation_count,
-                                       rows.motion_count,
-                                       rows.fine_motion_count,
-                                       rows.plain_entries,
-                                       settings.skin_pool});
+    constants.resize(io::kFusedConstants - 1);  // without that of the workgroup size
+    for (const auto& [id, value] : std::initializer_list<std::pair<uint32_t, uint32_t>>{
+             {io::kPackedId, settings.packed},
+             {io::kBlendsId, settings.blends},
+             {io::kKeepsModelId, settings.keeps_model},
+             {io::kSkinFormatId, static_cast<uint32_t>(settings.skin_format)},
+             {io::kOneBindId, plan.one_bind},
+             {io::kTileInstancesId, tile_instances},
+             {io::kTileTransformsId, std::max(plan.tile_transforms, 1u)},
+             {io::kLayeredId, settings.layered},
+             {io::kSocketCountId, settings.socket_count},
+             {io::kInertialId, settings.inertial},
+             {io::kPoseOverridesId, settings.pose_overrides},
+             {io::kListedId, settings.listed},
+             {io::kSomeJointsId, settings.some_joints},
+             {io::kRowJointsId, rows.joint_count},
+             {io::kOtherColumnsId, rows.other_columns},
+             {io::kFineRotationsId, rows.fine_rotation_count},
+             {io::kMotionsId, rows.motion_count},
+             {io::kFineMotionsId, rows.fine_motion_count},
+             {io::kPlainEntriesId, rows.plain_entries},
+             {io::kSkinPoolId, settings.skin_pool}})
+        constants[id - 1] = value;
     return Kernel(gpu, {.name = settings.layered  ? "fused, layers"
                                 : settings.blends ? "fused, two clips"
                                                   : "fused, one clip",

@@ -3,7 +3,7 @@
 // Two forms:
 // - FUSED_TILED: a workgroup first computes the local transforms of its characters into shared memory, joints side by
 //   side; for methods that load a joint more than once;
-// - else load_local() computes: for methods that load each joint once.
+// - otherwise load_local() computes them: for methods that load each joint once.
 // Bytes a joint: keys, or 8 for each column and row of rows (once for all characters in the caches), 24 to 48 written;
 // tiled also 48 through shared memory and back.
 #include "gpu/buffers_io.h"
@@ -23,7 +23,7 @@ TABLE_OF_WORDS(kBindRangesBuffer, bind_ranges);
 TABLE_OF_WORDS(kBindEntriesBuffer, bind_entries);  // palette entries, sorted by joint
 TABLE_OF_ROWS(kBindsBuffer, binds);                // three rows each: walked matrix * bind = skin matrix
 BUFFER(kModelBuffer, StoredAffine, model);
-TABLE_OF_ROWS(kActiveClipsBuffer, active_clips);  // of layers, in place of cursors
+TABLE_OF_ROWS(kActiveClipsBuffer, active_clips);  // for layers, in place of cursors
 TABLE_OF_WORDS(kMasksBuffer, masks);
 TABLE_OF_WORDS(kSocketSlotsBuffer, socket_slots);  // [joint_count]: 1 + the joint's place in sockets, or 0
 WRITEONLY_BUFFER(kSocketsBuffer, StoredAffine, sockets);
@@ -31,21 +31,21 @@ READONLY_BUFFER(kInertiasBuffer, InstanceInertia, inertias);
 BUFFER(kInertiaStatesBuffer, InertiaState, inertia_states);
 TABLE_OF_WORDS(kWorkBuffer, work);                  // of listed instances (cull/cull_io.h)
 TABLE_OF_WORDS(kSkinRowsBuffer, skin_rows);         // of a skin pool
-TABLE_OF_WORDS(kAnimatedJointsBuffer, rig_joints);  // of a part of the joints: their numbers in the rig
-// Named by methods that exchange through memory where shared memory is too small: no such plan is fused
+TABLE_OF_WORDS(kAnimatedJointsBuffer, rig_joints);  // if only some joints are animated: their numbers in the rig
+// Named by methods that exchange through memory if shared memory is too small; no such plan is fused
 #define scratch model
-CONSTANT(9, bool, kBlends, true);  // false: every instance plays one clip
-CONSTANT(10, bool, kKeepsModel, false);
-CONSTANT(11, uint, kSkinFormat, kSkinAffine);
-CONSTANT(12, bool, kOneBind, false);     // no joint has two palette entries
-CONSTANT(13, uint, kTileInstances, 1);   // of a workgroup
-CONSTANT(14, uint, kTileTransforms, 1);  // of all of them
-CONSTANT(15, bool, kLayered, false);     // instances play active clips in layers, not two clips
-CONSTANT(16, uint, kSocketCount, 0);
-CONSTANT(17, bool, kInertial, false);    // of layers
-CONSTANT(19, bool, kListed, false);      // only listed instances are animated
-CONSTANT(20, bool, kSomeJoints, false);  // not all joints are
-CONSTANT(27, bool, kSkinPool, false);    // skin matrices lie in a pool, not in the order of the instances
+CONSTANT(kBlendsId, bool, kBlends, true);  // false: every instance plays one clip
+CONSTANT(kKeepsModelId, bool, kKeepsModel, false);
+CONSTANT(kSkinFormatId, uint, kSkinFormat, kSkinAffine);
+CONSTANT(kOneBindId, bool, kOneBind, false);            // no joint has two palette entries
+CONSTANT(kTileInstancesId, uint, kTileInstances, 1);    // of a workgroup
+CONSTANT(kTileTransformsId, uint, kTileTransforms, 1);  // of all of them
+CONSTANT(kLayeredId, bool, kLayered, false);            // instances play active clips in layers, not two clips
+CONSTANT(kSocketCountId, uint, kSocketCount, 0);
+CONSTANT(kInertialId, bool, kInertial, false);      // of layers
+CONSTANT(kListedId, bool, kListed, false);          // only listed instances are animated
+CONSTANT(kSomeJointsId, bool, kSomeJoints, false);  // only some joints are animated
+CONSTANT(kSkinPoolId, bool, kSkinPool, false);      // skin matrices lie in a pool, not in the order of the instances
 PUSH(FusedPush);
 
 #define SKIN_STORES
@@ -53,11 +53,11 @@ uint rig_joint_count() { return push.rig_joint_count; }
 #include "bind/skin_format.glsl"
 
 uint link(uint index) { return WORD_AT(link_words, index); }
-// Scan methods count what they are dispatched for; this is the instance that one stands for.
+// Scan methods number what they are dispatched for; this is the instance behind such a number.
 uint instance_at(uint index) { return kListed ? WORD_AT(work, WORD_AT(work, 2 * push.section) + index) : index; }
 uint instance_count() { return kListed ? WORD_AT(work, 2 * push.section + 1) : push.instance_count; }
 
-// Scan methods count the joints that are animated; clips, masks and poses those of the rig.
+// Scan methods number only the joints that are animated; clips, masks and poses number all joints of the rig.
 uint rig_joint(uint joint) { return kSomeJoints ? WORD_AT(rig_joints, joint) : joint; }
 // Where an instance's skin matrices begin.
 uint palette_of(uint instance) { return (kSkinPool ? WORD_AT(skin_rows, instance) : instance) * push.palette_count; }
@@ -81,7 +81,7 @@ void store_instance(uint instance, uint joint, Transform walked) {
     }
     const Affine affine = to_affine(walked);
     const uint begin = WORD_AT(bind_ranges, joint), end = WORD_AT(bind_ranges, joint + 1);
-    if (kOneBind) {  // without a loop, of which a software device runs one round more than there is to do
+    if (kOneBind) {  // no loop: a software device would run one round more than there is to do
         if (begin < end) bind_entry(instance, begin, affine);
     } else {
         for (uint i = begin; i < end; ++i) bind_entry(instance, i, affine);
@@ -112,7 +112,7 @@ void main() {
 
 #else
 
-uint scan_instance;  // that the invocation is at
+uint scan_instance;  // the instance that the invocation works on
 
 void begin_instance(uint index) {
     scan_instance = instance_at(index);

@@ -13,14 +13,14 @@ namespace throng {
 
 // What a kernel must know of the rows (fused/rows_io.h) that it reads in place of keys.
 struct FusedRows {
-    uint32_t joint_count = 0;    // that have columns; 0: keys are read
+    uint32_t joint_count = 0;    // joints that have columns; 0: keys are read
     bool other_columns = false;  // kRowColumnsBuffer says which
     uint32_t fine_rotation_count = 0, motion_count = 0, fine_motion_count = 0;
     bool plain_entries = false;  // the walked matrices are the skin matrices
 };
 
-// Where rows are read, the joints' matrices are nearly skin matrices.
-// What is left to multiply them by, for each palette entry:
+// With rows, the joints' matrices are nearly skin matrices. This is what is left to multiply them by, for each palette
+// entry.
 struct FusedBinds {
     std::vector<Affine> matrices;
     std::vector<bool> is_plain;  // the identity: the joint's matrix is the skin matrix
@@ -36,20 +36,20 @@ struct FusedSettings {
     bool inertial = false;        // layered, with inertial transitions
     bool pose_overrides = false;  // poses may be set
     bool listed = false;          // only instances of a section of the work are animated
-    bool some_joints = false;     // not all joints are, or in another order
+    bool some_joints = false;     // only some joints are animated, or in another order
     bool skin_pool = false;       // skin matrices lie where kSkinRowsBuffer says
     FusedRows rows{};
 };
 
-// What of a character decides how it is fused: of all its joints, or of those of a coarser level of detail.
+// What decides how a character is fused: with all its joints, or with those of a coarser level of detail.
 struct FusedRig {
     explicit FusedRig(const Character& character, uint32_t lod = 0);
-    // In the order of `stream`, so that what the lanes of a chunk read lies side by side, but where the plan of this
-    // order is another one: among equals a plan takes the first.
+    // In the order of `stream`, so that what the lanes of a chunk read lies side by side, unless this order gets
+    // another plan: among equals a plan takes the first.
     FusedRig in_stream_order(uint32_t lanes) const;
 
     ScanRig rig;
-    std::vector<uint32_t> rig_joints;  // [joint_count], the character's
+    std::vector<uint32_t> rig_joints;  // [joint_count], numbers in the character
     std::vector<bool> fixed;           // [joint_count], scan/fixed_joints.h
     uint32_t palette_count = 0;
     uint32_t most_binds = 0;  // palette entries of one joint
@@ -62,20 +62,20 @@ struct FusedPlan {
     ScanPlan scan;
     uint32_t tile_transforms = 0;  // local transforms that pass through shared memory together; 0: none do
     bool one_bind = false;         // no joint has two palette entries
-    // Of the kernel, as ScanCounts::loops, where clips are packed, two or one are blended and no joint has two palette
-    // entries: other kernels have more loops.
+    // The kernel's loops, like ScanCounts::loops, if clips are packed, one or two are blended and no joint has two
+    // palette entries; other kernels have more loops.
     std::vector<LoopTrips> loops;
 };
 
 FusedPlan plan_fused(const ScanChoice& choice, const FusedRig& rig, const ScanLimits& limits);
 
-// For a device that holds so many subgroups at once for each character: the first of the plans that are likely best
-// that applies, or why the last one does not.
+// For a device that holds `subgroups_a_character` subgroups at once for each character. Tries the plans that are likely
+// best in turn: returns the first that applies, or why the last one does not.
 FusedPlan choose_fused(const FusedRig& rig, const ScanLimits& limits, double subgroups_a_character = 0);
 
 // What the kernel reads of a character beside its clips: kScanLinksBuffer of the plan, kBindRangesBuffer,
 // kBindEntriesBuffer, kBindsBuffer and kAnimatedJointsBuffer of the rig's joints.
-// `binds` where rows are read, else the character's inverse binds.
+// Uses `binds` if rows are read, else the character's inverse binds.
 Buffers upload_fused_tables(Uploads& uploads, const Character& character, const FusedRig& rig, const FusedPlan& plan,
                             const FusedBinds* binds = nullptr);
 

@@ -4,14 +4,14 @@
 #include "gpu/shader_types.h"
 THRONG_IO_BEGIN
 
-// kRowsBuffer: [row][column], four signed words of 16 bits each. Columns: rotations of all joints, what is finer of
-// some rotations, the motions (translation and scale) of those that do not only turn, what is finer of the first of
-// these.
+// kRowsBuffer: [row][column], four signed words of 16 bits each. Columns: the rotations of all joints, the finer parts
+// of some rotations, the motions (translation and scale) of joints that do not only turn, and the finer parts of the
+// first of these motions.
 
 // kRowJointsBuffer, of each joint, in the order of the columns: kRowJointRows rows.
 THRONG_IO_CONSTANT kRowJointRows = 6;
-// Of the rotation, in halves: 32767 times its middle x, y, z, w, then what a word is multiplied by. Words are
-// not divided by 32767, so that the quaternion is about as long.
+// The range of the rotation, in halves: 32767 times its middle x, y, z, w, then what a word is multiplied by. Words are
+// not divided by 32767, so the quaternion's length is about 32767.
 THRONG_IO_CONSTANT kRowRange = 0;
 THRONG_IO_CONSTANT kRowCentre = 1;  // translation and scale of a joint that only turns; of one that moves, the middle
 THRONG_IO_CONSTANT kRowPivot = 2;   // the point that it turns about, and its columns: motion, then finer rotation << 16
