@@ -81,7 +81,7 @@ io::InstanceAttachment AttachStage::to_io(uint32_t instance, const Attachment& a
 
 void AttachStage::attach(const Instances& instances, const Each<Attachment>& attachment) {
     std::vector<io::InstanceAttachment> all, before;
-    bool are_in_rows = false;  // more than one carrier above the other
+    bool are_in_rows = false;  // whether a carrier may be carried itself
     for (uint32_t i = 0; i < instances.size(); ++i) {
         all.push_back(to_io(instances.number(i), attachment[i]));
         are_in_rows = are_in_rows || group_at(instances.number(i)).sockets ||
@@ -173,8 +173,8 @@ void AttachStage::begin(const Update& update) {
     });
 }
 
-// Level by level, since each follows the one before. A barrier between pairs, too, since synchronization validation
-// takes the placements that two write for one range.
+// Level by level, since each depends on the one before. There is also a barrier between pairs, since synchronization
+// validation treats the placements that two pairs write as one range.
 void AttachStage::record(const Update& update) {
     size_t level_count = 1;
     for (const auto& [which, pair] : pairs_) level_count = std::max(level_count, pair.counts.size());
@@ -197,14 +197,14 @@ void AttachStage::record(const Update& update) {
     update.end_stage("attach");
 }
 
-// Groups, which are read one after the other, may not form circles with what was there before.
+// Detaches all before groups are read one after the other, so that they form no circles with the old attachments.
 void AttachStage::exchange(StateArchive& archive) {
     if (!archive.reads()) return;
     for (uint32_t instance = 0; instance < attachments_.size(); ++instance)
         if (attachments_[instance].carrier_batch != kNone) set(instance, kOnNobody);
 }
 
-// Carriers by their numbers in the crowd. All are handed to the device with the next update.
+// Stores carriers by their numbers in the crowd. All attachments are handed to the device with the next update.
 void AttachStage::exchange_group(StateArchive& archive, uint32_t group) {
     for_each_batch_of(group, [&](const Batch& batch, uint32_t) {
         if (!group_of(batch).is_carried) return;

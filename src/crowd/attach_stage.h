@@ -1,4 +1,5 @@
-// Instances of groups with CrowdGroup::is_carried hang on sockets of others, and are put where these are.
+// Instances of groups with CrowdGroup::is_carried hang on sockets of other instances, and are placed where those
+// sockets are.
 #pragma once
 
 #include "attach/attach_io.h"
@@ -13,7 +14,7 @@
 
 namespace throng {
 
-// Throws kInvalidArgument where a group that is carried would also move by itself.
+// Throws kInvalidArgument if a carried group would also move by itself.
 void check_carried(const CrowdGroup& group);
 
 class AttachStage : public Stage {
@@ -22,15 +23,15 @@ public:
     static void plan(BatchPlan& plan);
     explicit AttachStage(const StageContext& context);
 
-    // Throws kInvalidArgument where the group is not carried, or the attachment is none, and changes nothing then;
-    // whether the carrier is there is for the caller to see to.
+    // Throws kInvalidArgument if the group is not carried or the attachment is not valid, and then changes nothing.
+    // The caller checks that the carrier is there.
     void attach(const Instances& instances, const Each<Attachment>& attachment);
     void detach(const Instances& instances);
-    // Detaches instances that are being despawned, and what hangs on them: whoever gets their number next has neither.
-    void despawn(std::span<const InstanceHandle> gone);
+    // Detaches what hangs on them, too.
+    void despawn(std::span<const InstanceHandle> gone) override;
 
     void begin(const Update& update) override;
-    // Behind all that moves sockets.
+    // Runs after everything that moves sockets.
     void record(const Update& update) override;
     void discard() override { dirty_.put_back(); }
     void exchange(StateArchive& archive) override;
@@ -49,9 +50,9 @@ private:
     Kernel kernel_;
     struct Pair {
         Bindings bindings;
-        std::vector<uint32_t> counts;  // [level]: of those that hang there
+        std::vector<uint32_t> counts;  // [level], how many instances hang at it
     };
-    // A carried batch, and one of carriers; or kNone, for the sockets of those that hang on nobody.
+    // By a carried batch and a batch of carriers, or kNone for the sockets of instances that hang on nobody.
     std::map<std::pair<uint32_t, uint32_t>, Pair> pairs_;
 };
 

@@ -27,7 +27,7 @@ void ControlStage::plan(BatchPlan& plan) {
     if (plan.group().controller) return;
     plan.add_filled(io::kPlaybacksBuffer, std::vector{rest_of(plan.group())});
     if (!plan.group().varies) return plan.add_storage(io::kCursorsBuffer, sizeof(io::InstanceCursor));
-    // Stage by stage, those are animated too who have never been there
+    // The staged update also animates instances that have never been there
     const io::SlotCursor rest{.first_track = rest_track_of(plan.group()), .earlier = 0, .later = 0, .fraction = 0};
     plan.add_filled(io::kCursorsBuffer, std::vector<io::InstanceCursor>{{rest, rest, 1}});
 }
@@ -78,6 +78,11 @@ void ControlStage::set(const Instances& instances, const Each<Playback>& playbac
         known = all[i];
         dirty_.add(instance, 1);
     }
+}
+
+void ControlStage::despawn(std::span<const InstanceHandle> gone) {
+    for (const InstanceHandle& one : gone)
+        if (member_of_batch_[batch_index_of(batches_, one.instance)] != kNone) set(one, Each(Playback()));
 }
 
 void ControlStage::begin(const Update& update) {

@@ -17,6 +17,7 @@ public:
 
     // As Crowd::set_playback().
     void set(const Instances& instances, const Each<Playback>& playback);
+    void despawn(std::span<const InstanceHandle> gone) override;
 
     void begin(const Update& update) override;
     void record(const Update& update) override;

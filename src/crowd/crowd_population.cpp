@@ -39,7 +39,6 @@ std::vector<InstanceHandle> CrowdState::spawn(uint32_t group, std::span<const Af
     return handles;
 }
 
-// Resets what the next instance with this number would inherit.
 void CrowdState::despawn(std::span<const InstanceHandle> instances) {
     for (size_t i = 0; i < instances.size(); ++i) {
         const InstanceHandle& gone = instances[i];
@@ -54,22 +53,7 @@ void CrowdState::despawn(std::span<const InstanceHandle> instances) {
     std::ranges::sort(numbers);
     if (const auto twice = std::ranges::adjacent_find(numbers); twice != numbers.end())
         throw Failure(ErrorCode::kInvalidArgument, "despawn", "instance " + std::to_string(*twice) + " is given twice");
-    std::vector<InstanceHandle> without_controller;
-    for (const InstanceHandle& gone : instances)
-        if (!group_of(gone.instance).controller) without_controller.push_back(gone);
-    control->set(without_controller, Each(Playback()));
-    for (const auto& [instance, generation] : instances) {
-        const Group& group = group_of(instance);
-        const InBatch of = at(instance);
-        if (group.steering) steer->set_destination(of, {});
-        if (group.procedural)
-            for (uint32_t target = 0; target < group.procedural->target_count; ++target)
-                procedural->set_target(of.batch, of.instance * group.procedural->target_count + target, {});
-        if (group.pose_capacity > 0) poses->clear(of, 0);
-        if (group.outfit_count > 0) looks->set(InstanceHandle{instance, generation}, Each(InstanceLook()));
-        population->despawn(instance);
-    }
-    if (attachments) attachments->despawn(instances);
+    for (const auto& stage : stages) stage->despawn(instances);
     for (std::vector<uint32_t>* requests : {&pose_requests_, &recorded_pose_requests_})
         std::erase_if(*requests, [&](uint32_t instance) { return !is_there(instance); });
     std::erase_if(watched_, [&](const Watched& watched) { return !is_there(watched.instance); });

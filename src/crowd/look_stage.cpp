@@ -72,6 +72,11 @@ void LookStage::set(const Instances& instances, const Each<InstanceLook>& look) 
     }
 }
 
+void LookStage::despawn(std::span<const InstanceHandle> gone) {
+    for (const InstanceHandle& one : gone)
+        if (group_at(one.instance).outfit_count > 0) set(one, Each(InstanceLook()));
+}
+
 void LookStage::begin(const Update& update) {
     const std::span<const DirtyRanges::Range> ranges = dirty_.take();
     for_each_part(batches_, ranges, [&](const Batch& batch, uint32_t first, uint32_t count) {

@@ -11,11 +11,11 @@
 
 namespace throng {
 
-// Of a tint, or a section: 0 to 1000.
+// Whether this can be the color of a tint or a section: each component is 0 to 1000.
 bool is_color(const std::array<float, 3>& color);
 
-// CrowdGroup::outfits as `section looks`; where there are none, one that shows all as it is. Throws kInvalidArgument
-// where one names what there is not, or is out of range.
+// CrowdGroup::outfits as `section looks`; without outfits, one that shows everything as it is. Throws kInvalidArgument
+// if one names something that does not exist, or is out of range.
 std::vector<io::SectionLook> section_looks_of(const CrowdGroup& group);
 
 class LookStage : public Stage {
@@ -25,6 +25,7 @@ public:
     explicit LookStage(const StageContext& context);
 
     void set(const Instances& instances, const Each<InstanceLook>& look);
+    void despawn(std::span<const InstanceHandle> gone) override;
 
     void begin(const Update& update) override;
     void discard() override { dirty_.put_back(); }

@@ -113,15 +113,16 @@ PopulationStage::Deaths& PopulationStage::deaths_after_last_update() {
     return deaths_.back();
 }
 
-void PopulationStage::despawn(uint32_t instance) {
-    Population& population = populations_[batches_[batch_index_of(batches_, instance)].group];
-    const uint32_t slot = instance - population.first_instance;
-    uint32_t& generation = population.generations[slot];
-    if (has_feedback_) deaths_after_last_update().generations.try_emplace(instance, generation);
-    ++generation;
-    population.births[slot] = 0;
-    population.slots.give_back(slot);
-    dirty_.add(instance, 1);
+void PopulationStage::despawn(std::span<const InstanceHandle> gone) {
+    for (const auto& [instance, known_generation] : gone) {
+        Population& population = populations_[batches_[batch_index_of(batches_, instance)].group];
+        const uint32_t slot = instance - population.first_instance;
+        if (has_feedback_) deaths_after_last_update().generations.try_emplace(instance, known_generation);
+        ++population.generations[slot];
+        population.births[slot] = 0;
+        population.slots.give_back(slot);
+        dirty_.add(instance, 1);
+    }
 }
 
 bool PopulationStage::is_there(const Batch& batch, const InstanceHandle& handle) const {
@@ -164,7 +165,7 @@ void PopulationStage::take_over(const Batch& batch, std::span<const uint32_t> bi
     std::ranges::copy(births, population.births.begin() + (batch.first_instance - population.first_instance));
 }
 
-// Kernels go through no more instances than up to the last one that is there, where the CPU knows.
+// Kernels go no further than the last instance that is there, if the CPU knows which that is.
 void PopulationStage::tell_batches() const {
     for (Batch& batch : batches_) {
         const Population& population = populations_[batch.group];
@@ -222,7 +223,7 @@ void PopulationStage::exchange(StateArchive& archive) {
     }
 }
 
-// All births are told to the device with the next update, but for those of shaders, which it knows.
+// All births are handed to the device with the next update, except those of shaders, which it knows.
 void PopulationStage::exchange_group(StateArchive& archive, uint32_t group) {
     Population& population = populations_[group];
     archive.value(population.generation);

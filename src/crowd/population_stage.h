@@ -1,5 +1,5 @@
-// Which instances are there. It numbers updates, and tells kernels in which of them an instance of a group with
-// CrowdGroup::capacity was born, so that they begin anew with it.
+// Which instances are there. The stage numbers updates, and tells kernels in which update an instance of a group with
+// CrowdGroup::capacity was born, so that they start it afresh.
 #pragma once
 
 #include "crowd/batch_plan.h"
@@ -28,24 +28,24 @@ public:
     // A group that is made with the crowd: spawns the instances that CrowdGroup::instance_count asks for.
     void begin_group(uint32_t group);
     // A group that comes from another crowd: its instances count as born in the next update, and get generations that
-    // no handle of a group before has.
+    // no handle of an earlier group has.
     void join_group(uint32_t group);
     // A group that is about to be removed: remembers its generations, for feedback of updates that are under way.
     void end_group(uint32_t group);
     // The numbers of new instances of a group, in the crowd. Throws kLimit where there is no room for all.
     std::vector<uint32_t> spawn(uint32_t group, uint32_t count);
-    void despawn(uint32_t instance);
+    void despawn(std::span<const InstanceHandle> gone) override;
 
-    // Whether the handle, with a number of this batch, is of somebody who is there, for all that the CPU knows.
+    // Whether the handle, whose number is in this batch, is of an instance that is there, as far as the CPU knows.
     bool is_there(const Batch& batch, const InstanceHandle& handle) const;
-    // `instance`: of some group.
+    // `instance` must belong to a group.
     bool is_alive(uint32_t instance) const;
     uint32_t generation(uint32_t instance) const;
-    // Of whoever had the number in an update of the last few, counted from 1.
+    // The generation of the instance that had the number in one of the last few updates; updates are counted from 1.
     uint32_t generation_at(uint32_t instance, uint64_t update) const;
     uint32_t alive_count(uint32_t group) const;
     uint64_t update_count() const { return update_number_; }
-    // Of a batch that shaders populate, in an update that has run.
+    // Takes over the births of a batch that shaders populate, as an update that has run left them.
     void take_over(const Batch& batch, std::span<const uint32_t> births);
 
     void begin(const Update& update) override;
@@ -58,14 +58,15 @@ private:
     struct Population {
         uint32_t first_instance = 0;
         uint32_t generation = 0;  // of the first that have a number
-        // Where they come and go
+        // If instances come and go
         Slots slots;
-        // Of each slot: the number of the update that it was born in, as kernels know it, or 0 where it is free
+        // For each slot, the number of the update that its instance was born in, as kernels know it; 0 if it is free
         std::vector<uint32_t> births;
         std::vector<uint32_t> generations;
-        bool is_of_shaders = false;  // CrowdGroup::shaders_populate: `births` are those that have come back last
+        bool is_of_shaders = false;  // CrowdGroup::shaders_populate: `births` are those read back last
     };
-    // Who has gone after this update, and before the next: the first of each number, since others were in none.
+    // Instances removed after this update and before the next: the first of each number, since later ones were in no
+    // update.
     struct Deaths {
         uint64_t update = 0;
         std::unordered_map<uint32_t, uint32_t> generations;  // by their numbers in the crowd

@@ -90,7 +90,8 @@ uint32_t PoseStage::take_slot(const InBatch& at) {
     return slot;
 }
 
-// From a pose that the last update has faded out: should that be discarded, the pose does not come back.
+// Frees the slot of a pose that the last update has faded out. If that update is discarded, the pose does not come
+// back.
 bool PoseStage::take_back_slot(uint32_t group) {
     for (uint32_t i = 0; i < of_batches_.size(); ++i) {
         if (batches_[i].group != group) continue;
@@ -143,7 +144,11 @@ void PoseStage::clear(const InBatch& at, float fade_s) {
     if (pose_override.fade.is_gone() && pose_override.before.is_gone()) erase(at.batch, found);
 }
 
-// What the device is to know of an instance.
+void PoseStage::despawn(std::span<const InstanceHandle> gone) {
+    for (const InstanceHandle& one : gone) clear(in_batch(batches_, one.instance), 0);
+}
+
+// Updates what the device is to know about an instance.
 void PoseStage::follow(uint32_t batch, OverrideAt at) {
     BatchPoses& poses = of_batches_[batch];
     const auto& [instance, pose_override] = *at;

@@ -1,5 +1,5 @@
-// Poses that the application sets for chosen instances: kept here with their fades, and handed to the GPU inside the
-// command buffer, as far as they changed.
+// Poses that the application sets for chosen instances: kept here with their fades. What has changed is handed to the
+// GPU inside the command buffer.
 #pragma once
 
 #include "blend/pose_override.h"
@@ -21,11 +21,12 @@ public:
     // Serves the groups that have room for poses.
     explicit PoseStage(const StageContext& context);
 
-    // As Crowd::set_pose() and clear_pose(). All of the instances get room, or none: throws kLimit.
+    // As Crowd::set_pose() and clear_pose(). Makes room for all of the instances, or throws kLimit and makes none.
     void make_room(std::span<const InBatch> instances);
-    // With room made before, a pose of checked_pose(), and a fade of check_fade().
+    // Needs room made before, a pose from checked_pose(), and a fade that check_fade() accepts.
     void set(const InBatch& at, std::span<const Trs<double>> pose, float fade_s);
     void clear(const InBatch& at, float fade_s);
+    void despawn(std::span<const InstanceHandle> gone) override;
 
     // What native updates of a group read, NativeUpdate::set_poses; null where there is nothing.
     const float* native_poses(uint32_t group) const {

@@ -7,7 +7,7 @@
 
 namespace throng {
 
-// At rest, and without aims.
+// Springs begin at rest, and targets with weight 0.
 void ProceduralStage::plan(BatchPlan& plan) {
     const std::optional<GroupProcedural>& rules = plan.group().procedural;
     if (!rules) return;
@@ -30,6 +30,15 @@ ProceduralStage::ProceduralStage(const StageContext& context) : Stage(context), 
 void ProceduralStage::set_target(uint32_t batch, uint32_t index, const io::vec4& place_and_weight) {
     targets_[batch].last[index] = place_and_weight;
     targets_[batch].dirty.add(index, 1);
+}
+
+void ProceduralStage::despawn(std::span<const InstanceHandle> gone) {
+    for (const InstanceHandle& one : gone) {
+        const InBatch at = in_batch(batches_, one.instance);
+        const auto& rules = group_of(batches_[at.batch]).procedural;
+        for (uint32_t target = 0; rules && target < rules->target_count; ++target)
+            set_target(at.batch, at.instance * rules->target_count + target, {});
+    }
 }
 
 void ProceduralStage::begin(const Update& update) {

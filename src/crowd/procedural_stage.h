@@ -19,9 +19,10 @@ public:
 
     // `index` is that of instance and target in the batch's buffer.
     void set_target(uint32_t batch, uint32_t index, const io::vec4& place_and_weight);
+    void despawn(std::span<const InstanceHandle> gone) override;
     void set_wind(const Wind& wind) { wind_.set(wind); }
 
-    // Targets; and the wind's time goes on. What it does is recorded by the staged update.
+    // Uploads targets and advances the wind's time. The staged update records the stage's kernels.
     void begin(const Update& update) override;
     void discard() override;
     void exchange(StateArchive& archive) override;

@@ -33,7 +33,7 @@ class FeedbackRing;
 class Stage;
 class StateArchive;
 
-// What a stage is made of, before the first update. It keeps references to the groups and batches.
+// What a stage is made from, before the first update. The stage keeps references to the groups and batches.
 struct StageContext {
     Uploads& uploads;
     const CrowdSettings& settings;
@@ -45,8 +45,8 @@ struct StageContext {
     const std::vector<std::unique_ptr<Stage>>& before;  // earlier stages of the list
 };
 
-// A stage T also has the constructor T(const StageContext&) and, where it does not do for it what Stage has, a static
-// is_needed() and plan().
+// A stage T also has the constructor T(const StageContext&) and, unless those of Stage will do, a static is_needed()
+// and plan().
 class Stage {
 public:
     // Whether crowds with these settings have the stage.
@@ -61,18 +61,21 @@ public:
     // Hands to the GPU what the application has changed, before anything is recorded.
     virtual void begin(const Update&) {}
     virtual void record(const Update&) {}
-    // In the second half of an update for a view with occlusion: once more for those that this animates.
+    // Records once more in the second half of an update for a view with occlusion, for the instances that this half
+    // animates.
     virtual void record_disoccluded(const Update&, const DepthImage&) {}
     // What the last begin() has taken up is pending again: the update will never be submitted.
     virtual void discard() {}
-    // What it goes on from, beside the buffers that Crowd::save_state() knows of: of the crowd, and of a group;
-    // written, or read. No update is being recorded then.
+    // These instances have gone: clears what was set for them, since the next ones with their numbers would inherit it.
+    virtual void despawn(std::span<const InstanceHandle> /*gone*/) {}
+    // Write or read the state that the stage continues from, beside the buffers that Crowd::save_state() knows of: that
+    // of the crowd, and that of a group. No update is being recorded then.
     virtual void exchange(StateArchive&) {}
     virtual void exchange_group(StateArchive&, uint32_t /*group*/) {}
 
     // How many times at most an update, both halves of it, calls end_stage().
     virtual uint32_t end_count() const { return 1; }
-    // The memory that the stage itself owns, beside the buffers of groups and batches; also when these have gone.
+    // The memory that the stage itself owns, beside the buffers of groups and batches; also after those have gone.
     virtual uint64_t size_bytes() const { return 0; }
 
 protected:

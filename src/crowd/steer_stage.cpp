@@ -75,6 +75,12 @@ void SteerStage::set_destination(const InBatch& at, const io::vec4& place_and_wh
     member.dirty.add(at.instance, 1);
 }
 
+void SteerStage::despawn(std::span<const InstanceHandle> gone) {
+    for (const InstanceHandle& one : gone)
+        if (const InBatch at = in_batch(batches_, one.instance); member_of_batch_[at.batch] != kNone)
+            set_destination(at, {});
+}
+
 void SteerStage::begin(const Update& update) {
     if (members_.empty()) return;
     for (Member& member : members_) {

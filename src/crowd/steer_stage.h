@@ -11,7 +11,7 @@
 
 namespace throng {
 
-// Throws kInvalidArgument where it cannot be.
+// Throws kInvalidArgument if the group's steering is not valid.
 void check_steering(const CrowdGroup& group);
 
 class SteerStage : public Stage {
@@ -22,12 +22,13 @@ public:
 
     // `place_and_whether`: the last is 1, or 0 for none.
     void set_destination(const InBatch& at, const io::vec4& place_and_whether);
+    void despawn(std::span<const InstanceHandle> gone) override;
 
-    // Destinations; and the buckets become empty.
+    // Uploads destinations and empties the buckets.
     void begin(const Update& update) override;
     void discard() override;
     void exchange_group(StateArchive& archive, uint32_t group) override;
-    // Behind control: what follows sees where agents stand.
+    // Runs after control; later stages see where agents stand.
     void record(const Update& update) override;
     uint64_t size_bytes() const override { return places_.size_bytes() + heads_.size_bytes(); }
 
