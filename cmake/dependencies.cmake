@@ -1,4 +1,4 @@
-# Debian 12's packages; the list to install stands in ./run. Nothing is downloaded.
+# Debian 12's packages; ./run has the list to install. Nothing is downloaded.
 find_package(Vulkan QUIET GLOBAL)      # libvulkan-dev, or an SDK named by VULKAN_SDK
 if(NOT TARGET Vulkan::Headers)
   find_package(VulkanHeaders REQUIRED GLOBAL)  # the headers alone

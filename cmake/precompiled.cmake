@@ -1,4 +1,4 @@
-# What makes a build quick; packagers may want none of it.
+# What makes a build quick; packagers may not want it.
 option(THRONG_QUICK_BUILD "Precompile headers, compile several files at a time and what seldom runs with -O1" ON)
 
 # The standard library's headers that most files read, compiled once: 0.7 s of processor time of every file. With GCC
@@ -15,8 +15,8 @@ if(THRONG_QUICK_BUILD AND CMAKE_CXX_COMPILER_LAUNCHER MATCHES "ccache$")
 endif()
 
 # throng_add_precompiled(name kind [VOLK] header...): what throng_precompile() takes. `kind` is -fPIC, for libraries, or
-# -fPIE, for programs. It has throng_options' flags and folders; its definition with VOLK alone: those who use a
-# precompiled header may not lack any, and not all declare Vulkan's functions as pointers.
+# -fPIE, for programs. It has throng_options' flags and folders, and its definition only with VOLK: users of a
+# precompiled header must have all its definitions, and not all declare Vulkan's functions as pointers.
 function(throng_add_precompiled name kind)
   if(NOT THRONG_QUICK_BUILD OR NOT CMAKE_CXX_COMPILER_ID MATCHES "^(GNU|Clang)$")
     return()
@@ -46,10 +46,10 @@ function(throng_precompile target precompiled)
   endif()
 endfunction()
 
-# The sources of `target` are compiled five at a time, for most of a file's time goes to headers and to what it
-# instantiates of them. Names in their unnamed namespaces must differ.
+# The sources of `target` are compiled eight at a time, since most of a file's time goes to headers and to what it
+# instantiates from them. Names in their unnamed namespaces must differ.
 function(throng_compile_together target)
   if(THRONG_QUICK_BUILD)
-    set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 5)
+    set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 8)
   endif()
 endfunction()

@@ -50,9 +50,9 @@ foreach(shader IN LISTS scan_method_shaders)
 endforeach()
 
 # throng_add_scan_variants(target table row variants...): the methods' shaders, compiled as each variant says, and a
-# file of rows {"method", words of each variant}, of which those of the fused forms may be empty; of the variant
-# `tiled` a row has whether its fused form is, of `native` the address of the NativeKernel, which may be null. `row` is
-# the rows' type.
+# file of rows {"method", words of each variant}. The words of fused forms can be empty. For the variant `tiled` a row
+# says whether its fused form is tiled; for `native` it has the address of the NativeKernel, which can be null. `row`
+# is the rows' type.
 function(throng_add_scan_variants target table row)
   set(plain_defines "")
   set(software_defines GPU_SOFTWARE)
@@ -105,7 +105,7 @@ function(throng_add_scan_variants target table row)
     CONTENT "${arrays}constexpr ${row} k${row}[] = {\n${rows}};\n")
 endfunction()
 
-# throng_add_scan_methods(target): into the library, with the list of their functions.
+# throng_add_scan_methods(target): adds the methods to the library, with the list of their functions.
 function(throng_add_scan_methods target)
   set(natives "")
   foreach(method IN LISTS THRONG_SCAN_METHODS)

@@ -2,7 +2,7 @@
 find_program(GLSLC glslc REQUIRED)
 
 # throng_add_shader(target shader output defines...): shader relative to src/ or absolute, output to the folder of
-# shaders in the build tree. Those of the library are what throng_shaders compiles, and THRONG_COMPILED_SHADERS has.
+# shaders in the build tree. throng_shaders compiles the library's, unless the folder THRONG_COMPILED_SHADERS has them.
 function(throng_add_shader target shader output_name)
   cmake_path(COMPARE ${CMAKE_CURRENT_SOURCE_DIR} EQUAL ${PROJECT_SOURCE_DIR} of_the_library)
   if(of_the_library AND THRONG_COMPILED_SHADERS)
@@ -44,8 +44,10 @@ if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
 elseif(CMAKE_CXX_COMPILER_ID STREQUAL "Clang")
   list(APPEND native_options -Xclang -cl-single-precision-constant)
 endif()
-if(THRONG_SANITIZE)
-  list(APPEND native_options -O1)  # what they are in may have less
+if(THRONG_SANITIZE)  # what they are in may have less
+  list(APPEND native_options -O1)
+elseif(CMAKE_BUILD_TYPE STREQUAL Release)
+  list(APPEND native_options -O3)
 endif()
 function(throng_add_native target shader name)
   set(source ${PROJECT_BINARY_DIR}/native/${name}.cpp)

@@ -42,7 +42,6 @@ Asset square() {
 }
 
 Affine placed(const Trs<float>& placement) { return to_affine(placement); }
-Affine placed_at(float x) { return placed({.translation = {x, 0, 0}}); }
 Affine turned() { return placed({.rotation = axis_angle(Vec3<float>{0, 1, 0}, std::numbers::pi_v<float>)}); }
 Affine mirrored() { return placed({.scale = {-1, 1, 1}}); }
 

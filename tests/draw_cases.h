@@ -1,6 +1,7 @@
 // A square that is drawn, and what is seen of it.
 #pragma once
 
+#include "tests/crowd_cases.h"
 #include "tests/test_rig.h"
 
 #include <throng/draw.h>
@@ -16,7 +17,6 @@ inline constexpr uint32_t kDrawWidth = 64, kDrawHeight = 48;
 Asset square();
 
 Affine placed(const Trs<float>& placement);
-Affine placed_at(float x);
 Affine turned();  // half round
 Affine mirrored();
 
