@@ -1,5 +1,5 @@
-// What minds cost: crowds whose characters are driven by a controller of twelve states in three layers, a hundredth of
-// them told something new in each update.
+// What controllers cost: crowds whose characters are driven by a controller of twelve states in three layers. Each
+// update sets parameters of a hundredth of them.
 #pragma once
 
 #include "bench/record.h"

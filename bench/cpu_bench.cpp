@@ -22,7 +22,7 @@
 namespace throng::bench {
 namespace {
 
-constexpr uint32_t kFrames = 4;               // of cursors, so that rows are not always the same
+constexpr uint32_t kFrames = 4;               // sets of cursors, so that rows are not always the same
 constexpr uint32_t kCharactersAtATime = 256;  // characters that a thread takes at a time
 constexpr double kFrameStep_s = 0.1;          // rows further on in each frame
 
@@ -104,7 +104,7 @@ Scene make_scene(const Character& character, uint32_t characters, uint32_t clips
     return scene;
 }
 
-// Memory of large pages, as a crowd's is; else every line that is written needs a translation of its own.
+// Memory in large pages, as a crowd has; otherwise every line that is written would need its own address translation.
 class Output {
 public:
     explicit Output(size_t size) : size_((size + kPage - 1) / kPage * kPage) {
@@ -226,7 +226,7 @@ private:
     }
 
     double error_of(const Entrant& entrant) {
-        // So that nothing is taken for this one's that another has left
+        // So that results of another entrant are not taken for this one's
         output_.poison();
         run(entrant, 0, false);
         const Character& character = *entrant.variant->character;
@@ -285,8 +285,8 @@ private:
         return record;
     }
 
-    // An entrant with the instruction set of `beside`: of this variant, or the fill floor where that is null. Null
-    // where there is none.
+    // The entrant with the instruction set of `beside` and this variant, or the fill floor if `variant` is null. Null
+    // if there is none.
     const Entrant* find(const Entrant& beside, const CpuVariant* variant, uint32_t threads) const {
         const auto found = std::ranges::find_if(entrants_, [&](const Entrant& entrant) {
             return entrant.variant == variant && entrant.isa == beside.isa && entrant.threads == threads;

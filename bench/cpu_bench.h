@@ -27,11 +27,11 @@ struct CpuCase {
     uint64_t seed = 1;
 };
 
-// The same asset, each joint's translation moving too.
+// The same asset with each joint's translation animated too.
 Asset with_moving_translations(const Asset& asset);
 
-// A record for each instruction set, variant and number of threads (bench/README.md lists the fields). What is wrong is
-// not timed and says so.
+// A record for each instruction set, variant and number of threads (bench/README.md lists the fields). Wrong results
+// are not timed, and their records say so.
 std::vector<Json> measure_cpu(const CpuCase& of, const Progress& progress);
 
 }  // namespace throng::bench

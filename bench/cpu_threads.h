@@ -1,5 +1,5 @@
 // Threads that wait for work, which is dealt out in parts. Their processor time is what the work costs whatever else
-// the machine does meanwhile; the time on the wall tells what several threads gain.
+// the machine does meanwhile; the wall time tells what several threads gain.
 #pragma once
 
 #include "bench/rounds.h"

@@ -117,7 +117,7 @@ private:
         compare(entrant, progress);
     }
 
-    // Wrong is a picture that differs at all from an earlier one of the same instruction set, by another number of
+    // A picture is wrong if it differs at all from an earlier one of the same instruction set with another number of
     // threads, or visibly from the first one.
     void compare(DrawEntrant& entrant, const Progress& progress) {
         progress(drawn_.configuration + ": checking " + entrant.renderer + " " + entrant.isa);
@@ -175,7 +175,7 @@ private:
 
     const DrawCase& drawn_;
     std::vector<Stage> stages_;
-    std::deque<DrawEntrant> entrants_;  // stay where they are
+    std::deque<DrawEntrant> entrants_;  // keeps their addresses
     std::optional<Camera> camera_;
 };
 

@@ -1,5 +1,5 @@
-// `throng bench draw`: pictures of crowds by this machine's processor, with each of its instruction sets, and by a
-// Vulkan device beside it.
+// `throng bench draw`: pictures of crowds drawn by this machine's processor, with each of its instruction sets, and by
+// a Vulkan device for comparison.
 #pragma once
 
 #include "bench/record.h"
@@ -24,9 +24,9 @@ struct DrawCase {
     std::optional<std::string> vulkan_device;  // also by this device, to compare
 };
 
-// A record for each way to draw (bench/README.md lists their fields). Pictures are compared first: those by different
-// numbers of threads must have the same bytes, those by different instruction sets and by Vulkan must look the same. A
-// way whose picture is wrong is not timed, and its record says so.
+// A record for each way to draw (bench/README.md lists their fields). Pictures are compared first: different numbers of
+// threads must give the same bytes, different instruction sets and Vulkan must give pictures that look the same. A way
+// whose picture is wrong is not timed, and its record says so.
 std::vector<Json> measure_draw(const DrawCase& drawn, uint32_t samples, const Progress& progress);
 
 }  // namespace throng::bench

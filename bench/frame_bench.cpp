@@ -131,7 +131,7 @@ private:
         return worst;
     }
 
-    // All variants begin at the same times in every round, and so do the same work.
+    // All variants begin at the same playback times in every round, so that they do the same work.
     void take_sample(FrameEntrant& entrant) const {
         value_of(entrant.crowd()->set_playback(entrant.crowd()->instances(), *entrant.playback));
         entrant.times.take(clock_.load(), *entrant.crowd());
@@ -154,7 +154,7 @@ private:
                                .work = std::move(work)});
         };
         add("fill, " + bytes, kByKernel, [fill](VkCommandBuffer commands) { fill->record_kernel(commands); });
-        // Shows how much of the kernel's time is memory's: on a software device the least of it.
+        // Shows how much of the kernel's time is due to memory: on a software device very little.
         if (format == SkinFormat::kAffine)
             add("vkCmdFillBuffer", "vkCmdFillBuffer",
                 [fill](VkCommandBuffer commands) { fill->record_transfer(commands); });
@@ -233,7 +233,7 @@ private:
         record["gb_per_s"] = record["bytes"].get<double>() / ms * 1e-6;
     }
 
-    // Over writing the same result.
+    // The ratio to the time for just writing the same result.
     static void add_times_fill_floor(Json& record, const std::vector<Json>& records) {
         if (!record.contains("ms") || !record.contains("clips")) return;
         const auto fill = std::find_if(records.begin(), records.end(), [&](const Json& other) {

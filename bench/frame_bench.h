@@ -1,5 +1,5 @@
-// `throng bench frame`: whole updates of a crowd, in every way that throng has, each checked against the reference and
-// then timed in turns with what memory alone costs.
+// `throng bench frame`: whole updates of a crowd on every path that throng has, each checked against the reference and
+// then timed in turns with the floors, which do the memory traffic alone.
 #pragma once
 
 #include "bench/record.h"
@@ -21,9 +21,9 @@ struct FrameCase {
 using SkinReference = std::function<std::vector<AffineT<double>>(const Character&, const Playback&)>;
 std::vector<AffineT<double>> skin_reference_of(const Character& character, const Playback& playback);
 
-// A record for each variant and each floor of the case (bench/README.md lists their fields). A variant that is wrong by
-// `reference` is not timed and says so, one that the device or the character cannot have says why. Throws what a device
-// throws that cannot go on.
+// A record for each variant and each floor of the case (bench/README.md lists their fields). A variant that `reference`
+// shows to be wrong is not timed, and its record says so; if the device or the character does not support a variant,
+// its record says why. Throws if the device fails.
 std::vector<Json> measure_frame(const Device& device, const FrameCase& frame, uint32_t samples,
                                 const Progress& progress, const SkinReference& reference = skin_reference_of);
 

@@ -1,5 +1,5 @@
-// The crowds of one case of `throng bench frame`: all of them alive at once, since they are timed in turns, as far as
-// memory goes.
+// The crowds of one case of `throng bench frame`. As they are timed in turns, as many as fit into memory are alive at
+// once.
 #pragma once
 
 #include <throng/crowd.h>
@@ -27,14 +27,14 @@ class FrameCrowds {
 public:
     FrameCrowds(const Device& device, uint32_t instance_count) : device_(device), instance_count_(instance_count) {}
 
-    // The same one for the same key: variants that differ in what is played share it.
+    // The same crowd for the same key: variants that differ only in what is played share it.
     std::shared_ptr<const FrameCrowd> get(const FrameCrowdKey& key);
 
-    // Why so much does not fit the device's memory beside these crowds; empty where it does. A driver that gives more
-    // than it has, as lavapipe does, would swap or be killed.
+    // Why so many bytes do not fit the device's memory beside these crowds; empty if they do. With a driver that hands
+    // out more than it has, as lavapipe does, the process would swap or be killed.
     std::string memory_unsupported_reason(uint64_t needed_bytes) const;
 
-    // Size of one of the staged update's intermediates.
+    // Size of one of the intermediate buffers of the staged update.
     uint64_t arena_buffer_bytes(const Character& character) const;
 
 private:

@@ -8,7 +8,7 @@
 
 namespace throng::bench {
 
-// Writes over the skin matrices of a crowd: as many buffers of the same size. What they held has been checked by then.
+// Overwrites the skin matrices of a crowd, in the crowd's own buffers. Their content has been checked by then.
 class FillFloor {
 public:
     FillFloor(const std::shared_ptr<Gpu>& gpu, const Crowd& crowd, SkinFormat format);
@@ -28,7 +28,7 @@ private:
     std::vector<Target> targets_;
 };
 
-// Reads half of `moved_bytes` and writes the other half, to and fro between two buffers of `buffer_bytes`: each pass
+// Copies back and forth between two buffers of `buffer_bytes`: half of `moved_bytes` is read, half written. Each pass
 // reads what the one before it wrote, as stages do, so that caches help it as much as them.
 struct CopyPass {
     size_t from = 0;  // number of the buffer to read
@@ -37,10 +37,10 @@ struct CopyPass {
 
 class CopyFloor {
 public:
-    // In whole rows of 16 bytes: `buffer_bytes` is one at least.
+    // In whole rows of 16 bytes; `buffer_bytes` is at least one row.
     CopyFloor(std::shared_ptr<Gpu> gpu, uint64_t moved_bytes, uint64_t buffer_bytes);
 
-    // Finds out whether a kernel or the device's own copy is faster here, which record() then is: its name.
+    // Finds out whether a kernel or the device's own copy is faster here. record() then uses it. Returns its name.
     const char* choose(const GpuClock& clock);
     void record(VkCommandBuffer commands) const;
     void record_kernel(VkCommandBuffer commands) const;

@@ -26,7 +26,7 @@ std::string stages_of(const Json& record) {
     return all;
 }
 
-// Where rounds were timed by the host's clock; empty where none was.
+// How many rounds were timed by the host's clock; empty if none was.
 std::string host_share_of(const Json& record) {
     const double by_host = number(record, "host_samples");
     return by_host > 0 ? "; host's time in " + whole(by_host) + " of " + whole(number(record, "samples")) + " rounds"

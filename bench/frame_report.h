@@ -9,7 +9,7 @@
 
 namespace throng::bench {
 
-// HTML; empty where there is no such record. Throws as run_gnuplot() does where figures are drawn.
+// HTML; empty if there is no such record. If figures are drawn, throws as run_gnuplot() does.
 std::string frame_section(std::span<const Json> records, PageFigures& page);
 
 }  // namespace throng::bench

@@ -5,8 +5,8 @@
 
 namespace throng::bench {
 
-// What an update moves to and from memory that belongs to its instances. What they share (keys, tables, inverse binds)
-// is left out: it is small, and stays in caches.
+// The bytes of its instances that an update moves to and from memory. What instances share (keys, tables, inverse
+// binds) is left out: it is small, and stays in caches.
 struct FrameTraffic {
     bool fused = false;
     uint32_t clip_count = 2;  // of each instance

@@ -11,9 +11,9 @@ GpuClock::GpuClock(std::shared_ptr<Gpu> gpu) : gpu_(std::move(gpu)), load_(gpu_)
     timestamps_ = std::make_unique<Timestamps>(gpu_, 2);
 }
 
-// On a busy machine lavapipe's timestamps were seen to span a fifth of the host's time and less, probably because
-// another thread writes them than the one that computes. The host's clock counts then, which sees the submission too.
-// Work is never submitted again for another try: a step of a crowd moves it.
+// On a busy machine lavapipe's timestamps were seen to span a fifth of the host's time or less, probably because the
+// thread that writes them is not the one that computes. Then the host's clock counts, which includes the submission.
+// Work is never submitted again for another try, because a step of a crowd moves it.
 Reading believed_reading(const Gpu& gpu, double gpu_ms, double host_ms) {
     constexpr double kSubmission_ms = 0.5;
     const bool by_host = gpu.is_cpu() && gpu_ms < 0.5 * (host_ms - kSubmission_ms);

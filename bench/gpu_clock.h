@@ -8,10 +8,11 @@ namespace throng::bench {
 
 struct Reading {
     double ms = 0;
-    bool by_host = false;  // timestamps were not to be believed
+    bool by_host = false;  // timestamps were not credible
 };
 
-// What to believe of work that took `gpu_ms` by timestamps, and `host_ms` from its submission until it was waited for.
+// The credible reading for work that took `gpu_ms` by timestamps, and `host_ms` from its submission to the end of the
+// wait.
 Reading believed_reading(const Gpu& gpu, double gpu_ms, double host_ms);
 
 class GpuClock {
@@ -19,8 +20,8 @@ public:
     // Throws kUnsupported where the device has no timestamps.
     explicit GpuClock(std::shared_ptr<Gpu> gpu);
 
-    // Submits what `work` records once, alone between two timestamps, and waits; the GPU has been kept busy just
-    // before. It sees all work submitted before.
+    // Submits what `work` records once, alone between two timestamps, and waits; keeps the GPU busy just before. The
+    // work sees the results of all earlier submissions.
     Reading read(const std::function<void(VkCommandBuffer)>& work) const;
     const GpuLoad& load() const { return load_; }
     double time_ms(const std::function<void(VkCommandBuffer)>& work) const { return read(work).ms; }

@@ -5,7 +5,7 @@
 namespace throng::bench {
 namespace {
 
-// Little enough that what is timed next finds the caches nearly as the sample before has left them
+// So small that the next sample finds the caches nearly as the previous one left them
 constexpr uint32_t kBuffer_bytes = 2u << 20;
 
 }  // namespace

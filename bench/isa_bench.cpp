@@ -64,7 +64,7 @@ public:
         });
     }
 
-    // Records, of each method, the number of threads that is predicted to be fastest: one for each machine.
+    // Records, for each method and machine, the number of threads that is predicted to be fastest.
     void measure_scans(uint32_t levels) {
         const ScanRig rig(make_skeleton(kScanShape, 300, levels, kScanSeed), true);
         for (const ScanPlace place : {ScanPlace::kMemory, ScanPlace::kChip}) {
@@ -106,7 +106,7 @@ private:
         return trips_of(kernel.code, known, kernel.subgroup_size);
     }
 
-    // `trips`: of each loop, where they are known.
+    // `trips`: of each loop, if known.
     Json record_of(const Executable& kernel, const std::string& configuration,
                    const std::optional<std::vector<LoopTrips>>& trips) const {
         Json record = where_and_when(compiler_.gpu()->info);
@@ -131,7 +131,7 @@ private:
         return record;
     }
 
-    // Once where several configurations have the same kernel.
+    // Adds a kernel once if several configurations have the same one.
     void add(const Json& record) {
         Json what = record;
         what.erase("configuration");

@@ -1,4 +1,4 @@
-// `throng bench isa`: what AMD's compiler makes of every kernel, and the least time that this takes on known devices.
+// `throng bench isa`: what AMD's compiler makes of every kernel, and the least time that the code takes on known GPUs.
 #pragma once
 
 #include "bench/record.h"
@@ -9,7 +9,7 @@
 
 namespace throng::bench {
 
-// Which kernels: those of visit_default_forms() (bench/isa/configurations.h), or all there are.
+// Which kernels: those of visit_default_forms() (bench/isa/configurations.h), or all.
 enum class IsaScope { kDefaultForms, kAll };
 
 // A record for each kernel of each configuration, and one for each time that is predicted (bench/README.md lists their

@@ -16,7 +16,7 @@
 namespace throng::bench {
 namespace {
 
-// On the diagonal of the crowd, at eye level, so far along it, looking along; or from above, where it sees all.
+// On the diagonal of the crowd at eye level, at the fraction `along` of it, looking along it; or above, seeing all.
 struct Viewpoint {
     const char* name;
     std::optional<float> along{};  // 0..1
@@ -40,7 +40,7 @@ struct Seen {
     CrowdView view;
     DrawnCounts drawn;
     uint32_t shared_poses = 0;  // rows that are drawn at least once
-    // Off, of own poses and of shared ones; none where none have been compared
+    // How far characters with own and with shared poses are off; none if none were compared
     std::optional<double> max_own_pixels{}, max_pixels{};
     UpdateTimes times;
 };
@@ -50,7 +50,7 @@ public:
     MillionMeasurement(const Device& device, const MillionCase& million)
         : device_(device), load_(device.gpu()), million_(million), crowd_(make(count())) {}
 
-    // Characters that have poses of their own are as they should be, and the others as near as the view asks.
+    // Characters with poses of their own must be correct, and the others as close as the view asks.
     void check(const Progress& progress) {
         const Bounds bounds = world_bounds(crowd_);
         for (const Viewpoint& viewpoint : kViewpoints) {
@@ -74,7 +74,7 @@ public:
                                              [&](uint32_t i) { return pixels_of(of[i].instance, seen.view); });
             };
             if (!own.empty()) seen.max_own_pixels = most(own);
-            // Where rows were left, poses are shared for being near alone
+            // If rows were left over, poses are shared only because they are close enough
             if (!is_full(seen) && !shared.empty()) seen.max_pixels = most(shared);
         }
     }

@@ -1,5 +1,5 @@
-// `throng bench million`: what a frame of very many characters costs where a camera sees some of them: time as a
-// function of what is drawn, memory, poses that are distinct, the CPU's part, and what GPUs would need.
+// `throng bench million`: what a frame of very many characters costs when a camera sees some of them: time as a
+// function of what is drawn, memory, the number of distinct poses, the CPU's part, and how long GPUs would take.
 #pragma once
 
 #include "bench/record.h"
@@ -25,10 +25,9 @@ struct MillionCase {
     float shared_pose_pixels = 1;
 };
 
-// A record for each camera, from one that sees a handful of characters to one that sees all; where the device is one of
-// Vulkan, one for each number of characters up to all, with the CPU time that recording takes; and, where AMD's
-// compiler is installed, one for each GPU and camera, predicted (bench/README.md lists their fields). Throws what a
-// device throws that cannot go on.
+// A record for each camera, from one that sees a handful of characters to one that sees all. On a Vulkan device also
+// one for each number of characters up to all, with the CPU time that recording takes; and, if AMD's compiler is
+// installed, a predicted one for each GPU and camera (bench/README.md lists their fields). Throws if the device fails.
 std::vector<Json> measure_million(const Device& device, const MillionCase& million, uint32_t samples,
                                   const Progress& progress);
 

@@ -33,7 +33,7 @@ public:
         plan_ = choose_path(*compiler.gpu(), viewed, viewed.groups[0]).fused;
     }
 
-    // Milliseconds of each stage. Throws kUnsupported where the machine code is not what is counted here.
+    // Milliseconds of each stage. Throws kUnsupported if the machine code is not what is counted here.
     Json stages(uint32_t instances, DrawnCounts drawn, const Machine& machine) const {
         const double control = control_ms(instances, machine), cull = cull_ms(instances, drawn, machine),
                      fused = fused_ms(drawn.own, machine);
@@ -60,7 +60,7 @@ private:
         const double culled_bytes = sizeof(io::Cell) * std::ceil(all / kWide) +
                                     in_seen_cells * (sizeof(Affine) + kWord) + all * 2 * kWord +
                                     seen * (sizeof(io::InstanceCursor) + kWord);
-        // Trips as LoopTrips has them: of inner loops all times together
+        // Trips as in LoopTrips: those of inner loops are summed over all entries
         const std::vector<LoopTrips> of_offsets{{"counters", kFours},
                                                 {"workgroups", kFours * share},
                                                 {"invocations", io::kCullWorkgroupSize},

@@ -1,6 +1,6 @@
 // Measures what a scan costs without memory: every character reads the same local transforms from shared memory and
-// scans them repeat after repeat. The difference of two runs of different repeat counts is free of launching, loading
-// and storing.
+// scans them again and again. The difference between two runs with different repeat counts is free of launching,
+// loading and storing.
 #include "bench/on_chip_kernel.h"
 #include "bench/gpu_clock.h"
 #include "bench/scan_cell.h"
@@ -18,12 +18,12 @@ constexpr uint32_t kSoftwareCharacters = 256;  // more only take longer on a sof
 constexpr double kRun_ms = 10;                 // how long the difference of two runs should be at least
 constexpr uint32_t kMostRepeats = 20'000;
 
-// Iterations of an invocation's loops in so many repeats, with those that fill shared memory.
+// Iterations of an invocation's loops in `repeat_count` repeats, including those that fill shared memory.
 uint64_t loop_iterations(const ScanPlan& plan, const ScanRig& rig, uint64_t repeat_count) {
     return on_chip_transforms(plan, rig) / plan.workgroup_size + 2 + repeat_count * (plan.counts.loop_iterations + 1);
 }
 
-// Empty where two repeats run.
+// Empty if at least two repeats can run.
 std::string unsupported_reason_of(const ScanPlan& plan, const ScanMethod& method, const ScanRig& rig,
                                   const ScanLimits& limits) {
     std::string reason = on_chip_unsupported_reason(plan, method, rig, limits);
@@ -42,8 +42,8 @@ std::string unsupported_reason_of(const Entrant& entrant, const ScanRig& rig, co
     return unsupported_reason;
 }
 
-// The most joints, up to the cell's, with which every entrant fits that fits with the fewest; the same for all, to
-// compare them.
+// The largest joint count, up to the cell's, that fits every entrant that fits at all. All get the same, so that they
+// can be compared.
 uint32_t common_joint_count(const ScanCell& cell, std::span<const Entrant> entrants, const ScanLimits& limits) {
     const auto rig_of = [&](uint32_t joints) {
         ScanCell smaller = cell;
@@ -81,7 +81,7 @@ public:
             return Buffer(gpu, what, size_bytes, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT);
         };
         links_ = upload(gpu, "scan links", plan_.links);
-        // All read these
+        // All characters read these
         local_ = upload(gpu, "local transforms", pose.bytes(0, 1, ScanLayout::kCharacterMajor, choice.method->format));
         model_ = storage("model matrices", matrix_count() * sizeof(Affine));
         scratch_ = storage("scratch", sizeof(Affine));
@@ -108,10 +108,10 @@ public:
     // The most repeats that are timed.
     uint32_t longest_run() const { return 2 * repeat_count_; }
 
-    // Finds the repeat count; both kernels are warm then.
+    // Finds the repeat count, and warms up both kernels.
     void calibrate() {
         for (const bool barriers_twice : {false, true}) run_ms(1, barriers_twice);
-        // The device ends loops without a word after so many iterations: twice the repeats have to stay below.
+        // The device silently ends loops after so many iterations: twice the repeats have to stay below.
         const auto can_double = [&] {
             return 2 * repeat_count_ <= kMostRepeats &&
                    loop_iterations(plan_, rig_, 4 * uint64_t{repeat_count_}) <= scan_limits(*gpu_).loop_iterations / 2;

@@ -6,10 +6,10 @@
 
 namespace throng::bench {
 
-// Local transforms that a workgroup has.
+// The number of local transforms that a workgroup holds.
 uint32_t on_chip_transforms(const ScanPlan& plan, const ScanRig& rig);
 
-// Empty where the method runs on-chip, beside the local transforms of the workgroup's characters in the same shared
+// Empty if the method can run on-chip: the local transforms of the workgroup's characters need room in the same shared
 // memory.
 std::string on_chip_unsupported_reason(const ScanPlan& plan, const ScanMethod& method, const ScanRig& rig,
                                        const ScanLimits& limits);

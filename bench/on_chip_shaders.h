@@ -13,7 +13,7 @@ struct OnChipShaders {
     std::span<const uint32_t> plain, software;  // the second with GPU_SOFTWARE
 };
 
-// The shaders of the scan method called `name`. Throws kInvalidArgument where no method is called so.
+// The shaders of the scan method called `name`. Throws kInvalidArgument if there is no such method.
 const OnChipShaders& on_chip_shaders(std::string_view name);
 
 }  // namespace throng::bench

@@ -1,4 +1,4 @@
-// How far a picture has the vertices of an instance from where they belong.
+// How far the vertices of an instance are from where they belong, in the picture.
 #pragma once
 
 #include <throng/transform.h>
@@ -8,8 +8,8 @@
 
 namespace throng::bench {
 
-// The largest distance of two corresponding vertices, model space, in pixels of the view; infinite where a number is
-// not one.
+// The largest distance of two corresponding vertices (model space), in pixels of the view; infinite if any number is
+// NaN.
 double pixels_off(std::span<const Vec3<float>> got, std::span<const Vec3<double>> wanted,
                   const Affine& world_from_model, const CrowdView& view);
 

@@ -28,7 +28,7 @@ struct PopulationEntrant {
     UpdateTimes times;
 };
 
-// Frames in which so many instances change.
+// Frames in which many instances change, and how they change.
 struct Turnover {
     const char* name = "";
     std::function<void()> change;
@@ -63,7 +63,7 @@ public:
         run_rounds(contestants, samples, progress);
     }
 
-    // In crowds that fill half of their capacity; half of the instances change in each frame.
+    // Times crowds that fill half of their capacity; half of their instances change in each frame.
     void time_turnover(uint32_t samples, const Progress& progress) {
         PopulationEntrant told = make(Kind::kAnywhere, std::max(1u, capacity_ / 2)),
                           reborn = make(Kind::kAnywhere, std::max(1u, capacity_ / 2));
@@ -147,7 +147,7 @@ private:
     }
     static bool is_wrong(const PopulationEntrant& entrant) { return !(entrant.max_error <= kSkinErrorBound); }
 
-    // Brings some to the end, in random order.
+    // Moves the instances to be changed, chosen at random, to the end of the list.
     void choose(PopulationEntrant& entrant, std::mt19937& random) const {
         const auto count = static_cast<uint32_t>(entrant.instances.size());
         for (uint32_t i = 0; i < changed_count_; ++i)
@@ -170,14 +170,14 @@ private:
         set_playback(entrant);
     }
 
-    // Of those at the end.
+    // Sets the playback of the instances at the end of the list.
     void set_playback(PopulationEntrant& entrant) const {
         const uint32_t kept = entrant.count - changed_count_;
         value_of(entrant.crowd.set_playback(std::span(entrant.instances).subspan(kept),
                                             population_.playback.subspan(kept, changed_count_)));
     }
 
-    // As make(), of those of half of the numbers, which shaders have spawned.
+    // Like make(), but spawns the instances by commands, as shaders do, at a random half of the instance numbers.
     PopulationEntrant make_commanded() const {
         const CrowdGroup group{.character = population_.character,
                                .capacity = capacity_,
@@ -204,7 +204,7 @@ private:
         return entrant;
     }
 
-    // The first `count` are there: some of them go, and as many others come.
+    // The first `count` of the list are alive: some of them die, and as many others are born.
     void command(PopulationEntrant& entrant, std::mt19937& random) const {
         std::vector<InstanceCommand> commands;
         for (uint32_t i = 0; i < changed_count_; ++i) {
@@ -224,7 +224,7 @@ private:
         commands.push_back(InstanceCommand::set_playback(instance, population_.playback[i]));
     }
 
-    // As a shader would leave them, in the first block.
+    // Writes the commands to the first block as a shader would.
     void write(const Crowd& crowd, std::span<const InstanceCommand> commands) const {
         const OutputBlock& block = crowd.outputs()[0];
         const CommandHead head{.count = static_cast<uint32_t>(commands.size())};

@@ -1,5 +1,4 @@
-// `throng bench population`: what instances that come and go cost: room that is free, and births and deaths in each
-// update.
+// `throng bench population`: what it costs that instances come and go: free room, and births and deaths in each update.
 #pragma once
 
 #include "bench/record.h"
@@ -21,10 +20,10 @@ struct PopulationCase {
     UpdatePath path = UpdatePath::kAuto;
 };
 
-// Records (bench/README.md lists their fields): for some parts of the capacity, updates of a crowd that has as many
+// Records (bench/README.md lists their fields): for some fractions of the capacity, updates of a crowd that has as many
 // instances for good, of one where they are the first of their group, and of one where they are anywhere in it; then
-// frames in which some get new playbacks, beside frames in which as many die and as many are born. Checked before they
-// are timed.
+// frames in which some get new playbacks, beside frames in which as many die and as many are born. All are checked
+// before they are timed.
 std::vector<Json> measure_population(const Device& device, const PopulationCase& population, uint32_t samples,
                                      const Progress& progress);
 

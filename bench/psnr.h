@@ -11,8 +11,8 @@
 
 namespace throng::bench {
 
-// Peak signal to noise ratio over red, green and blue, in dB: infinite where they are the same, 0 where they are of
-// different sizes. As many pixels as `left_out_pixels`, those that differ most, do not count.
+// Peak signal-to-noise ratio over red, green and blue, in dB: infinite if the pictures are the same, 0 if their sizes
+// differ. The `left_out_pixels` pixels that differ most do not count.
 inline double psnr(const Picture& a, const Picture& b, size_t left_out_pixels = 0) {
     if (a.rgba.size() != b.rgba.size() || a.width != b.width) return 0;
     std::vector<double> squares(a.rgba.size() / 4);
@@ -27,9 +27,9 @@ inline double psnr(const Picture& a, const Picture& b, size_t left_out_pixels = 
     return 10 * std::log10(255 * 255 * 3 * static_cast<double>(count) / sum);
 }
 
-// How alike (psnr()) two renderers' pictures must be, where one of them places vertices to so many bits of a pixel:
-// with 8, as most devices and throng's own renderer have, 45 dB is a difference of 1.4 of 255 in every pixel, or one of
-// 20 in 0.5 % of them; with SwiftShader's 4 the edges of all triangles move a little.
+// How alike (psnr()) two renderers' pictures must be if one of them places vertices with so many sub-pixel bits. With
+// 8, as most devices and throng's own renderer have, 45 dB is a difference of 1.4 of 255 in every pixel, or of 20 in
+// 0.5 % of them; with SwiftShader's 4 the edges of all triangles move a little.
 constexpr double least_alike_db(uint32_t sub_pixel_bits) { return sub_pixel_bits >= 8 ? 45 : 33; }
 
 }  // namespace throng::bench

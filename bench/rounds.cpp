@@ -11,7 +11,7 @@ void run_rounds(std::span<const Contestant> contestants, const Sampling& samplin
     std::vector<uint32_t> taken(contestants.size());
     for (uint32_t round = 0; round < sampling.samples; ++round)
         for (size_t i = 0; i < contestants.size(); ++i) {
-            // One more, as long as those before
+            // Whether one more fits, if it takes as long as those before
             const bool fits = taken[i] == 0 || used_s[i] * (taken[i] + 1) / taken[i] <= share_s;
             if (round >= sampling.least_samples && !fits) continue;
             progress(contestants[i].name + ", round " + std::to_string(round + 1) + " of " +

@@ -1,4 +1,4 @@
-// Interleaved rounds: A B C A B C …, so that whatever disturbs the machine disturbs all alike.
+// Interleaved rounds: A B C A B C …, so that whatever disturbs the machine disturbs all contestants alike.
 #pragma once
 
 #include <chrono>
@@ -21,7 +21,7 @@ private:
 
 struct Sampling {
     uint32_t samples = 15;
-    uint32_t least_samples = 3;  // also of what is too slow for the budget
+    uint32_t least_samples = 3;  // even if it is too slow for the budget
     double budget_s = 0;         // for checking and timing
 };
 
@@ -32,7 +32,7 @@ struct Contestant {
 
 using Progress = std::function<void(const std::string&)>;
 
-// Rounds until each contestant has its samples, or at least the least number of them and has used up its share of
+// Runs rounds until each contestant has all its samples, or has the least number of them and has used up its share of
 // `time_s`.
 void run_rounds(std::span<const Contestant> contestants, const Sampling& sampling, double time_s,
                 const Progress& progress);

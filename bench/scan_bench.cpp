@@ -96,14 +96,14 @@ bool is_choice(const Json& record, const ScanChoice& choice) {
            record.contains("median_ms");
 }
 
-// The cell's records, and one more for what the planner chooses: that of the same choice where it is there, so that the
-// same kernel is not compared with itself, else one measured in the same rounds.
+// The cell's records, and one more for the planner's choice: a copy of the record of the same choice if there is one,
+// so that a kernel is not compared with itself, else one measured in the same rounds.
 std::vector<Json> measure_with_planner(const std::shared_ptr<Gpu>& gpu, const ScanCell& cell,
                                        std::vector<Entrant> entrants, const Sampling& sampling,
                                        const Progress& progress) {
     const ScanChoice chosen =
         choose_scan(kAuto, cell.rig(), cell.characters, scan_limits(*gpu), scan_costs(*gpu)).choice;
-    // A method with a choice of threads has a row for the fastest choices only.
+    // A method with a choice of threads has a row only for its fastest choice.
     const bool has_row = chosen.threads == 0 &&
                          std::any_of(entrants.begin(), entrants.end(), [&](const Entrant& entrant) {
                              return entrant.choices.front().method == chosen.method;
@@ -124,8 +124,8 @@ std::vector<Json> measure_with_planner(const std::shared_ptr<Gpu>& gpu, const Sc
     return records;
 }
 
-// How a cell's time compares with another's: some of it goes into compiling kernels, the rest grows with the
-// transforms.
+// How a cell's time compares with that of others: some of it goes into compiling kernels, the rest grows with the
+// number of transforms.
 double weight(const ScanCell& cell) {
     return cell.experiment == "on_chip" ? 10 : 2 + 1e-5 * cell.characters * cell.joints;
 }
@@ -151,7 +151,7 @@ void run_scan_bench(const Device& device, const ScanBenchSettings& settings, con
                                               [](double sum, const ScanCell& cell) { return sum + weight(cell); });
     double done_weight = 0, done_s = 0;
     for (const ScanCell& cell : cells) {
-        // Each cell gets its part of what is left of the budget; what it takes, foretells what the rest will take.
+        // Each cell gets its part of what is left of the budget; the time it takes predicts that of the rest.
         const double left_weight = all_weight - done_weight;
         Sampling sampling = settings.sampling;
         sampling.budget_s = std::max(0.0, settings.sampling.budget_s - done_s) * weight(cell) / left_weight;

@@ -27,7 +27,7 @@ struct ScanBenchSettings {
 };
 
 // Runs cell after cell. `progress` gets a line whenever something begins, `cell_done` the records of a cell
-// (bench/README.md lists their fields). Throws, before anything runs, where the settings make no sense.
+// (bench/README.md lists their fields). If the settings make no sense, throws before anything runs.
 void run_scan_bench(const Device& device, const ScanBenchSettings& settings, const Progress& progress,
                     const std::function<void(std::span<const Json>)>& cell_done);
 

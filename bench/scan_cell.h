@@ -19,13 +19,13 @@ struct ScanCell {
     ScanRig rig() const { return ScanRig(make_skeleton(shape, joints, levels, seed), true); }
 };
 
-// A row of the results. The fastest of its choices runs; they share the layout and the format of one method.
+// A row of the results. Only the fastest of its choices is timed; they share the layout and the format of one method.
 struct Entrant {
     std::string name;
     std::vector<ScanChoice> choices;
 };
 
-// What its check has shown.
+// What the check of an entrant has shown.
 struct ScanCheck {
     std::string unsupported_reason;
     std::optional<ScanChoice> choice;  // the fastest; none where no choice applies
@@ -40,7 +40,7 @@ struct ScanCheck {
 Json describe_cell(const ScanCell& cell, const ScanRig& rig, const DeviceInfo& device);
 Json describe_check(const Json& cell_record, const Entrant& entrant, const ScanCheck& check);
 
-// Each by check(entrant).
+// Calls check(entrant) for each.
 template <class Check>
 auto check_all(std::span<const Entrant> entrants, const Progress& progress, const Check& check) {
     std::vector<decltype(check(entrants.front()))> checked;
@@ -52,10 +52,10 @@ auto check_all(std::span<const Entrant> entrants, const Progress& progress, cons
     return checked;
 }
 
-// measure_scans: checks each entrant, then times the right ones and a copy of the same bytes in interleaved rounds.
+// measure_scans: checks each entrant, then times the correct ones and a copy of the same bytes in interleaved rounds.
 // measure_on_chip: the same without memory (scan.glsl, SCAN_ON_CHIP), with as many joints as leave every method room in
-// shared memory, and with few characters on a software device. Either returns a record for each entrant, in their
-// order. Throws kLimit and kOutOfMemory.
+// shared memory, and with few characters on a software device. Both return a record for each entrant, in their order,
+// and throw kLimit and kOutOfMemory.
 std::vector<Json> measure_scans(const std::shared_ptr<Gpu>& gpu, const ScanCell& cell,
                                 std::span<const Entrant> entrants, const Sampling& sampling, const Progress& progress);
 std::vector<Json> measure_on_chip(const std::shared_ptr<Gpu>& gpu, ScanCell cell, std::span<const Entrant> entrants,

@@ -15,7 +15,7 @@ namespace {
 
 constexpr uint32_t kPoseCount = 64;
 
-// As gpu/similarity.glsl has it.
+// As in gpu/similarity.glsl.
 struct Similarity {
     Quaternion<float> rotation;
     Vec3<float> translation;
@@ -26,7 +26,7 @@ static_assert(sizeof(Similarity) == 32);
 Affine as_affine(const Trs<float>& pose) { return to_affine(pose.as<double>()).as<float>(); }
 Similarity as_similarity(const Trs<float>& pose) { return {pose.rotation, pose.translation, pose.scale.x}; }
 
-// A NaN is taken over and stays.
+// A NaN replaces any number and stays.
 void take_larger(double& worst, double difference) {
     if (difference > worst || difference != difference) worst = difference;
 }
@@ -41,7 +41,7 @@ Vec3<double> random_direction(creature::Random& random) {
     return {r * std::cos(angle_rad), r * std::sin(angle_rad), z};
 }
 
-// As many instances as the storage-buffer range, one allocation and a dispatch allow, where an instance may need a
+// As many instances as the storage-buffer range, one allocation and a dispatch allow, if an instance can need a
 // workgroup of its own, and 64 of the copy's invocations copy 64 matrices.
 uint32_t batch_capacity(const Gpu& gpu, uint32_t joint_count) {
     const uint64_t instance_bytes = uint64_t{joint_count} * sizeof(Affine),

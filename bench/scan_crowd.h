@@ -7,8 +7,8 @@
 namespace throng::bench {
 
 // Largest difference between two model matrices: of their linear parts (whose scale is 1), and of their translations as
-// a fraction of the skeleton's extent. NaN where a number is. A scan is wrong above kErrorBound, which rounding stays
-// far below.
+// a fraction of the skeleton's extent. NaN if any number is NaN. A scan is wrong above kErrorBound; rounding errors
+// stay far below it.
 inline constexpr double kErrorBound = 1e-5;
 inline bool is_wrong(double error) { return !(error <= kErrorBound); }
 
@@ -49,7 +49,7 @@ public:
     const Buffer& local(uint32_t batch, ScanLayout layout, ScanFormat format);
     BufferTable buffers(uint32_t batch, const ScanMethod& method, const Buffer& links);
 
-    // Fills the results with NaN, so that what a method leaves out is seen.
+    // Fills the results with NaN, so that whatever a method leaves out shows.
     void poison() const;
     // The largest error of all matrices of all instances.
     double max_error(ScanLayout layout) const;

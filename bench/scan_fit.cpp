@@ -62,7 +62,7 @@ ScanCosts fit_scan_costs(std::span<const ScanObservation> observations, const Sc
     ScanCosts best = start;
     double best_cost = cost_of(planned, limits, best);
     for (double factor = 4;
-         factor > 1.01;) {  // the model is cheap, and smooth in the constants' logarithms but for kinks
+         factor > 1.01;) {  // the model is cheap, and smooth in the constants' logarithms except for kinks
         bool improved = false;
         for (const Constant constant : constants) {
             for (const double step : {factor, 1 / factor}) {

@@ -19,9 +19,9 @@ struct ScanObservation {
 // The median factor between prediction and observation, at least 1.
 double typical_factor(std::span<const ScanObservation> observations, const ScanLimits& limits, const ScanCosts& costs);
 
-// The constants that predict the observations best, from `start` on: the sum of squared logarithms of prediction over
-// observation is lowered along one constant after the other. `units` and `resident_subgroups` of a software device are
-// known and stay.
+// The constants that predict the observations best, starting from `start`: minimises the sum of squared logarithms of
+// prediction over observation along one constant after the other. `units` and `resident_subgroups` of a software device
+// are known and stay.
 ScanCosts fit_scan_costs(std::span<const ScanObservation> observations, const ScanLimits& limits,
                          const ScanCosts& start);
 

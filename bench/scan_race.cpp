@@ -52,7 +52,7 @@ private:
 // `unsupported_reason` says why.
 std::optional<Runner> fastest(const std::shared_ptr<Gpu>& gpu, const GpuClock& clock, const Entrant& entrant,
                               const ScanRig& rig, ScanCrowd& crowd, std::string& unsupported_reason) {
-    // A software device's time is proportional to the characters, where they are many: some of them will tell.
+    // A software device's time is proportional to the number of characters if there are many: a part of them will do.
     constexpr uint32_t kMany = 4'000, kPart = 8, kRuns = 3;
     const uint32_t part = gpu->is_cpu() && crowd.instance_count() >= kMany ? kPart : 1;
     const auto best_of_runs_ms = [&](const Runner& runner) {

@@ -32,7 +32,7 @@ constexpr View kTimesCopy{"times_copy", "time over the copy's", "levels", "level
 constexpr View kJoints{"ns_per_joint", "nanoseconds a joint", "joints", "joints of a character", true};
 constexpr View kCharacters{"ns_per_joint", "nanoseconds a joint", "characters", "characters", true};
 
-// The copy is timed beside each method; here once for each x, in the unit of the figure.
+// The copy is timed beside each method; it is drawn once for each x, in the unit of the figure.
 Series copy_series(const Cells& cells, const View& view) {
     Series copy{"copy", kCopyStyle, {}};
     std::map<double, std::vector<double>> at;
@@ -84,7 +84,7 @@ std::string range(const Cells& cells, const char* field) {
     return shown(*all.begin()) + (all.size() == 1 ? "" : "–" + shown(*all.rbegin()));
 }
 
-// "10,000 characters × 300 joints, random skeletons (seed 1), mean depth 9.46–61.2": whatever of it the records say.
+// "10,000 characters × 300 joints, random skeletons (seed 1), mean depth 9.46–61.2": those parts that the records have.
 std::string setting(const Cells& cells, const char* varied) {
     std::vector<std::string> parts;
     const auto add = [&](const char* field, const std::string& before, const std::string& after) {

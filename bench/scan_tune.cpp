@@ -26,7 +26,7 @@ std::vector<ScanObservation> observe_scans(const std::shared_ptr<Gpu>& gpu, bool
             for (const uint32_t threads : planned_choices(method, limits))
                 entrants.push_back({name_of(ScanChoice{&method, threads}), {{&method, threads}}});
 
-    // What launches, what latency holds back, and what fills the device; a GPU is not full before.
+    // Crowds limited by the launch, by latency, and by throughput; fewer than `many` do not fill a GPU.
     const uint32_t many = limits.is_cpu ? 1'000 : 20'000;
     std::vector<std::pair<uint32_t, uint32_t>> rigs{{32, 8}, {300, 15}, {300, 100}, {1'000, 60}};  // joints, levels
     std::vector<uint32_t> crowds{1, 20, 300, many};

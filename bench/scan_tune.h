@@ -7,8 +7,8 @@
 
 namespace throng::bench {
 
-// Times every method with every number of threads on rigs and crowds of several sizes; `quick`: on few. Throws as
-// measure_scans() does.
+// Times every method with every number of threads on rigs and crowds of several sizes; if `quick`, on only a few.
+// Throws as measure_scans() does.
 std::vector<ScanObservation> observe_scans(const std::shared_ptr<Gpu>& gpu, bool quick, const Progress& progress);
 
 }  // namespace throng::bench

@@ -45,7 +45,7 @@ std::vector<uint32_t> regular_parents(SkeletonShape shape, uint32_t joint_count)
     return parents;
 }
 
-// Depth first, of siblings the one with the largest subtree last: a walk in this order keeps few parents waiting.
+// Depth first, the sibling with the largest subtree last: a walk in this order keeps few parents waiting.
 std::vector<uint32_t> in_depth_first_order(const std::vector<uint32_t>& parents) {
     const auto count = static_cast<uint32_t>(parents.size());
     std::vector<uint32_t> sizes(count, 1);

@@ -20,9 +20,9 @@ constexpr std::string_view name_of(SkeletonShape shape) {
     return std::array{"random", "chain", "comb", "binary"}[static_cast<size_t>(shape)];
 }
 
-// parents[joint_count], numbered depth first, of siblings the one with the largest subtree last, as throng numbers a
-// rig's joints. A random one has exactly `level_count` levels; those of the others follow from the joints. Throws
-// kInvalidArgument where there is no such skeleton.
+// parents[joint_count], numbered depth first with the largest subtree of siblings last, as throng numbers a rig's
+// joints. A random skeleton has exactly `level_count` levels; the other shapes' levels follow from the joint count.
+// Throws kInvalidArgument if there is no such skeleton.
 std::vector<uint32_t> make_skeleton(SkeletonShape shape, uint32_t joint_count, uint32_t level_count, uint64_t seed);
 
 }  // namespace throng::bench

@@ -21,10 +21,10 @@ std::vector<std::string> words_of(const std::string& text) {
     return {std::istream_iterator<std::string>(stream), {}};
 }
 
-// What makes another device of a number, as in "RTX 3080 Ti".
+// Words that turn a model number into another device, as in "RTX 3080 Ti".
 constexpr std::array<std::string_view, 7> kModelSuffixes{"XT", "XTX", "GRE", "Ti", "PCIe", "NVL", "Laptop"};
 
-// By the words with digits. A machine that has none, the Steam Deck, is known by no device's name.
+// Compares the words with digits. A machine without any, the Steam Deck, matches no device's name.
 bool is_for(const Json& prediction, const Json& record) {
     const std::vector<std::string> machine = words_of(text(prediction, "machine")),
                                    device = words_of(text(record, "device"));
@@ -51,8 +51,8 @@ double predicted_million_ms(const Json& record, std::span<const Json> prediction
     return std::nan("");
 }
 
-// For a scan of `throng bench scan` with its transforms in memory, of the same skeleton; either with the number of
-// threads that is the fastest there.
+// For a scan of `throng bench scan` with its transforms in memory, of the same skeleton. Prediction and measurement
+// each use their own fastest number of threads.
 double predicted_scan_ms(const Json& record, std::span<const Json> predictions) {
     for (const Json& prediction : std::views::reverse(predictions)) {
         const auto is_alike = [&](const char* field) { return number(prediction, field) == number(record, field); };
@@ -65,7 +65,7 @@ double predicted_scan_ms(const Json& record, std::span<const Json> predictions) 
     return std::nan("");
 }
 
-// Predicted are also the fused updates of `throng bench frame`, for each size of subgroups; the last prediction counts.
+// Fused updates of `throng bench frame` are predicted too, for each subgroup size; the last prediction counts.
 double predicted_ms(const Json& record, std::span<const Json> predictions) {
     if (text(record, "bench") == "million") return predicted_million_ms(record, predictions);
     if (text(record, "bench") == "scan") return predicted_scan_ms(record, predictions);

@@ -1,4 +1,4 @@
-// What a run has measured: a line for each time, beside the one that `throng bench isa` predicted for the device.
+// What a run has measured: a line for each time, beside the time that `throng bench isa` predicted for the device.
 #pragma once
 
 #include "bench/report/records.h"
@@ -17,14 +17,14 @@ struct MeasuredTime {
     std::string note;                    // why it has no time
 };
 
-// In the records' order; of scans those of the experiment "levels". Predictions are for a machine, which is the
-// record's device if that has all words of the machine's name that have digits.
+// In the records' order; of the scan records only those of the experiment "levels". A prediction is for the record's
+// device if the device's name has all the words with digits of the machine's name.
 std::vector<MeasuredTime> measured_times(std::span<const Json> records, std::span<const Json> predictions);
 
 // As Markdown. Without predictions the table has no column for them, and a sentence says so.
 std::string summary_text(std::span<const Json> records, std::span<const Json> predictions);
 
-// As HTML, of benchmarks that have no section of their own; empty where there is no such record.
+// As HTML, for the benchmarks that have no section of their own; empty if there is no such record.
 std::string summary_section(std::span<const Json> records);
 
 }  // namespace throng::bench

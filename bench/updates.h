@@ -1,4 +1,4 @@
-// How updates of a crowd are checked and timed, by every benchmark of them.
+// How all benchmarks of crowd updates check and time them.
 #pragma once
 
 #include "bench/gpu_clock.h"
@@ -17,19 +17,19 @@ inline constexpr float kFrame_s = 1.0f / 60;
 inline constexpr double kSkinErrorBound = 1e-4;
 
 // The largest difference of any element, as a fraction of the character's size: translations divided by it, the other
-// columns as displacements of a point one size away. Infinite where a number is not one, or the counts differ.
+// columns as displacements of a point one size away. Infinite if any number is NaN, or the counts differ.
 double skin_error(std::span<const Affine> got, std::span<const AffineT<double>> wanted, double size);
 
-// The largest error of some instances, from one end to the other.
+// The largest error of some instances, spread evenly over all of them.
 double largest_error_of_some(uint32_t instance_count, const std::function<double(uint32_t instance)>& error_of);
 
 std::string path_name(const Crowd& crowd);  // of its first group: "fused", "staged", "native, fused", …
 
 class UpdateTimes {
 public:
-    // Updates the crowd and waits; the GPU has been kept busy just before.
+    // Updates the crowd and waits; keeps the GPU busy just before.
     void take(const GpuLoad& load, Crowd& crowd, float time_step_s = kFrame_s, const CrowdView* view = nullptr);
-    // What took so long without stages.
+    // Adds a sample that has no times for stages.
     void take(const Reading& reading) { readings_.push_back(reading); }
 
     size_t count() const { return readings_.size(); }

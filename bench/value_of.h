@@ -1,4 +1,4 @@
-// Results as values, in benchmarks, which end with what goes wrong.
+// Results as values, for benchmarks, which end at the first error.
 #pragma once
 
 #include "base/failure.h"

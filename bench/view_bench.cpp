@@ -24,7 +24,7 @@ constexpr std::array kViewVariants{
     ViewVariant{.name = "and fewer joints", .reduces_joints = true},
     ViewVariant{.name = "and fewer updates", .reduces_joints = true, .skips_updates = true}};
 
-// Updates in which no time passes, after which whoever waits for a pose has arrived there
+// Updates in which no time passes, after which all characters that wait for a new pose have it
 constexpr uint32_t kSettling = 17;
 constexpr uint32_t kCheckedOfEachLevel = 16;  // characters of each level of detail
 
@@ -101,8 +101,8 @@ private:
         return all;
     }
 
-    // Looks at some instances of each level of detail that is drawn: at their skin matrices, and where they have fewer
-    // joints at how far these take vertices away, as the view sees it.
+    // Checks some instances of each level of detail that is drawn: their skin matrices, or, if they have fewer joints,
+    // how far the vertices are off as seen in the view.
     void compare(ViewEntrant& entrant) const {
         std::vector<DrawnInstance> drawn = drawn_by(entrant);
         std::ranges::stable_sort(drawn, {}, &DrawnInstance::lod);  // large crowds are listed batch by batch

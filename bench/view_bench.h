@@ -1,5 +1,5 @@
-// `throng bench view`: updates of a crowd for a view, which leave out what need not be done, each checked against the
-// reference and then timed in turns with an update of everything.
+// `throng bench view`: updates of a crowd for a view, which skip work that the view does not need. Each is checked
+// against the reference and then timed in turns with an update of everything.
 #pragma once
 
 #include "bench/record.h"
@@ -20,8 +20,8 @@ struct ViewCase {
     std::function<CrowdView(const Bounds&)> view_of;
 };
 
-// A record for each variant (bench/README.md lists their fields). One that is wrong is not timed and says so, one that
-// the device cannot hold says why. Throws what a device throws that cannot go on.
+// A record for each variant (bench/README.md lists their fields). A wrong variant is not timed, and its record says so;
+// if the device cannot hold a variant, its record says why. Throws if the device fails.
 std::vector<Json> measure_view(const Device& device, const ViewCase& seen, uint32_t samples, const Progress& progress);
 
 }  // namespace throng::bench

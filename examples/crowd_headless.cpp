@@ -36,12 +36,12 @@ int main(int argc, char** argv) {
     const Character one = load_character(argv[1]).expect();
     const Character other = load_character(argv[2]).expect();
 
-    // By default a hardware GPU where there is one, else the software device.
+    // By default a hardware GPU if there is one, else the software device.
     const Device device = Device::create().expect();
     std::printf("%s, %s\n", device.info().name.c_str(), device.info().driver.c_str());
 
-    // A crowd has a group for each character; its individuals are numbered through: 0-299 and 300-499. The matrices of
-    // the joints themselves, which most programs do not need, are kept only where that is asked for.
+    // A crowd has a group for each character; its individuals are numbered group after group: 0-299 and 300-499. The
+    // matrices of the joints themselves, which most programs do not need, are kept only on request.
     Crowd crowd = Crowd::create(device, {.groups = {{&one, 300}, {&other, 200}}, .keep_model_matrices = true}).expect();
     std::vector<Playback> playback;
     for (uint32_t i = 0; i < 300; ++i) playback.push_back(playback_of(one, i));

@@ -1,6 +1,6 @@
 // An application that has its own Vulkan and its own renderer, and takes only the animation from throng: throng records
 // the update into the application's command buffer, and the application's vertex shader reads the matrices where throng
-// left them. The update is for what the camera sees: it animates and lists that, and writes the draw commands.
+// left them. The update is for a camera: it animates and lists only what the camera sees, and writes the draw commands.
 //   custom_device character.glb picture.png
 #include "open_vulkan.h"
 #include "pipeline.h"

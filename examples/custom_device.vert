@@ -20,7 +20,7 @@ layout(set = 0, binding = 1, std430) readonly buffer InfluenceSets { Influences 
 layout(set = 0, binding = 2, std430) readonly buffer SkinMatrices { vec4 skin_rows[]; };
 layout(set = 0, binding = 3, std430) readonly buffer Placements { vec4 placement_rows[]; };
 
-// Who is drawn: of each level of detail, where its numbers begin behind the fifth word, then these.
+// Which instances are drawn: a count, where each level of detail begins after the fifth word, then their numbers.
 layout(set = 0, binding = 4, std430) readonly buffer List { uint list[]; };
 
 layout(push_constant) uniform Push {

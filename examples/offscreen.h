@@ -37,7 +37,7 @@ struct Context {
     Cleanup& cleanup;
 };
 
-// Something of the device, which is destroyed at the end.
+// Creates an object of the device, to be destroyed at the end.
 template <class Info, class Handle>
 Handle make(const Context& context, const char* call,
             VkResult (*create)(VkDevice, const Info*, const VkAllocationCallbacks*, Handle*),
@@ -108,7 +108,8 @@ inline Image make_image(const Context& context, VkFormat format, VkExtent2D size
                          .subresourceRange = {aspect, 0, 1, 0, 1}})};
 }
 
-// From everything before to everything after, the host included: coarse, but short. With no image, for memory alone.
+// From everything before to everything after, the host included: coarse, but short. Without an image, a barrier for
+// memory alone.
 inline void barrier(VkCommandBuffer commands, VkImage image = VK_NULL_HANDLE, VkImageAspectFlags aspect = 0,
                     VkImageLayout from = {}, VkImageLayout to = {}) {
     constexpr VkPipelineStageFlags2 kBefore = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT,
@@ -135,7 +136,7 @@ inline void barrier(VkCommandBuffer commands, VkImage image = VK_NULL_HANDLE, Vk
     vkCmdPipelineBarrier2(commands, &info);
 }
 
-// What is drawn to, and where its pixels arrive.
+// The images that are drawn to, and the buffer that receives the pixels.
 struct Target {
     VkExtent2D size{};
     Image color, depth;

@@ -33,7 +33,7 @@ inline VkPipelineShaderStageCreateInfo make_stage(const Context& context, VkShad
             .pName = "main"};
 }
 
-// Without the pipeline itself: its layout.
+// Makes the layout, but not yet the pipeline itself.
 inline Pipeline make_layout(const Context& context, VkShaderStageFlags stage, uint32_t storage_buffer_count,
                             uint32_t push_size_bytes) {
     Pipeline out;
@@ -122,7 +122,7 @@ inline Pipeline make_pipeline(const Context& context, const PipelineSettings& se
     return out;
 }
 
-// Binds it, and these buffers by a descriptor set of their own.
+// Binds the pipeline, and these buffers by a descriptor set of their own.
 inline void bind(const Context& context, VkCommandBuffer commands, const Pipeline& pipeline,
                  const std::vector<throng::BufferView>& buffers) {
     const auto count = static_cast<uint32_t>(buffers.size());
@@ -150,7 +150,7 @@ inline void bind(const Context& context, VkCommandBuffer commands, const Pipelin
     vkCmdBindDescriptorSets(commands, pipeline.bind_point, pipeline.layout, 0, 1, &set, 0, nullptr);
 }
 
-// What has been copied before it is there for shaders behind it.
+// Makes earlier copies visible to compute shaders that come later.
 inline void write_before_shaders(VkCommandBuffer commands) {
     const VkMemoryBarrier written{.sType = VK_STRUCTURE_TYPE_MEMORY_BARRIER,
                                   .srcAccessMask = VK_ACCESS_TRANSFER_WRITE_BIT,

@@ -1,5 +1,5 @@
-// Clips played from code, by their names: each character fades from one to the next at moments of its own, tells when
-// its foot comes down, and where a joint of it is.
+// Clips played from code, by their names: each character fades from one to the other at a time of its own, and reports
+// when its foot comes down and where one of its joints is.
 //   play_clips character.glb CLIP OTHER_CLIP JOINT
 #include <throng/throng.h>
 
@@ -13,7 +13,7 @@ int main(int argc, char** argv) {
         return 2;
     }
     const Character character = load_character(argv[1]).expect();
-    // A name that is not there ends the program, with a line that says which there are.
+    // An unknown name ends the program, with a line that says which names there are.
     const uint32_t clips[]{character.clip_named(argv[2]).expect(), character.clip_named(argv[3]).expect()};
     const uint32_t joint = character.rig.joint_named(argv[4]).expect();
 
@@ -21,7 +21,7 @@ int main(int argc, char** argv) {
     Controller controller = direct_layers(1);
     controller.events = {{.name = "step", .clip = argv[2], .time_s = character.clips[clips[0]].duration_s / 2.0}};
 
-    // Instances come and go, and there is room for eight. Where the joint is in the world comes back with the feedback.
+    // Instances come and go, and there is room for eight. The feedback reports where the joint is in the world.
     const Device device = Device::create().expect();
     CrowdGroup group{.character = &character, .controller = &controller, .sockets = {joint}, .capacity = 8};
     Crowd crowd = Crowd::create(device, {.groups = {group}}).expect();

@@ -17,7 +17,7 @@ namespace {
 constexpr uint32_t kCount = 2000, kHitBoxes = 6, kTicks = 300, kShots = 20;
 constexpr float kTick_s = 1.0f / 30;
 
-// From the root outwards.
+// The joints of the hit boxes: spread evenly over the rig, beginning with the root.
 std::vector<uint32_t> hit_joints(const Character& character) {
     std::vector<uint32_t> joints;
     const uint32_t joint_count = character.rig.joint_count(), count = std::min(kHitBoxes, joint_count);

@@ -1,5 +1,5 @@
-// Minds and things in hands: characters that stand, walk, run and strike as two parameters say, decided on the GPU; a
-// lantern at each one's head; and the events of three of them, printed as they come back.
+// Characters under controllers, which carry things: they stand, walk, run and strike as two parameters say, decided on
+// the GPU; each has a lantern at its head; and the events of three of them are printed as they come back.
 //   state_machine creature.glb guard.json picture.png
 // (./run throng generate makes such a creature, with the clips idle, walk and fly; examples/controllers has the
 // controller)
@@ -38,7 +38,8 @@ int main(int argc, char** argv) {
     const Controller controller = load_controller(argv[2]).expect();
     const Device device = Device::create().expect();
 
-    // 100 guards that decide for themselves; and what they carry: small creatures that hang where their sockets are.
+    // 100 guards that decide for themselves, and what they carry: small creatures that hang where the guards' sockets
+    // are.
     constexpr uint32_t kSide = 10, kCount = kSide * kSide;
     Crowd crowd = Crowd::create(device, {.groups = {{.character = &guard,
                                                      .instance_count = kCount,
@@ -59,7 +60,7 @@ int main(int argc, char** argv) {
         return 1;
     }
 
-    // Four seconds. Everyone gets up to a pace of its own; now and then somebody strikes. Only what changes is sent.
+    // Four seconds. Each guard gets a pace of its own; now and then one strikes. Only what changes is sent.
     constexpr uint32_t kFrames = 240;
     uint32_t steps = 0, strikes = 0;
     for (uint32_t frame = 0; frame < kFrames; ++frame) {
@@ -76,8 +77,8 @@ int main(int argc, char** argv) {
                                 (static_cast<double>(feedback.update) - 1) / 60 + static_cast<double>(event.time_s),
                                 event.instance.instance, name.c_str());
             }
-            // Lanterns follow on the CPU here; a renderer of one's own reads OutputBlock::socket and need not
-            // wait for anything.
+            // Here the CPU moves the lanterns; your own renderer can read OutputBlock::socket and need not wait for
+            // anything.
             for (const WatchedInstance& watched : feedback.watched)
                 crowd
                     .set_placement(InstanceHandle{kCount + watched.instance.instance},

@@ -1,6 +1,6 @@
 // What it costs to bring characters into a running program: making a crowd, its first update and later ones, then a
-// crowd of another character beside it, and one of a character that is there already; the first taking in the groups of
-// the second, and letting them go.
+// crowd of another character beside it, and one of a character that is there already; and adding another crowd's group
+// to the first crowd, and removing it again.
 //   streaming_times [--device] one.glb other.glb ...   (--device: by the device's kernels, not natively)
 #include <throng/throng.h>
 

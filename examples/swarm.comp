@@ -1,5 +1,5 @@
-// Each invocation keeps one character: it is born in the middle, walks outwards in a direction of its own, and is gone
-// after four seconds, when its number is born again.
+// Each invocation looks after one character: it is born in the middle, walks outwards in a direction of its own, and is
+// gone after four seconds, when another is born with its number.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #define THRONG_COMMAND_SET 0
@@ -15,7 +15,7 @@ layout(push_constant) uniform Push {
 
 const float kLife_s = 4;
 
-// 0..1, another for each number.
+// A pseudo-random value for each number, 0..1.
 float chance_of(uint number) {
     uint bits = number * 747796405u + 2891336453u;
     bits = (bits >> (bits >> 28) + 4 ^ bits) * 277803737u;

@@ -1,5 +1,5 @@
-// Characters whose births, deaths, ways and clips are a compute shader's (swarm.comp): the CPU says nothing about any
-// of them, and uploads nothing.
+// Characters whose births, deaths, paths and clips are decided by a compute shader (swarm.comp): the CPU says nothing
+// about any of them, and uploads nothing.
 //   swarm character.glb picture.png
 #include "open_vulkan.h"
 #include "pipeline.h"
@@ -43,7 +43,7 @@ int main(int argc, char** argv) {
     uint64_t drawn = 0;
     for (uint32_t frame = 0; frame < kFrames; ++frame) {
         const VkCommandBuffer commands = begin_commands(context, vulkan.queue_family);
-        // Before the first update the buffer is not yet empty.
+        // Without this the buffer of commands would not be empty before the first update.
         if (frame == 0) {
             crowd.record_uploads(commands).expect();
             write_before_shaders(commands);

@@ -1,13 +1,15 @@
 // baked: every frame of every clip is stored as skin matrices; two frames are fetched and interpolated, matrix by
-// matrix. Source: B. Dudash, Skinned Instancing, NVIDIA white paper, 2007. Difference: storage buffers and a compute
-// shader, where the source
-//   fetches from a texture in the vertex shader; a second clip can be blended in, as linearly as everything else here.
+//   matrix.
+// Source: B. Dudash, Skinned Instancing, NVIDIA white paper, 2007.
+// Difference: storage buffers and a compute shader, while the source fetches from a texture in the vertex shader; a
+//   second clip can be blended in, as linearly as everything else here.
 // Input: frames[clip][frame][entry], model_from_bind, affine 3x4.   Output: skin[instance][entry], model_from_bind.
 // Needs: 48 bytes a palette entry and frame, in one buffer; no hierarchy.
 // Cost: reads two matrices a clip and palette entry, writes one; no multiplication of matrices, no barrier.
-// Wins: speed, at any depth.   Loses: memory, and shape: a sum of rotations is no rotation, so limbs shrink between
-// frames that lie
-//   far apart, and above all between clips.   Measured: bench/README.md#baselines
+// Wins: speed, at any depth.
+// Loses: memory, and shape: a sum of rotations is no rotation, so limbs shrink between frames that lie far apart, and
+//   above all between clips.
+// Measured: bench/README.md#baselines
 #include "gpu/buffers_io.h"
 #include "baselines_io.h"
 #include "gpu/stored.glsl"

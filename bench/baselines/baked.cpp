@@ -17,14 +17,14 @@ constexpr uint32_t kSoftware[] = {
 
 using Matrices = std::vector<AffineT<double>>;
 
-// The clip's duration in equal parts, so that a loop closes on a frame.
+// Divides the clip's duration into equal parts, so that a loop closes on a frame.
 uint32_t frame_count(const Clip& clip, double rate) {
     constexpr double kRounding = 1e-6;  // of a frame: durations are floats
     return clip.duration_s > 0 ? 1 + std::max(1u, static_cast<uint32_t>(std::ceil(clip.duration_s * rate - kRounding)))
                                : 1;
 }
 
-// A matrix is three keys; Clip::row_stride and the tracks, one a clip, count matrices.
+// A matrix takes three keys; Clip::row_stride and the tracks, one per clip, count matrices.
 void append_frame(Character& baked, const Character& character, const ClipPlayback& slot) {
     const ReferencePose pose = value_of(reference_pose(character, {.first = slot}));
     for (const AffineT<double>& model_from_bind : pose.model_from_bind)

@@ -1,5 +1,5 @@
-// What the paper argues against, as whole pipelines: clips that were turned into something without a hierarchy
-// beforehand. They show what baking costs: bytes a clip, and how far vertices stand from where they belong.
+// What the paper argues against, as whole pipelines: clips baked beforehand into a form without a hierarchy. They show
+// what baking costs: bytes a clip, and how far vertices stand from where they belong.
 #pragma once
 
 #include "bench/gpu_clock.h"
@@ -14,14 +14,14 @@
 namespace throng::bench {
 
 struct BakeSettings {
-    double rate = 30;                   // frames a second, where the method stores frames
-    uint64_t limit_bytes = UINT64_MAX;  // of its keys: the device's storage-buffer range
+    double rate = 30;                   // frames a second, if the method stores frames
+    uint64_t limit_bytes = UINT64_MAX;  // most bytes of keys: the device's storage-buffer range
 };
 
 struct Baseline {
     std::string_view name, summary, source;
     // The character with its clips as the method stores them, from the double references; without mesh.
-    // Clip::size_bytes counts what throng's does. Throws kLimit where the keys exceed the limit.
+    // Clip::size_bytes counts the same as in throng's clips. Throws kLimit if the keys exceed the limit.
     Character (*bake)(const Character& character, const BakeSettings& settings);
     // The definition: model_from_bind of each palette entry, in double precision, from what bake() made.
     std::vector<AffineT<double>> (*skin_matrices)(const Character& baked, const Playback& playback);

@@ -1,14 +1,18 @@
 // flattened: the hierarchy is removed offline, so that clips hold each joint's pose in model space; sampled, blended
-// and bound there. Source: J. Shopf, J. Barczak, C. Oat, N. Tatarchuk, March of the Froblins, SIGGRAPH course notes,
-// 2008. Difference: rotation,
-//   translation and scale with throng's own interpolation (its functions, included), so that the space alone makes the
-//   difference.
-// Input: keys[clip][row][track], model_from_joint as rotation, translation, scale.   Output: skin[instance][entry],
-// model_from_bind. Needs: rigs whose scales do not shear; up to 48 bytes a joint and row, tracks that stand still once;
-// no hierarchy. Cost: reads two rows a clip, writes a matrix, one multiplication a palette entry; no barrier, and
-// nothing between the stages. Wins: speed, at any depth.   Loses: shape: joints go from pose to pose on straight lines,
-// each for itself, so that a chain that bends
-//   differently in two clips comes apart and shrinks between them.   Measured: bench/README.md#baselines
+//   and bound there.
+// Source: J. Shopf, J. Barczak, C. Oat, N. Tatarchuk, March of the Froblins, SIGGRAPH course notes, 2008.
+// Difference: rotation, translation and scale with throng's own interpolation (its functions, included), so that only
+//   the space makes the difference.
+// Input: keys[clip][row][track], model_from_joint as rotation, translation, scale.
+// Output: skin[instance][entry], model_from_bind.
+// Needs: rigs whose scales do not shear; up to 48 bytes a joint and row, tracks that stand still only once; no
+//   hierarchy.
+// Cost: reads two rows a clip, writes a matrix, one multiplication a palette entry; no barrier, and nothing between the
+//   stages.
+// Wins: speed, at any depth.
+// Loses: shape: joints go from pose to pose on straight lines, each on its own, so that a chain that bends differently
+//   in two clips comes apart and shrinks between them.
+// Measured: bench/README.md#baselines
 #include "gpu/buffers_io.h"
 #include "baselines_io.h"
 #include "gpu/stored.glsl"

@@ -19,7 +19,7 @@ constexpr uint32_t kSoftware[] = {
 using Key = std::array<float, 4>;
 using Pose = std::vector<Trs<double>>;
 
-// model_from_joint of every joint. Exact where scales do not shear; else the scale along the joint's axes.
+// model_from_joint of every joint. Exact if scales do not shear; otherwise only the scale along the joint's axes.
 Pose model_pose(const Character& character, uint32_t clip, double time_s) {
     Pose pose = sample_reference(character, clip, time_s);
     std::vector<AffineT<double>> local;

@@ -44,7 +44,7 @@ public:
         y_ = kTreeTop + (rig_.level_count - 1) * kLevel + 22;
     }
 
-    // A product that ends in the joint, by the segments that it covers of the joint's chain, the root on the left.
+    // A product that ends in the joint, drawn as the segments that it covers of the joint's chain, root on the left.
     void strip(uint32_t joint, double y, double height, size_t covered, std::string_view style, bool stored) {
         strip_at({strip_left(joint), y}, height, rig_.depths[joint], covered, style, stored);
     }
@@ -112,7 +112,7 @@ public:
         y_ += kStrip + 6;
     }
 
-    // A row in which each joint's thread works on what stands above in its own column.
+    // A row in which each joint's thread works only on what is above it in its own column.
     void column_row(std::string_view label, uint32_t operands, bool is_last) {
         svg_.text({kMargin, y_ + kGap + 7}, label, "");
         for (uint32_t joint = 0; joint < rig_.joint_count(); ++joint) {
@@ -133,7 +133,7 @@ public:
         }
     }
 
-    // Joint and column, beneath everything else.
+    // Lines from each joint down its column, beneath everything else.
     void guides() {
         Svg below;
         for (uint32_t joint = 0; joint < rig_.joint_count(); ++joint)
@@ -180,7 +180,7 @@ private:
                   "soft small end");
     }
 
-    // What a strip in which so many segments are `style` means, and what one with an outline does.
+    // Explains a strip with `covered` segments in `style`, and one with an outline.
     void legend_of_strips(uint32_t covered, std::string_view style, std::string_view what, std::string_view result) {
         y_ += 14;
         svg_.line({kMargin, y_}, {kWidth - kMargin, y_}, "next");

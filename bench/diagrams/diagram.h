@@ -10,7 +10,7 @@ struct Diagram {
     std::string name, svg;
 };
 
-// One for each method of the scan table that brings one, and for the baselines without a hierarchy.
+// One for each method of the scan table that has a diagram, and for the baselines without a hierarchy.
 std::vector<Diagram> scan_diagrams();
 
 // What the pictures show: 16 joints in 8 levels, blocks and strides scaled down with them.

@@ -17,7 +17,7 @@ public:
     void line(Point from, Point to, std::string_view style);
     void curve(Point from, Point to, std::string_view style);  // leaves and arrives vertically
     void dot(Point centre, double radius, std::string_view style);
-    // Lines apart by \n; `style` may say where it is anchored
+    // Lines are separated by \n; `style` can set the anchor
     void text(Point at, std::string_view text, std::string_view style);
 
     void put_below(const Svg& other) { body_ = other.body_ + body_; }
@@ -26,7 +26,7 @@ public:
     std::string document(double width, double height, std::string_view title) const;
 
 private:
-    // `beginning`: its name and attributes but for the class.
+    // `beginning`: its name and attributes except the class.
     void element(const std::string& beginning, std::string_view style, const std::string& end = "/>");
 
     std::string body_;

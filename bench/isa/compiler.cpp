@@ -9,7 +9,7 @@
 namespace throng::bench {
 namespace {
 
-// A variable of the environment, as long as this lives.
+// An environment variable that is set as long as the object lives.
 class Variable {
 public:
     Variable(const char* name, const std::string& value) : name_(name) {

@@ -1,4 +1,4 @@
-// AMD's driver without its hardware: it compiles for the machine that it is told of.
+// AMD's driver without its hardware: it compiles for the machine that it is told to.
 #pragma once
 
 #include "bench/isa/executable.h"
@@ -10,11 +10,11 @@
 namespace throng::bench {
 
 // For a family that RADV_FORCE_FAMILY knows (bench/isa/machines.h). Looks for the driver where the Vulkan loader does,
-// unless VK_DRIVER_FILES or VK_ICD_FILENAMES say where it is. Throws kNoDevice where it is not installed. The
-// environment is changed while the device is made: other threads must not read it then.
+// unless VK_DRIVER_FILES or VK_ICD_FILENAMES say where it is. Throws kNoDevice if it is not installed. Changes the
+// environment while the device is made: other threads must not read it then.
 std::shared_ptr<Gpu> open_compiler(const std::string& family);
 
-// Compiles for subgroups of one size, and keeps what comes of it.
+// Compiles for subgroups of one size, and captures the result.
 class Compiler {
 public:
     Compiler(const std::string& family, uint32_t subgroup_size);  // throws as open_compiler()

@@ -28,7 +28,7 @@ struct Visits {
                     uint32_t characters = 0) const {
         settings.groups = {group};
         settings.groups[0].character = &character;
-        // So many that each has one subgroup, as in the crowds that the records are about; few share more
+        // So many that each has one subgroup, as in the crowds that the records are about; if few, each gets more
         constexpr uint32_t kMany = 10'000;
         settings.groups[0].instance_count = group.shaders_populate ? 0 : std::max(characters, kMany);
         settings.timestamps = false;
@@ -55,7 +55,7 @@ void visit_fused_forms(const Character& character, const Visits& visits) {
     visits("inertial", {.controller = &inertial});
 }
 
-// The kernels of updates that run stage by stage, and those of stages that move no joints: steering, skinning, morphs.
+// The kernels of staged updates, and of stages that move no joints: steering, skinning, morphs.
 void visit_stages(const Character& character, const Visits& visits) {
     const CrowdSettings staged{.path = UpdatePath::kStaged};
     visits("staged", {}, staged);
@@ -81,7 +81,7 @@ void visit_stages(const Character& character, const Visits& visits) {
            {.culling = Culling{}, .skin_blend = SkinBlend::kDualQuaternion, .skins_once = true});
 }
 
-// Its first mesh gets a morph target.
+// The same asset with a morph target added to its first mesh.
 Asset with_morph(Asset asset) {
     AssetMesh& mesh = asset.meshes.front();
     mesh.weights = {1};

@@ -1,4 +1,4 @@
-// What a driver says of a pipeline that it has made (VK_KHR_pipeline_executable_properties).
+// What a driver reports about a pipeline that it has made (VK_KHR_pipeline_executable_properties).
 #pragma once
 
 #include "bench/isa/machine_code.h"

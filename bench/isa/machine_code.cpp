@@ -29,7 +29,7 @@ InstructionClass class_of(std::string_view name) {
     return kScalar;
 }
 
-// Tells waits that take time from those that follow another one.
+// Tells waits that take time from those for something that has been waited for already.
 class Waits {
 public:
     InstructionClass class_of_wait(std::string_view operands) {

@@ -10,13 +10,13 @@ namespace throng::bench {
 
 enum class InstructionClass {
     kVector,          // arithmetic of the lanes
-    kTranscendental,  // of the lanes too, at a part of the rate: roots, reciprocals, sines, logarithms
+    kTranscendental,  // of the lanes too, at a fraction of the rate: roots, reciprocals, sines, logarithms
     kShared,          // shared memory, and exchange between lanes by its unit
     kLoad,
     kStore,
     kScalar,      // arithmetic of the subgroup, and branches
-    kMemoryWait,  // until loads have come; of those that wait for parts of the same loads only the first
-    kSharedWait,  // likewise, until shared memory or scalar loads have answered; barriers
+    kMemoryWait,  // until loads have arrived; if several wait for parts of the same loads, only the first
+    kSharedWait,  // likewise for shared memory and scalar loads; barriers
     kHint,        // takes no time: hints, delays, waits for what has been waited for
 };
 inline constexpr std::array kInstructionClasses{"vector", "transcendental", "shared",       "loads", "stores",
@@ -44,8 +44,8 @@ struct MachineCode {
     InstructionCounts all() const;
 };
 
-// A label is a line "BB7:"; an instruction is an indented line whose second word, where it is a branch, is a label. A
-// loop reaches from a label to the last branch back to it.
+// A label is a line "BB7:"; an instruction is an indented line; the second word of a branch is a label. A loop reaches
+// from a label to the last branch back to it.
 MachineCode read_machine_code(std::string_view assembly);
 
 }  // namespace throng::bench

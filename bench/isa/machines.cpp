@@ -25,7 +25,7 @@ constexpr Simd kGfx1103{"gfx1103", 32, 32, 64, 16, 128 * kKiB, 2 * kKiB, 4, 128 
 constexpr Simd kAmpere{"ga102", 32, 32, 32, 12, 64 * kKiB, 1 * kKiB, 4, 100 * kKiB, 128},
     kHopper{"gh100", 32, 32, 32, 16, 64 * kKiB, 1 * kKiB, 4, 228 * kKiB, 128};
 
-// Compute units, boost clocks and bandwidths of the makers' product pages; the integrated GPU with DDR5-5600 on two
+// Compute units, boost clocks and bandwidths from the makers' product pages; the integrated GPU with DDR5-5600 on two
 // channels.
 constexpr std::array kMachines{
     Machine{"RTX 3080", &kAmpere, "navi21", 68 * 4, 1.71, 760},

@@ -1,4 +1,5 @@
-// GPUs as their data sheets have them: what of a kernel fits them at once, and how fast they issue and move.
+// GPUs as their data sheets describe them: how much of a kernel fits at once, and how fast they issue instructions and
+// move data.
 #pragma once
 
 #include <cstdint>
@@ -8,17 +9,17 @@
 
 namespace throng::bench {
 
-// A SIMD unit (on NVIDIA's GPUs a quarter of a multiprocessor), and its part of what it shares with others.
+// A SIMD unit (on NVIDIA's GPUs a quarter of a multiprocessor), and what it shares with others.
 struct Simd {
     std::string_view family;  // as RADV_FORCE_FAMILY takes it; of NVIDIA the architecture
     uint32_t lanes = 32;      // that it computes a clock
     uint32_t smallest_subgroup = 32, largest_subgroup = 64;
     uint32_t subgroups = 0;            // that it holds at most
     uint32_t register_bytes = 0;       // of vector registers
-    uint32_t register_step_bytes = 0;  // what a subgroup takes of them is a multiple of that
-    uint32_t shared_simds = 4;         // that have shared memory together
-    uint32_t shared_bytes = 0;         // of all these
-    uint32_t shared_step_bytes = 0;    // what a workgroup takes of it is a multiple of that
+    uint32_t register_step_bytes = 0;  // a subgroup takes a multiple of this
+    uint32_t shared_simds = 4;         // SIMDs that share one shared memory
+    uint32_t shared_bytes = 0;         // of that memory
+    uint32_t shared_step_bytes = 0;    // a workgroup takes a multiple of this
 };
 
 // The families of AMD's GPUs that `throng bench isa` compiles for.
@@ -38,7 +39,7 @@ struct Machine {
 
 std::span<const Machine> machines();
 
-// What a kernel takes, as far as it decides how many of its subgroups a SIMD holds.
+// The resources of a kernel that decide how many of its subgroups a SIMD holds.
 struct KernelNeeds {
     uint32_t subgroup_size = 0, workgroup_size = 0, vgprs = 0, shared_bytes = 0;
 };

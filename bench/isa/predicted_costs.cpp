@@ -26,7 +26,7 @@ Features features_of(const ScanPlan& plan, double subgroups) {
             plan.counts.issue_rows * instances};
 }
 
-// The costs, none below 0, with which the weighted sums come closest to `sums`, by the squares of relative errors;
+// The costs, none below 0, that bring the weighted sums closest to `sums` (least squares of relative errors), by
 // coordinate descent.
 Features fitted_costs(std::span<const Features> features, std::span<const double> sums) {
     Features costs{};
@@ -68,7 +68,7 @@ std::vector<CompiledRig> compile_rigs(const Compiler& compiler, const Progress& 
     return compiled;
 }
 
-// What PredictedCosts has as slack, for each rig and number of characters.
+// The slack (see PredictedCosts) for each rig and number of characters.
 std::vector<double> slacks_of(std::span<const CompiledRig> rigs, const ScanCosts& costs, const ScanLimits& limits,
                               const Machine& machine) {
     std::vector<double> slacks;

@@ -1,5 +1,5 @@
-// The constants of the planner's cost model (scan/scan_costs.h) for a GPU that is not there: from its machine code and
-// its data sheet.
+// The constants of the planner's cost model (scan/scan_costs.h) for a GPU that is not at hand, from its machine code
+// and its data sheet.
 #pragma once
 
 #include "bench/isa/machines.h"
@@ -13,12 +13,12 @@ namespace throng::bench {
 struct PredictedCosts {
     ScanCosts costs;
     uint32_t scan_count = 0;  // methods, threads and skeletons that they are fitted to
-    // How many times as long as the fastest takes what the planner chooses by them, as machine code predicts both; over
-    // rigs and crowds of several sizes.
+    // How many times as long as the fastest choice the planner's choice takes with these constants, both as predicted
+    // from machine code; over rigs and crowds of several sizes.
     double median_slack = 1, largest_slack = 1;
 };
 
-// `assumed` has what machine code does not tell: the cost of scattered rows, and of a launch. Throws as Compiler does.
+// `assumed` has the costs that machine code does not show: of scattered rows, and of a launch. Throws as Compiler does.
 PredictedCosts predict_scan_costs(const Machine& machine, const ScanCosts& assumed, const Progress& progress);
 
 }  // namespace throng::bench

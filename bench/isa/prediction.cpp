@@ -6,12 +6,12 @@
 namespace throng::bench {
 namespace {
 
-// Assumed of all devices, in clocks: what a subgroup waits for loads that the second cache answers, and for shared
-// memory, the scalar cache or a barrier.
+// Assumed for all devices, in clocks: how long a subgroup waits for loads that hit the second-level cache, and for
+// shared memory, the scalar cache or a barrier.
 constexpr double kMemoryWait = 300, kSharedWait = 60;
 constexpr double kTranscendentalRate = 4;  // clocks, where other arithmetic takes one
 
-// Clocks in which a subgroup's instructions are issued, if all of them are, one at a time.
+// Clocks to issue a subgroup's instructions, all of them, one at a time.
 double issue_clocks(const InstructionCounts& issued, uint32_t subgroup_size, const Simd& simd) {
     using enum InstructionClass;
     const double passes = std::max(1.0, static_cast<double>(subgroup_size) / simd.lanes);

@@ -11,12 +11,12 @@
 
 namespace throng::bench {
 
-// How often a subgroup runs each loop of the machine code, all times together; nothing where it has other loops than
-// those whose trips are given, and such over its lanes.
+// How often a subgroup runs each loop of the machine code, summed over all entries to it; nothing if the code has loops
+// other than those whose trips are given and those over its lanes.
 std::optional<std::vector<LoopTrips>> trips_of(const MachineCode& code, std::span<const LoopTrips> known,
                                                uint32_t subgroup_size);
 
-// What a subgroup issues, branches that it may skip included. `trips`: of each loop.
+// What a subgroup issues, including code that branches may skip. `trips`: of each loop.
 InstructionCounts issued_by_subgroup(const MachineCode& code, std::span<const LoopTrips> trips);
 
 // One dispatch of a kernel.
@@ -37,7 +37,7 @@ struct Prediction {
     std::string limit() const;
 };
 
-// How long one subgroup takes that has a SIMD to itself: instructions, and waiting for loads between them.
+// How long a subgroup takes that has a SIMD to itself: instructions, and waiting for loads between them.
 struct SubgroupTime {
     double issue_ns = 0, wait_ns = 0;
 };

@@ -8,7 +8,7 @@
 namespace throng::bench {
 namespace {
 
-// Besides the method's own, the on-chip host has two loops: one that fills shared memory, whose work does not count,
+// Besides the method's own loops, the on-chip host has two: one that fills shared memory, whose work does not count,
 // and the repeats.
 std::vector<LoopTrips> loops_of(const ScanCounts& counts, ScanPlace place) {
     std::vector<LoopTrips> loops;

@@ -1,4 +1,4 @@
-// What the scan methods have GPUs do, from their machine code.
+// The work that the scan methods give to GPUs, from their machine code.
 #pragma once
 
 #include "bench/isa/compiler.h"
@@ -26,8 +26,8 @@ struct ScanWork {
     KernelWork of(uint32_t characters) const;
 };
 
-// Calls `visit` with each choice of each method that applies. Throws kUnsupported where the machine code has other
-// loops than the plan.
+// Calls `visit` with each choice of each method that applies. Throws kUnsupported if the machine code has other loops
+// than the plan.
 void visit_scan_works(const Compiler& compiler, const ScanRig& rig, ScanPlace place,
                       const std::function<void(const ScanWork&)>& visit);
 

@@ -12,21 +12,22 @@
 
 namespace throng::bench {
 
-// Records that agree in some fields, in their first one's order.
+// A selection of records.
 using Cells = std::vector<const Json*>;
 
 inline constexpr const char* kPlanner = "auto";  // among the methods of scans: what the planner has chosen
 
-// How a scan method looks, the same in every figure, and the order in which methods are drawn and listed: what it
-// brings in the scan table, a look of their own for others, and for the planner a ring around the point that it chose.
+// How a scan method looks, the same in every figure, and the order in which methods are drawn and listed. Both come
+// from the scan table; methods that are not in it get a default, the planner a ring around the point that it chose.
 LineStyle scan_style(const std::string& method);
 uint32_t scan_rank(const std::string& method);
 
-// A benchmark's own records that have a `name`; of several that agree in it and in `fields` the last one.
+// The records of benchmark `bench` that have the field `name`. If several agree in it and in `fields`, the last one,
+// in the place of the first.
 Cells latest_cells(std::span<const Json> records, const char* bench, const char* name, std::vector<const char*> fields);
 Cells scan_cells(std::span<const Json> records);
 
-// Those whose `field` is `value`.
+// The records whose `field` is `value`.
 Cells having(const Cells& cells, const char* field, const std::string& value);
 
 // One group for each combination of the fields' values, in the order of their first appearance.
@@ -46,7 +47,7 @@ std::set<double> numbers(const Cells& cells, const char* field);
 using Best = std::map<double, const Json*>;
 Best best_over(const Cells& cells, const char* field, const char* quantity);
 
-// The fastest that was chosen by hand, and what the planner's choice took; null where there is none.
+// The fastest record of a choice by hand, and that of the planner's choice; null if there is none.
 const Json* fastest(const Cells& cells);
 const Json* planned(const Cells& cells);
 

@@ -1,4 +1,4 @@
-// A page that stands alone: style and script are in it, nothing is fetched.
+// A self-contained page: style and script are in it, nothing is fetched.
 #pragma once
 
 #include <string>

@@ -57,8 +57,8 @@ public:
         command("set label " + gnuplot_text(text) + " at screen " + number(x / width_) + "," + number(1 - y / height_) +
                 " " + alignment + " textcolor " + rgb(ink) + (font.empty() ? "" : " font '" + font + "'"));
     }
-    // Each row is a line of a gnuplot data block; an empty row lifts the pen. `series` is what the element belongs to,
-    // or empty.
+    // Each row is a line of a gnuplot data block; an empty row lifts the pen. `series` is the series that the element
+    // belongs to, or empty.
     void element(const std::string& series, const std::vector<std::string>& rows, const std::string& style) {
         const std::string block = "$data" + std::to_string(owners_.size());
         std::string data = block + " << END\n";
@@ -117,7 +117,7 @@ private:
         return svg;
     }
 
-    // A style rule is stronger than the attribute that gnuplot writes.
+    // A style rule overrides the attribute that gnuplot writes.
     std::string with_dark_page(std::string svg) const {
         std::string style = "<style>@media (prefers-color-scheme: dark) {";
         for (const auto& [light, dark] : inks_)
@@ -206,7 +206,7 @@ std::string row(std::initializer_list<double> values) {
     return text;
 }
 
-// Those at least `gap` pixels from the one before.
+// Only the values at least `gap` pixels from the one before.
 std::vector<double> readable_tics(const std::set<double>& values, const Axis& x, double gap) {
     std::vector<double> tics;
     for (const double value : values)
@@ -219,7 +219,7 @@ std::vector<double> readable_tics(const std::set<double>& values, const Axis& x,
 std::string line_plot(const LinePlot& given) {
     LinePlot plot = given;
     std::set<double> xs, ys;
-    for (Series& series : plot.series)  // a logarithm has no place for the others
+    for (Series& series : plot.series)  // the others have no logarithm
         std::erase_if(series.points,
                       [&](const PlotPoint& point) { return !(point.y > 0) || (plot.log_x && !(point.x > 0)); });
     for (const Series& series : plot.series)

@@ -1,6 +1,5 @@
-// Figures, drawn by gnuplot to SVG: one idea of a good figure for all of them. Lines carry their names at their right
-// ends, the background is transparent, and colours change with the page where it is dark. Groups in the SVG carry
-// data-series.
+// Figures, drawn by gnuplot to SVG, all in the same style. Lines carry their names at their right ends, the background
+// is transparent, and colours change when the page is dark. Groups in the SVG carry data-series.
 #pragma once
 
 #include "scan/line_style.h"
@@ -18,7 +17,7 @@ struct PageFigures {
     std::string next_id() { return "figure" + std::to_string(++count); }
 };
 
-// Low to high is drawn as a band where both are given.
+// Low to high is drawn as a band if both are given.
 struct PlotPoint {
     double x = 0, y = 0, low = 0, high = 0;
 };
@@ -31,7 +30,7 @@ struct Series {
 
 // y is logarithmic: what is compared here are ratios. Points that are not positive on a logarithmic axis are left out.
 struct LinePlot {
-    std::string id;  // tells the parts of several figures of one page apart
+    std::string id;  // keeps the parts of several figures on one page apart
     std::string title, y_label, x_label;
     bool log_x = false;
     std::vector<Series> series;  // later ones lie over earlier ones

@@ -24,8 +24,8 @@ Column numbers_of(std::string_view head, const char* field, Shown shown,
                   std::function<bool(const Json&)> best = nullptr);
 Column spread_of_times(const char* low, const char* high);
 
-// A row for each record. Of one without `time` only the first columns, `named_by`, are there; then stands why:
-// `not_done` is what is said of what does not apply. Empty where there is no record.
+// A row for each record. A record without `time` has only the first `named_by` columns, followed by the reason:
+// `not_done` is printed for what does not apply. Empty if there is no record.
 std::string record_table(const Cells& cells, const std::vector<Column>& columns, size_t named_by, const char* time,
                          std::string_view not_done);
 
@@ -38,7 +38,7 @@ std::string matrix_table(const Cells& cells, const char* field, std::string_view
 // What each method's time on the chip is made of, over levels.
 std::string on_chip_table(const Cells& cells);
 
-// The fastest method of each cell of the grid, and how far from it the planner's choice is.
+// The fastest method of each cell of the grid, and how far the planner's choice is from it.
 std::string grid_table(const Cells& cells);
 
 std::string baseline_table(std::span<const Json> records);

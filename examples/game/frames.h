@@ -1,4 +1,4 @@
-// Frames of an application of its own: two command buffers that take turns, each with a fence.
+// The application's own frames: two command buffers that take turns, each with a fence.
 #pragma once
 
 #include "../open_vulkan.h"
@@ -63,9 +63,9 @@ public:
         check(vkWaitForFences(device_, 1, &fences_[turn_], VK_TRUE, UINT64_MAX), "vkWaitForFences");
         return begun(commands_[turn_]);
     }
-    // What was recorded is not submitted, as when a window has been minimised; the next begin() has the same turn.
+    // Does not submit what was recorded, as when a window has been minimised; the next begin() uses the same buffer.
     void drop() { check(vkEndCommandBuffer(commands_[turn_]), "vkEndCommandBuffer"); }
-    // With other commands before it, or none.
+    // Submits this frame's commands, after `others` if there are any.
     void submit(VkCommandBuffer others = VK_NULL_HANDLE) {
         check(vkEndCommandBuffer(commands_[turn_]), "vkEndCommandBuffer");
         check(vkResetFences(device_, 1, &fences_[turn_]), "vkResetFences");
@@ -76,7 +76,7 @@ public:
         check(vkQueueSubmit(queue_, 1, &info, fences_[turn_]), "vkQueueSubmit");
         turn_ = (turn_ + 1) % kInFlight;
     }
-    // Waits for all.
+    // Waits for all frames.
     void finish() {
         check(vkWaitForFences(device_, kInFlight, fences_.data(), VK_TRUE, UINT64_MAX), "vkWaitForFences");
     }

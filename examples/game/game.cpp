@@ -1,7 +1,7 @@
-// A game without a picture until its end: waves of attackers in the colours of their teams walk to the middle of a
-// field with things in their hands, die there, lie for a while and are gone, while others come. On the game's own
-// Vulkan device, two frames in flight; every second a frame is dropped; beasts are loaded while the game goes on; and
-// it is saved and restored, after which the same things happen again. Says how long its calls take.
+// A game that draws no picture until its end: waves of attackers in the colours of their teams walk to the middle of a
+// field with things in their hands, die there, lie for a while and are gone, while others come. It runs on its own
+// Vulkan device with two frames in flight; once a second a frame is dropped; beasts are loaded while the game goes on;
+// and it is saved and restored, after which the same things happen again. Prints how long its calls take.
 //   game creature.glb guard.json lantern.glb beast.glb picture.png [2000]
 // (./run throng generate makes such files; examples/controllers has the controller; the number: of attackers at most)
 #include "frames.h"
@@ -39,7 +39,7 @@ double now_ms(clockid_t clock) {
     return 1e3 * static_cast<double>(now.tv_sec) + 1e-6 * static_cast<double>(now.tv_nsec);
 }
 
-// Processor time of the calling thread, and time by the clock, in which others may have had the processor.
+// Processor time of the calling thread, and time by the clock, which includes time when others had the processor.
 struct Taken {
     double own_ms = 0, clock_ms = 0;
 };
@@ -65,7 +65,7 @@ struct Dying {
     double falls_s = 0;              // for so long already
 };
 
-// What a game knows beside its crowd.
+// What the game keeps besides its crowd.
 struct World {
     std::map<uint32_t, Attacker> attackers;  // by the numbers of their bodies
     std::deque<Dying> dying;
@@ -122,7 +122,7 @@ public:
     Crowd& crowd() { return crowd_; }
     World world;
 
-    // What crowds need that become one with the game's.
+    // Settings that a crowd needs so that its groups can be added to the game's crowd.
     static CrowdSettings settings_with(std::vector<CrowdGroup> groups, uint32_t watch_capacity = 0) {
         return {.groups = std::move(groups),
                 .frames_in_flight = Frames::kInFlight,
@@ -147,7 +147,7 @@ private:
         return Crowd::create(device, settings_with({bodies, things}, most_)).expect();
     }
 
-    // Steel all over, of which a team's colour shows a little.
+    // Steel all over, with a little of the team's colour.
     static Outfit armoured(const Character& body) {
         Outfit outfit;
         for (uint32_t section = 0; section < body.sections.size(); ++section)
@@ -186,8 +186,9 @@ private:
         world.born += count;
     }
 
-    // Where the attackers are, and the sound of their feet, up to this update: of some frames ago, since nothing waits
-    // for the GPU. What has come back sooner waits, so that a game that is restored hears the same at the same time.
+    // Takes in where the attackers are, and the sound of their feet, up to this update: that of some frames ago, since
+    // nothing waits for the GPU. Feedback that came back sooner is kept, so that a restored game hears the same at the
+    // same time.
     void hear(uint64_t update) {
         for (Feedback& feedback : crowd_.feedback().expect()) unheard_.push_back(std::move(feedback));
         for (; !unheard_.empty() && unheard_.front().update <= update; unheard_.pop_front()) {
@@ -208,7 +209,7 @@ private:
     }
 
     // An attacker near the middle may fall: it drops its thing, lies for a while, and is despawned. It goes on walking
-    // until it is known what it looks like, a frame or two.
+    // until its pose has come back, a frame or two.
     void fight(double now_s) {
         std::uniform_real_distribution<float> chance(0, 1);
         std::vector<InstanceHandle> gone, hit;
@@ -234,7 +235,7 @@ private:
         crowd_.request_poses(hit).expect();
     }
 
-    // On their backs, stiff; physics would be here instead.
+    // They fall on their backs, stiff; a real game would have physics here instead.
     void fall() {
         std::vector<InstanceHandle> falling;
         std::vector<Trs<float>> poses;
@@ -270,7 +271,7 @@ private:
     std::deque<Feedback> unheard_;
 };
 
-// Beasts that stand around: a thread of their own loads them, and records what brings them to the device.
+// Beasts that stand around: a thread of their own loads them, and records the commands that upload them to the device.
 struct Beasts {
     Beasts(const Device& device, const AdoptedDevice& vulkan, const char* file)
         : character(load_character(file).expect()), uploads(vulkan) {
@@ -315,7 +316,7 @@ public:
             const Stopwatch stopwatch;
             const bool was_loading = loading_.valid();
             VkCommandBuffer of_beasts = VK_NULL_HANDLE;
-            // A saved state is of a crowd with the same groups
+            // A saved state can be restored only into a crowd with the same groups
             const bool is_replayed = frame >= kSaveAt && frame < kSaveAt + kReplayed;
             if (was_loading && !is_replayed &&
                 loading_.wait_for(std::chrono::seconds(0)) == std::future_status::ready) {
@@ -364,7 +365,7 @@ int main(int argc, char** argv) {
     const Character body = load_character(argv[1]).expect(), thing = load_character(argv[3]).expect();
     const Controller mind = load_controller(argv[2]).expect();
     Game game(device, body, mind, thing, static_cast<uint32_t>(most));
-    // Not while somebody plays: what some devices compile, and the first update, which brings everything to the device
+    // Before anybody plays: compile what some devices compile late, and run the first update, which uploads everything
     device.warm_up().expect();
     game.record(frames.begin());
     frames.submit();

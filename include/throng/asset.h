@@ -153,33 +153,34 @@ struct Asset {
 
 // Reads a .glb or .gltf file (glTF 2.0), its buffers and its images.
 // Extensions: KHR_mesh_quantization, EXT_ and KHR_meshopt_compression, KHR_draco_mesh_compression,
-// KHR_texture_transform, EXT_texture_webp, KHR_materials_emissive_strength, and of KHR_materials_pbrSpecularGlossiness
-// the colours.
-// Others of materials and images are left out, with a warning where that is seen; another one in `extensionsRequired`
-// is refused by name. Side files must lie in the file's own folder or below it. Errors: kFile, kInvalidFile,
-// kUnsupported, kLimit, kCancelled; each names the file and the place in it. Thread-safe.
+// KHR_texture_transform, EXT_texture_webp, KHR_materials_emissive_strength, and the colours of
+// KHR_materials_pbrSpecularGlossiness.
+// Other extensions of materials and images are ignored, with a warning if that can be seen; any other one in
+// `extensionsRequired` is refused by name. Side files must lie in the file's own folder or below it. Errors: kFile,
+// kInvalidFile, kUnsupported, kLimit, kCancelled; each names the file and the place in it. Thread-safe.
 Result<Asset> load_asset(const std::filesystem::path& path, const LoadHooks& hooks = {});
 
 // Hands over the whole of a side file, a buffer or an image, from wherever the application has it. `path` is as the
 // file has it, percent-decoded: relative to the file's folder, without '..'; never a data: URI. Called on the thread
-// that called throng, and not again within a call for what it has handed over. Where it returns kFile or kInvalidFile
-// for an image, that is left out with a warning; other errors, and those of buffers, end the call. What it throws
-// becomes kInvalidArgument.
+// that called throng, and within one call not again for a file that it has handed over. If it returns kFile or
+// kInvalidFile for an image, the image is left out with a warning; other errors, and those of buffers, end the call.
+// What it throws becomes kInvalidArgument.
 using AssetResolver = std::function<Result<std::vector<std::byte>>(std::string_view path)>;
 
-// The same for the content of a file; `name`, Asset::name, stands in messages. Without a resolver there are no side
-// files: a buffer in one is refused with kFile. The side files may have 2 GiB in all, as those on disk.
+// The same for the content of a file in memory; `name` becomes Asset::name and appears in messages. Without a resolver
+// there are no side files: a buffer in one is refused with kFile. As on disk, the side files can have at most 2 GiB in
+// total.
 Result<Asset> load_asset(std::span<const std::byte> bytes, std::string_view name, const AssetResolver& resolver = {},
                          const LoadHooks& hooks = {});
 
-// Adds the clips of another asset to `asset`, behind its own, for the nodes that have the same names: of files with
-// nothing but animation, or of another character on such a rig. Names may differ in case, in a prefix that all have
-// ("mixamorig:") and in what is neither letter nor digit. What has no node of its name is left out, with a warning.
-// Joints turn in model space as they do in `from`, so they must have the same axes in both; bones of another length
-// keep their own, and ways over the ground are scaled by the mean length of bones. A clip keeps its name; one without a
-// name of its own, or with one that is there already, is called by `from.name` without its extension. Errors:
-// kInvalidArgument: no clips in `from`, none that animates a node of a name that `asset` has, or an asset that
-// compile_character() would not take; `asset` is as before then.
+// Adds the clips of another asset to `asset`, behind its own, for the nodes that have the same names: `from` can be a
+// file with nothing but animation, or another character on such a rig. Names may differ in case, in a prefix that all
+// have ("mixamorig:") and in what is neither letter nor digit. Tracks without a node of that name are left out, with a
+// warning. Joints turn in model space as they do in `from`, so they must have the same axes in both; bones of another
+// length keep their own, and ways over the ground are scaled by the mean length of bones. A clip keeps its name; one
+// without a name of its own, or with a name that is there already, is named after `from.name` without its extension.
+// Errors: kInvalidArgument: no clips in `from`, none that animates a node whose name `asset` has, or an asset that
+// compile_character() would not take; then `asset` is unchanged.
 Result<void> add_clips(Asset& asset, const Asset& from);
 
 }  // namespace throng

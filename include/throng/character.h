@@ -25,16 +25,16 @@ struct Rig {
     bool uniform_scale = false;        // in the rest pose and all clips every scale is the same along x, y and z
 
     uint32_t joint_count() const { return static_cast<uint32_t>(parents.size()); }
-    // The first joint with this name, or kNone; names need not differ. And the same with an error, in place of kNone,
-    // that says which there are: kInvalidArgument.
+    // The first joint with this name, or kNone; names need not be unique. joint_named() is the same, but a missing name
+    // is an error that says which there are: kInvalidArgument.
     uint32_t find_joint(std::string_view joint_name) const;
     Result<uint32_t> joint_named(std::string_view joint_name) const;
 };
 
-// Where a joint's three tracks lie in Character::keys. Each word is a position in float4s; in a character of exact keys
-// with the flags: kTrackAnimated: the key of row r is at position + r * Clip::row_stride; without it, the position is
-// the one value. kTrackStep: the value of the earlier row holds until the next one. In a packed character each word is
-// the position of a PackedTrack, without flags.
+// Where a joint's three tracks lie in Character::keys. Each word is a position in float4s, in a character of exact keys
+// together with flags. kTrackAnimated: the key of row r is at position + r * Clip::row_stride; without it, the only
+// value is at the position. kTrackStep: the value of the earlier row holds until the next one. In a packed character
+// each word is the position of a PackedTrack, without flags.
 struct JointTracks {
     uint32_t rotation = 0, translation = 0, scale = 0, unused = 0;
 };
@@ -42,16 +42,16 @@ inline constexpr uint32_t kTrackAnimated = 0x80000000u;
 inline constexpr uint32_t kTrackStep = 0x40000000u;
 inline constexpr uint32_t kTrackPosition = 0x3FFFFFFFu;
 
-// How a track of a packed character is decoded: two float4s of Character::keys; the second is left out where all bits
-// are 0. Component c (0, 1, 2, in full rotations 3) of row r lies in bits_c bits of Character::words, behind those of
+// How a track of a packed character is decoded: two float4s of Character::keys; the second is left out if all bits are
+// 0. Component c (0, 1, 2, in full rotations 3) of row r lies in bits_c bits of Character::words, behind those of
 // component c - 1, the first at bit first_bit of the row, least significant bit of a word first; rows begin at word
-// Clip::first_row + r * Clip::row_stride. Its value is minimum[c] + step[c] * bits; without bits, minimum[c]. No more
-// than kPackedComponentBits a component and, behind the start of the word in which the first lies, 96 in all.
-// Translations and scales are x, y, z. Of a rotation (unit quaternion) the component `left_out` is not stored: it is
-// the non-negative root of 1 - the others' squares, and component c is the quaternion's (left_out + 1 + c) % 4. A full
-// rotation stores all four, each in kPackedFullBits with minimum -1 and step kPackedFullStep, the fourth being
-// quaternion component `left_out`; two neighbouring rows may then be in different hemispheres no more than exact keys
-// may. Between rows: lerp; rotations are normalised afterwards.
+// Clip::first_row + r * Clip::row_stride. Its value is minimum[c] + step[c] * bits; without bits, minimum[c]. A
+// component has at most kPackedComponentBits bits, and all lie within 96 bits of the start of the word in which the
+// first lies. Translations and scales are x, y, z. For a rotation (unit quaternion) the component `left_out` is not
+// stored: it is the non-negative root of 1 - the others' squares, and component c is the quaternion's (left_out + 1 +
+// c) % 4. A full rotation stores all four, each in kPackedFullBits with minimum -1 and step kPackedFullStep, the fourth
+// being quaternion component `left_out`; as with exact keys, neighbouring rows must then lie in the same hemisphere.
+// Between rows: lerp; rotations are normalised afterwards.
 struct PackedTrack {
     std::array<float, 3> minimum{};
     // Bits of component 0, 1, 2: 5 bits each from bit 0; left_out: kPackedLeftOutShift; and the flags below
@@ -79,14 +79,15 @@ struct Clip {
     float duration_s = 0;
     uint32_t first_time = 0;  // of its times in Character::times_s
     uint32_t row_count = 0;   // at least 1
-    // From one row of keys to the next: float4s (animated tracks), in a packed character words
+    // From one row of keys to the next: float4s (one for each animated track) or, in a packed character, words
     uint32_t row_stride = 0;
     uint32_t first_row = 0;  // word in which a packed clip's rows begin; exact: 0
 
     uint32_t channel_count = 0;         // of the file: translation, rotation, scale
     uint64_t source_key_count = 0;      // keys of these channels
     uint32_t animated_track_count = 0;  // that are not constant
-    // Rows added so that cubic tracks stay within 1e-6 of the character's size, and what root motion leaves within 1e-4
+    // Rows added so that cubic tracks stay within 1e-6 of the character's size, and what is left after root motion is
+    // taken out within 1e-4
     uint32_t refined_row_count = 0;
     // Rows of the union left out: exact, the others reproduce them within 1e-6 too; packed, within the error bound
     uint32_t dropped_row_count = 0;
@@ -94,25 +95,26 @@ struct Clip {
     uint64_t raw_size_bytes = 0;  // of 10 floats (rotation, translation, scale) a joint at every row of exact keys
     // Of Character::root_rows, evenly spaced over the duration, both ends included; 0: none
     uint32_t first_root_row = 0, root_row_count = 0;
-    // packed: largest displacement of a skinned point against exact keys, as a part of the character's size; also of
-    // points where one morph of weight 1 has them
+    // packed: largest displacement of a skinned point against exact keys, as a part of the character's size; also
+    // measured with one morph at weight 1
     double error = 0;
-    // Rows of morph weights, on a time axis of their own: its times in Character::morph_times_s; no rows where all
-    // weights that it animates are constant.
+    // Rows of morph weights, on a time axis of their own: its times in Character::morph_times_s; no rows if all weights
+    // that the clip animates are constant.
     uint32_t first_morph_time = 0, morph_row_count = 0;
     uint32_t morph_row_stride = 0;  // from one row to the next in Character::morph_values
     // Box around the mesh at all times of the clip (morphs at weight 1 included), model space
     Vec3<float> bounds_min{}, bounds_max{};
 };
 
-// A morph target of a mesh that a node carries: what it adds to the mesh's vertices, by a weight of each instance.
+// A morph target of a mesh that a node carries: what it adds to the mesh's vertices, times a weight that each instance
+// has.
 struct Morph {
     std::string name{};             // mesh.extras.targetNames, else "<mesh>.<target>"
     uint32_t node = 0, target = 0;  // of the file
     float default_weight = 0;       // of instances whose clips do not animate it
 };
 
-inline constexpr float kLeastMorphWeight = 1e-6f;  // what is not larger by magnitude counts as 0
+inline constexpr float kLeastMorphWeight = 1e-6f;  // a weight whose magnitude is not larger counts as 0
 
 // What one morph adds to one vertex, in the bind space of its mesh, times its weight: exact floats for the position;
 // the normal, which may be off by 0.002 a component and is held within -2..2, as three signed integers of 10 bits,
@@ -169,9 +171,9 @@ struct MeshSection {
 
 // A coarser mesh of the same vertices. Level 0 is the sections' own; these are 1 and on.
 struct Lod {
-    // How far a vertex of level 0 lies from the surface of this one at most, model space, where that has the joints
-    // that joint_lods gives it: in the rest pose and in poses of clips that the compiler has looked at. Compiled
-    // levels have more than 0. Not less than that of the level before.
+    // How far a vertex of level 0 lies at most from the surface of this level, model space, when only the joints that
+    // joint_lods gives to this level move: in the rest pose and in poses of clips that the compiler has looked at.
+    // Above 0 in compiled levels. Not less than that of the level before.
     float error = 0;
 };
 struct IndexRange {
@@ -188,7 +190,7 @@ struct Character {
     // exact: rest pose (3 * joint_count), then each clip's constants and rows; packed: PackedTracks
     std::vector<std::array<float, 4>> keys{};
     std::vector<uint32_t> words{};  // packed: rows of bits, and kPackedWordsBehind words behind the last
-    // Root motion of clips: x, z, cosine and sine of the turn about +y, model space, relative to the clip's begin
+    // Root motion of clips: x, z, cosine and sine of the turn about +y, model space, relative to the clip's beginning
     std::vector<std::array<float, 4>> root_rows{};
     std::vector<JointTracks> tracks{};  // [clip_count + 1][joint_count]; the last row is the rest pose
     std::vector<Skin> skins{};
@@ -201,10 +203,10 @@ struct Character {
     std::vector<Lod> lods{};                   // at most kLodLimit
     std::vector<IndexRange> lod_ranges{};      // [lods][sections], of lod_indices
     std::vector<uint32_t> lod_indices{};       // relative to the section's first vertex
-    // [joint_count], or empty, as of a character without clips, of which nothing is known: the coarsest level of detail
-    // in which the joint moves by itself, not above its parent's. In coarser ones its skin matrices are those of the
-    // next joint above it that does, as if the joints between them were in the bind pose: in the rest pose and in poses
-    // of all clips that displaces vertices by no more than a third of the level's error.
+    // [joint_count], or empty, for example for a character without clips, whose motion is not known: the coarsest level
+    // of detail in which the joint moves by itself, not above its parent's. In coarser levels its skin matrices are
+    // those of the next joint above it that moves by itself, as if the joints between them were in the bind pose; in
+    // the rest pose and in poses of all clips, this displaces vertices by no more than a third of the level's error.
     std::vector<uint32_t> joint_lods{};
     std::vector<AssetMaterial> materials{};
     std::vector<AssetImage> images{};
@@ -213,16 +215,17 @@ struct Character {
     float size = 0;
     std::vector<Morph> morphs{};             // those of a node one after another
     std::vector<MorphDelta> morph_deltas{};  // of the vertices that any morph moves
-    // [clip_count][morph_count]: kNone where the clip does not animate the morph, else the position of its weight, or
-    // of that in its first row, in morph_values, and flags as JointTracks has them. Linear between rows, or, with
+    // [clip_count][morph_count]: kNone if the clip does not animate the morph, else the position in morph_values of its
+    // only weight, or of the one in its first row, and flags as in JointTracks. Linear between rows, or, with
     // kTrackStep, the earlier row's.
     std::vector<uint32_t> morph_tracks{};
     std::vector<float> morph_times_s{};   // of all clips, each clip's ascending
     std::vector<float> morph_values{};    // constants and rows of all clips
     std::vector<std::string> warnings{};  // of the file and of the compilation, a line each
 
-    // Index of the clip, or the first of the morphs, with this name, or kNone. And the same with an error, in place of
-    // kNone, that says which there are: kInvalidArgument. (A Playback of clip kNone is the rest pose, not an error.)
+    // Index of the clip, or of the first morph, with this name, or kNone. clip_named() and morph_named() are the same,
+    // but a missing name is an error that says which there are: kInvalidArgument. (A Playback of clip kNone is the rest
+    // pose, not an error.)
     uint32_t find_clip(std::string_view clip_name) const;
     uint32_t find_morph(std::string_view morph_name) const;
     Result<uint32_t> clip_named(std::string_view clip_name) const;
@@ -241,27 +244,27 @@ struct CompileSettings {
     // not be animated.
     std::string root_motion_joint{};
     // Whether Character::lods and what belongs to them are made. Without them CrowdSettings::culling draws the finest
-    // mesh wherever a character stands, and reduces_joints leaves out none; all else is the same.
+    // mesh at any distance, and reduces_joints leaves out no joints; all else is the same.
     bool lods = true;
 };
 inline const CompileSettings kExact{.error = 0};
 
-// Limits: 65,535 joints; 65,536 palette entries; 256 MiB each of keys, of packed words and of the track table; to be
-// packed, 2^28 poses of a joint (rows of exact keys, of all clips, times joints); 4,096 morphs, and 256 MiB each of
-// their differences, their track table and their weights, for which cubic tracks become rows, straight between each
-// other, within 0.0001 (of the largest weight of the track, where that exceeds 1), 4,000,000 weights of them a clip.
-// Names of morphs are cut at 256 bytes. Control characters of names become '?'. Errors: kInvalidArgument (an asset
-// that is not as asset.h says; the error bound, no joint of that name for root motion), kInvalidFile (poses that are
-// not finite), kUnsupported (nothing to animate; an animated or unevenly scaled joint above that of root motion),
-// kLimit, kCancelled.
+// Limits: 65,535 joints; 65,536 palette entries; 256 MiB each of keys, of packed words and of the track table; for
+// packing, 2^28 poses of a joint (rows of exact keys, of all clips, times joints); 4,096 morphs, and 256 MiB each of
+// their differences, their track table and their weights. Cubic tracks of weights become rows, linear in between,
+// within 0.0001 (of the largest weight of the track, if that exceeds 1); at most 4,000,000 such weights a clip. Names
+// of morphs are cut at 256 bytes. Control characters of names become '?'. Errors: kInvalidArgument (an asset that is
+// not as asset.h says; the error bound, no joint of that name for root motion), kInvalidFile (poses that are not
+// finite), kUnsupported (nothing to animate; an animated or unevenly scaled joint above that of root motion), kLimit,
+// kCancelled.
 Result<Character> compile_character(const Asset& asset, const CompileSettings& settings = {},
                                     const LoadHooks& hooks = {});
 
-// Whether a regular file of this name begins as one that save_character() wrote.
+// Whether `path` is a regular file that begins like one that save_character() wrote.
 bool is_compiled_file(const std::filesystem::path& path);
 
-// Character::influences as a coarser level of detail has them: those of joints that do not move in it are their
-// ancestor's that does, by Character::joint_lods. The same where that is empty.
+// Character::influences for a coarser level of detail: those of joints that do not move in it go to the next ancestor
+// that does, by Character::joint_lods. Unchanged if that is empty.
 std::vector<Influences> influences_of_lod(const Character& character, uint32_t lod);
 
 // load_asset() and compile_character() in one. A file that save_character() wrote, known by its first bytes, is read as
@@ -274,9 +277,9 @@ Result<Character> load_character(const std::filesystem::path& path, const Compil
 // load_character() would refuse.
 Result<void> save_character(const Character& character, const std::filesystem::path& path);
 
-// The content of such a file, from memory; `name` stands in messages. Files are checked as those of strangers are: what
-// is accepted leads no stage out of its buffers. Errors: kInvalidFile (damaged, cut short, or not such a file),
-// kUnsupported (another version), kLimit.
+// The content of such a file, from memory; `name` stands in messages. Files are not trusted: nothing that is accepted
+// can lead a stage out of its buffers. Errors: kInvalidFile (damaged, cut short, or not such a file), kUnsupported
+// (another version), kLimit.
 Result<Character> load_compiled_character(std::span<const std::byte> bytes, std::string_view name);
 
 }  // namespace throng

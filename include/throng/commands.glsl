@@ -1,7 +1,7 @@
-// For an application's compute shader: asks instances of an OutputBlock for this and that (throng/commands.h), which
-// the next update does. Of what is asked of an instance more than once, the last in the buffer counts, which of two
-// invocations nobody knows. Before it is included, THRONG_COMMAND_SET and THRONG_COMMAND_BINDING say where
-// OutputBlock::command is bound.
+// For an application's compute shader: writes commands for the instances of an OutputBlock (throng/commands.h), which
+// the next update obeys. If several commands set the same of an instance, the last in the buffer counts; which of two
+// invocations that is, nobody knows. Before this file is included, THRONG_COMMAND_SET and THRONG_COMMAND_BINDING say
+// where OutputBlock::command is bound.
 #ifndef THRONG_COMMANDS_GLSL
 #define THRONG_COMMANDS_GLSL
 

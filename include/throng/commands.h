@@ -1,6 +1,6 @@
-// What an application's shaders ask of instances, without the CPU: they write commands into a buffer
-// (OutputBlock::command), and the next update obeys them: those that spawn and despawn first, then the others, and of
-// those that set the same of an instance the last one. throng/commands.glsl is for such shaders.
+// What an application's shaders can tell instances to do, without the CPU: they write commands into a buffer
+// (OutputBlock::command), and the next update obeys them, those that spawn and despawn first, then the others. If
+// several set the same of an instance, the last one counts. throng/commands.glsl has functions for such shaders.
 #pragma once
 
 #include <throng/character.h>
@@ -25,8 +25,8 @@ enum class CommandKind : uint32_t {
     kSetLook
 };
 
-// 16 words. `data` is, by kind, with floats as their bits and what lies behind ignored:
-//   kSpawn, kPlace: world_from_model, three rows of four floats. kSpawn begins anew whoever is there.
+// 16 words. `data` by kind, with floats as their bits; words after those named here are ignored:
+//   kSpawn, kPlace: world_from_model, three rows of four floats. kSpawn lets an instance that is there begin anew.
 //   kDespawn: nothing.
 //   kPlayback: of the first clip its number (kNone: the rest pose), whether it loops (1 or 0), time in seconds and
 //     speed (floats), then the same of the second; weight of the first (float, 0..1).
@@ -41,7 +41,8 @@ struct InstanceCommand {
     uint32_t unused = 0;
     std::array<uint32_t, 12> data{};
 
-    // As Crowd's calls of these names, unchecked: for a native device, and for commands that are copied to another.
+    // As Crowd's calls of these names, but unchecked: for a native device, and for commands that are copied to another
+    // device.
     static InstanceCommand spawn(uint32_t instance, const Affine& world_from_model);
     static InstanceCommand despawn(uint32_t instance);
     static InstanceCommand set_placement(uint32_t instance, const Affine& world_from_model);
@@ -54,8 +55,8 @@ struct InstanceCommand {
 
 // In front of a block's commands, as large as one.
 struct CommandHead {
-    // Commands that there are. A shader adds to it, and writes its command behind that many others where they are fewer
-    // than OutputBlock::command_capacity. An update sets it to 0 when it has obeyed them.
+    // How many commands there are. A shader adds 1 to it, and writes its command at the index that it held before, if
+    // that is below OutputBlock::command_capacity. An update sets it to 0 when it has obeyed them.
     uint32_t count = 0;
     uint32_t lost = 0;  // commands that the last update did not get, because there was no room for them
     // Commands that the last update could not obey: for a clip, layer or instance number that does not exist, with a

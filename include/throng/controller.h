@@ -12,8 +12,8 @@
 
 namespace throng {
 
-// A number of each character that conditions, blend spaces, speeds and weights read. A bool is 0 or 1; a trigger is set
-// (not 0) until an update in which a transition that asks for it was taken.
+// A number of each character that conditions, blend spaces, speeds and weights read. A bool is 0 or 1; a trigger stays
+// set (not 0) until an update takes a transition that asks for it.
 enum class ParameterType { kFloat, kBool, kTrigger };
 struct ControllerParameter {
     std::string name{};
@@ -38,10 +38,10 @@ struct MaskItem {
 };
 struct JointMask {
     std::string name{};
-    std::vector<MaskItem> items{};  // joints of none have weight 0
+    std::vector<MaskItem> items{};  // joints that no item sets have weight 0
 };
 
-// A clip within a state, at a place of its blend space: x, y are of no use in a state without parameters.
+// A clip within a state, at a place of its blend space: x and y are not used in a state without parameters.
 struct BlendPoint {
     std::string clip{};
     float x = 0, y = 0;
@@ -70,8 +70,8 @@ struct ControllerCondition {
 
 enum class FadeKind { kCross, kInertial };
 
-// Taken where all conditions hold and the leading state has played `exit` cycles since it was entered. The first in the
-// list that can be taken is.
+// Can be taken when all conditions hold and the leading state has played `exit` cycles since it was entered. The first
+// in the list that can be taken is taken.
 struct ControllerTransition {
     std::string from{};  // empty: any state but `to`
     std::string to{};
@@ -97,7 +97,7 @@ struct ControllerLayer {
     std::string mask{};  // empty: all joints
     float weight = 1;
     std::string weight_parameter{};         // multiplies weight; the product is clamped to 0..1
-    std::vector<ControllerState> states{};  // the first one is the one that it starts in
+    std::vector<ControllerState> states{};  // the layer starts in the first one
     std::vector<ControllerTransition> transitions{};
 };
 
@@ -108,8 +108,8 @@ struct Controller {
     std::vector<JointMask> masks{};
     std::vector<ControllerLayer> layers{};  // lowest first
 
-    // Index of the parameter, layer or mask with this name, or kNone. And the same with an error, in place of kNone,
-    // that says which there are: kInvalidArgument.
+    // Index of the parameter, layer or mask with this name, or kNone. The ..._named() calls are the same, but a missing
+    // name is an error that says which there are: kInvalidArgument.
     uint32_t find_parameter(std::string_view parameter_name) const;
     uint32_t find_layer(std::string_view layer_name) const;
     uint32_t find_mask(std::string_view mask_name) const;

@@ -29,108 +29,113 @@
 
 namespace throng {
 
-// What the outputs of sockets hold: model_from_joint, or world_from_joint by the instance's placement.
+// What the outputs of sockets hold: model_from_joint, or world_from_joint (with the instance's placement applied).
 enum class SocketSpace { kModel, kWorld };
 
-// Skin matrices of only those instances that are drawn, in place of some for each: their memory is then a function of
-// what is seen. An instance that is drawn has a row of the pool of its own; or, where it is so far away that nobody
-// sees the difference (CrowdView::shared_pose_pixels), the nearest of the poses that its group has of each clip, which
-// were made with the crowd: it is not animated then. Of controllers that is only where a clip plays alone. Where there
-// are more to animate than rows, what is left over shows such a pose too, of the clip that has most weight (of a
-// controller, the first clip of its lowest layer): coarser sets of joints first, and of one set the instances with the
-// highest numbers. Large groups are several OutputBlocks; each has such a pool, of at most 256 MiB.
+// Keeps skin matrices only for instances that are drawn, not for all, so that their memory depends on what is seen. A
+// drawn instance has its own row of the pool, unless it is so far away that nobody sees the difference
+// (CrowdView::shared_pose_pixels): then it is not animated, and shows the nearest of the poses that its group has of
+// each clip, which are made with the crowd. With a controller, that happens only while a clip plays alone. If there are
+// more instances to animate than rows, the rest show such a pose too, of the clip that has most weight (with a
+// controller, the first clip of its lowest layer): instances with coarser sets of joints first and, within one set,
+// those with the highest numbers. Large groups are several OutputBlocks; each has such a pool, of at most 256 MiB.
 struct SkinPool {
     uint32_t capacity = 0;          // rows for instances of an OutputBlock; above 0
     float shared_poses_per_s = 30;  // of each clip; above 0, at most 1000
 };
 
 // Instances of one character. Instances of a crowd are numbered group after group. Without a controller each plays what
-// set_playback() says, two clips at most; with one, its layers (docs/controller.md). All are read by Crowd::create()
-// and not kept.
+// set_playback() says, two clips at most; with one, the controller's layers (docs/controller.md). Crowd::create() reads
+// what the pointers refer to and keeps no reference.
 struct CrowdGroup {
     const Character* character = nullptr;
-    uint32_t instance_count = 0;  // that are there when the crowd is made
+    uint32_t instance_count = 0;  // how many there are when the crowd is made
     const Controller* controller = nullptr;
-    // Root motion, if the character has it, moves the placements; else it is only reported
+    // True: root motion, if the character has it, moves the placements; false: it is only reported
     bool moves_placements = true;
     // Joints, at most 64, whose transforms are written in each update, for attachments
     std::vector<uint32_t> sockets{};
     SocketSpace socket_space = SocketSpace::kWorld;
-    // Its instances may hang on sockets of others, by Crowd::attach(). Such a group does not move by itself (steering,
+    // Its instances can hang on sockets of others (Crowd::attach()). Such a group does not move by itself (steering,
     // terrain, root motion)
     bool is_carried = false;
-    // Nothing but the sockets is computed, and of the joints only those that they hang on: for servers, which ask where
-    // hit boxes are and draw nothing. Updated natively in one pass alone; there are no skin and model matrices then.
+    // Computes nothing but the sockets and the joints that they depend on: for servers, which ask where hit boxes are
+    // and draw nothing. Only works where the group is updated natively in one pass; there are no skin or model
+    // matrices.
     bool sockets_only = false;
     // Moves joints after the blend; such groups are updated stage by stage
     const ProceduralRules* procedural = nullptr;
-    // Makes its instances agents. Root motion carries them, where it moves placements; else they are moved as fast as
-    // they want
+    // Makes its instances agents. Root motion carries them if it moves placements; otherwise the update moves them as
+    // fast as they want to walk
     std::optional<Steering> steering{};
-    // Its instances stand on CrowdSettings::terrain, which they need: the update sets y of their placements
+    // Its instances stand on CrowdSettings::terrain, which must be set: the update sets y of their placements
     bool on_terrain = false;
-    // Instances that may have a pose of set_pose() at the same time; 48 bytes a joint each, 0: no cost at all
+    // How many instances can have a pose from set_pose() at the same time; 48 bytes a joint each. 0: no cost at all
     uint32_t pose_capacity = 0;
-    // By how much its poses may go beyond the boxes of all clips, as a part of the character's size, at most 1000: what
-    // a view sees goes by that. Unset: a tenth, since blends go a little beyond, or half, where a controller, rules or
-    // pose_capacity do. A ragdoll that falls off a roof, where its placement stays, needs more.
+    // How far its poses can reach beyond the boxes of all clips, as a part of the character's size, at most 1000;
+    // culling enlarges the boxes by it. Unset: a tenth, since blends go a little beyond, or half with a controller,
+    // rules, pose_capacity or a CrowdSettings::skin_blend other than kLinear. A ragdoll that falls off a roof, while
+    // its placement stays there, needs more.
     std::optional<float> pose_margin{};
-    // With CrowdSettings::culling, of groups that are updated in one pass and have a mesh, where there is a native
-    // engine (docs/native.md), which makes the shared poses. Not together with sockets, inertial transitions,
-    // pose_capacity, nor the crowd's keep_model_matrices, keep_previous_matrices, Culling::skips_updates and
-    // skins_once, all of which keep something of instances that are not drawn.
+    // Needs CrowdSettings::culling, a group that is updated in one pass and has a mesh, and a native engine
+    // (docs/native.md), which makes the shared poses. Not together with sockets, inertial transitions or pose_capacity,
+    // nor with the crowd's keep_model_matrices, keep_previous_matrices, Culling::skips_updates or skins_once: all of
+    // these keep something of instances that are not drawn.
     std::optional<SkinPool> skin_pool{};
-    // Above 0: instances come and go, by Crowd::spawn() and despawn(), and there is room for so many at a time; at
-    // least instance_count. Such a crowd culls, as if CrowdSettings::culling were set, also where it is not: who is
-    // there is in its lists, and nobody else is updated or drawn. Room that is free takes memory, and next to no time.
-    // Not together with CrowdSettings::keep_previous_matrices where the group is animated entirely (see record()).
+    // Above 0: instances come and go, by Crowd::spawn() and despawn(), and there is room for this many at a time; at
+    // least instance_count. Such a crowd culls even if CrowdSettings::culling is not set: only instances that are there
+    // get into its lists, and nothing else is updated or drawn. Free room takes memory, and next to no time. Not
+    // together with CrowdSettings::keep_previous_matrices if the group is animated entirely (see record()).
     uint32_t capacity = 0;
-    // Above 0: the application's shaders may ask instances for this and that (throng/commands.h), so many times at most
-    // in an update and OutputBlock; at most 1048576. An update obeys them behind what the CPU's calls have set. 64
-    // bytes each, and 12 bytes or more an instance.
+    // Above 0: the application's shaders can write commands for instances (throng/commands.h), at most this many for
+    // each update and OutputBlock; at most 1048576. An update obeys them after it has applied what the CPU's calls have
+    // set. 64 bytes a command, and 12 bytes or more an instance. Not together with is_carried.
     uint32_t command_capacity = 0;
-    // It is such commands that spawn and despawn, and none of the CPU's calls: shaders number the instances as they
-    // like, below `capacity`, which has to be set. None is there when the crowd is made, and calls that name one are
-    // errors, but those that read; events name it by generation 0. Not together with pose_capacity.
+    // Only such commands spawn and despawn, not the CPU's calls: shaders number the instances as they like, below
+    // `capacity`. Needs capacity and command_capacity above 0. No instance is there when the crowd is made, and calls
+    // that name one are errors, except those that read; events name instances with generation 0. Not together with
+    // pose_capacity.
     bool shaders_populate = false;
-    // Morphs that an instance shows at most: those of the largest weights by magnitude, the earlier one where two are
-    // equal. 0: all that have weight. 8 bytes an instance each
+    // How many morphs an instance shows at most: those with the largest weights by magnitude, of equal ones the
+    // earlier. 0: all that have weight. 8 bytes each for every instance
     uint32_t morph_limit = 0;
-    // Ways in which its instances may look, by set_look(), which groups with none do not take
+    // Ways in which its instances can look, chosen by set_look(), which is an error for groups without outfits
     std::vector<Outfit> outfits{};
 };
 
-// How an update goes from clips to skin matrices. kStaged: sample, blend, scan and bind one after another, each through
-// memory; any character. kFused: all four in one kernel, intermediates in registers and shared memory, 4 to 7 times as
-// fast on a software device; not for characters too large for that. kNative: by this machine's processor, in one pass
-// where that applies, without the device: of a software device, by Crowd::update() and Renderer::render_frame(), which
-// wait for its queue; updates that are recorded into a command buffer, or for a view with occlusion, still run on it.
-// kDevice: on the device, fused where it applies, staged else. kAuto: natively on software devices unless
-// CrowdSettings::scan asks for a method, else as kDevice. On a native device all of them are native.
+// How an update gets from clips to skin matrices. kStaged: sample, blend, scan and bind run one after another, each
+// through memory; any character. kFused: all four in one kernel, intermediates in registers and shared memory, 4 to 7
+// times as fast on a software device; not for characters too large for that. kNative: by this machine's processor, in
+// one pass where that applies, without the device. On a software device, Crowd::update() and Renderer::render_frame()
+// do this, after waiting for its queue; updates that are recorded into a command buffer, or for a view with occlusion,
+// still run on the device. kDevice: on the device, fused where that applies, otherwise staged. kAuto: natively on
+// software devices unless CrowdSettings::scan asks for a method, otherwise as kDevice. On a native device all of them
+// are native.
 enum class UpdatePath { kAuto, kFused, kStaged, kNative, kDevice };
 
 // How a group is updated.
 struct GroupPath {
     bool is_fused = false;   // in one pass; else stage by stage
-    bool is_native = false;  // by this machine's processor, where UpdatePath::kNative says
+    bool is_native = false;  // by this machine's processor, in the cases that UpdatePath::kNative names
     std::string reason{};    // why, in one line
     ScanAdvice scan{};       // the scan method in use, also where "auto" chose it, and why
 };
 
-// How UpdatePath::kAuto updates a group of so many of them. Errors: kInvalidArgument (no joints).
+// How UpdatePath::kAuto would update a group of this many instances of the character. Errors: kInvalidArgument (no
+// joints).
 Result<GroupPath> advise_path(const Device& device, const Character& character, uint32_t instance_count);
 
-// Updates may be for a view (CrowdView): they animate only the instances that it sees, and give those that are small on
-// the screen a coarser level of detail.
+// Updates can be for a view (CrowdView): then they animate only the instances that it sees, and give those that are
+// small on the screen a coarser level of detail.
 struct Culling {
-    // Animates what is small on the screen only in some updates (CrowdView::full_rate_pixels). In between its skin
+    // Animates what is small on the screen only in some updates (CrowdView::full_rate_pixels). In between, its skin
     // matrices move evenly towards the next pose; kept model matrices are those of that next pose. Doubles the memory
-    // of skin matrices. Pays where computing is slow: a step moves three times the memory of an update, and an H200
-    // computes anew in less time.
+    // of skin matrices. Worth it where computing is slow: a step in between moves three times the memory of an update,
+    // and an H200 takes less time to compute the pose anew.
     bool skips_updates = false;
-    // Coarser levels of detail have fewer joints (Character::joint_lods): their skin matrices are written only for
-    // these, and only the influences of their level refer to no others. Kept model matrices likewise. Not of groups
-    // with CrowdGroup::pose_capacity.
+    // Coarser levels of detail have fewer joints (Character::joint_lods): skin matrices and kept model matrices are
+    // written only for these, so such an instance must be drawn with the influences of its level, which refer to no
+    // others. Does not apply to groups with CrowdGroup::pose_capacity.
     bool reduces_joints = false;
 };
 
@@ -143,75 +148,76 @@ struct CrowdSettings {
     bool keep_model_matrices = false;  // else they live only within a frame, and read_model_matrices() is an error
     // OutputBlock::previous_skin, for motion vectors; takes the memory of skin matrices once more
     bool keep_previous_matrices = false;
-    // Updates whose outputs are there side by side, 1 to 4, so that one may be computed while those before it are
+    // How many updates have their outputs side by side, 1 to 4, so that one can be computed while those before it are
     // drawn: on the same queue, or on one for asynchronous compute (AdoptedDevice::more_queue_families). Each takes the
-    // memory of skin matrices, skinned vertices, placements, sockets, lists and what else OutputBlock offers. When the
-    // commands of a record() run, whatever reads the outputs of the update so many before must have finished, by a
-    // fence or a semaphore.
+    // memory of skin matrices, skinned vertices, placements, sockets, lists and whatever else OutputBlock offers. When
+    // the commands of a record() run, whatever reads the outputs of the update that many before must have finished, by
+    // a fence or a semaphore.
     uint32_t frames_in_flight = 1;
-    std::optional<Terrain> terrain{};  // that instances of groups with CrowdGroup::on_terrain stand on
-    std::optional<Culling> culling{};  // else every update animates all instances
+    std::optional<Terrain> terrain{};  // what instances of groups with CrowdGroup::on_terrain stand on
+    std::optional<Culling> culling{};  // unset: every update animates all instances
     SkinBlend skin_blend = SkinBlend::kLinear;
-    // Every vertex that is drawn is skinned once, in compute, into OutputBlock::skinned, for several passes
-    // (shadow maps, depths, the picture) or others who read vertices; Renderer does so then. 16 bytes a vertex and
+    // Every vertex that is drawn is skinned once, in compute, into OutputBlock::skinned, for several passes (shadow
+    // maps, depths, the picture) and other readers of vertices; Renderer then reads it too. 16 bytes a vertex and
     // instance.
     bool skins_once = false;
     bool timestamps = true;  // measure the stages; costs one query a stage and one more
-    // Events of one update that feedback() can hold; the others are counted. Room for 16 bytes each, five times
+    // How many events of one update feedback() can hold; others are only counted. 16 bytes each, five times over
     uint32_t event_capacity = 16384;
     uint32_t watch_capacity = 64;  // instances that watch() takes
-    // Poses that request_poses() may ask of one update; room for their skin matrices, four times
+    // How many poses request_poses() can ask of one update; takes the memory of their skin matrices four times
     uint32_t pose_request_capacity = 0;
 };
 
 struct CrowdState;  // internal
 
-// Not thread-safe: one thread at a time per crowd. Different crowds are independent but for their device's queue.
+// Not thread-safe: one thread at a time per crowd. Different crowds are independent except for their device's queue.
 class Crowd {
 public:
-    // Submits nothing and waits for nothing, so that a thread may make a crowd while others record and submit. What
-    // its buffers begin with is in host memory until the first update, or record_uploads(), has brought it to the
-    // device; tables of a character that another crowd of the device uses by then are shared with it. Errors:
+    // Submits nothing and waits for nothing, so that a thread can make a crowd while others record and submit. The
+    // initial contents of its buffers stay in host memory until the first update, or record_uploads(), brings them to
+    // the device; tables of a character that another crowd of the device uses by then are shared with it. Errors:
     // kInvalidArgument (unknown scan, no instances, a character that has been changed and is not as character.h says),
     // kUnsupported (the scan method, the fused path, the skin format, the skin blend or the skin pool does not apply to
-    // a character), what controllers, sockets and procedural rules have wrong, kLimit (names what exceeds which limit
-    // of the device), kOutOfMemory.
+    // a character), what is wrong with controllers, sockets and procedural rules, kLimit (names what exceeds which
+    // limit of the device), kOutOfMemory.
     static Result<Crowd> create(const Device& device, const CrowdSettings& settings);
-    // None yet, as a member of something that is made before it: takes no call until another is assigned to it.
+    // No crowd yet, for example a member that is filled in later. Call nothing on it until another crowd is assigned to
+    // it.
     Crowd() noexcept;
     Crowd(Crowd&&) noexcept;
     Crowd& operator=(Crowd&&) noexcept;
     ~Crowd();
 
-    // Numbers of instances are below it; of groups with CrowdGroup::capacity, all that there is room for counts.
+    // All instance numbers are below this. Groups with CrowdGroup::capacity count as if they were full.
     uint32_t instance_count() const;
     // Errors: kInvalidArgument (no such group).
     Result<GroupPath> path(uint32_t group) const;
 
-    // Takes in the groups of another crowd of the same device, which has not been updated: of a character that a game
-    // streams in, or of more instances of one. A thread makes that crowd while this one goes on (create(),
-    // record_uploads()), and sets what its instances begin with; then they are this crowd's, steer around its agents
-    // and hang on its sockets, and the other is none any more. Returns the numbers that its groups have here, in their
-    // order: the lowest that are free. Instances get the lowest numbers of which enough are free one after another,
-    // and new handles (instances(group), handle()); whom the other crowd watches, its wind and its terrain are left
-    // behind. What stages share is made anew, in about a millisecond, and what updates under way still use is freed
-    // some ten updates later. Nothing waits or is submitted. outputs() change for the groups that come, and
-    // spans of them end. Both crowds need the same CrowdSettings, but for groups, path, scan, terrain,
-    // timestamps and capacities of feedback; where a group has CrowdGroup::capacity, which makes its crowd cull, the
-    // other crowd needs CrowdSettings::culling. Where there is an error nothing has changed. Errors: kInvalidArgument
-    // (other settings, device; it has been updated; the second half of an update for a view with occlusion is to come),
-    // kUnsupported (on a software device, of which one crowd is updated natively and the other cannot be), kLimit,
+    // Takes in the groups of another crowd of the same device that has not been updated yet: for a character that a
+    // game streams in, or for more instances of one. A thread makes that crowd while this one goes on (create(),
+    // record_uploads()), and sets how its instances begin; then they belong to this crowd, steer around its agents and
+    // can hang on its sockets, and `other` is no crowd any more. Returns the numbers that its groups have here, in
+    // their order: the lowest that are free. Instances get the lowest numbers at which enough are free in a row, and
+    // new handles (instances(group), handle()); the other crowd's watched instances, wind and terrain are left behind.
+    // What stages share is made anew, in about a millisecond, and what updates under way still use is freed some ten
+    // updates later. Nothing waits or is submitted. outputs() change because of the new groups, and spans that it has
+    // returned become invalid. Both crowds need the same CrowdSettings, except for groups, path, scan, terrain,
+    // timestamps and capacities of feedback; if a group has CrowdGroup::capacity, which makes its crowd cull, the other
+    // crowd needs CrowdSettings::culling. After an error nothing has changed. Errors: kInvalidArgument (other settings,
+    // device; it has been updated; the second half of an update for a view with occlusion is still to come),
+    // kUnsupported (on a software device, if one crowd is updated natively and the other cannot be), kLimit,
     // kOutOfMemory.
     Result<std::vector<uint32_t>> add_groups(Crowd&& other);
     // Takes a group away with all of its instances; what hangs on them stays where it is. The other groups and their
     // instances keep their numbers. Errors: kInvalidArgument (no such group, the last one, or as above).
     Result<void> remove_group(uint32_t group);
 
-    // Adds instances to a group with CrowdGroup::capacity, one for each placement, or takes some away; taken up by the
-    // next record(). They get the lowest numbers that are free. A new one is as it would be in a new crowd: it plays
-    // the rest pose, or its controller begins; it has no pose of set_pose(), target, destination or speed, and nobody
-    // watches it. Calls that name an instance that is not there are errors. 4 bytes are uploaded for each that comes or
-    // goes, its placement, and 36 for what it plays. Where there is an error nothing has happened. Errors:
+    // Adds instances to a group with CrowdGroup::capacity, one for each placement, or removes some; this takes effect
+    // with the next record(). New ones get the lowest numbers that are free, and are as they would be in a new crowd:
+    // they play the rest pose, or their controller begins; they have no pose from set_pose(), target, destination or
+    // speed, and are not watched. Calls that name an instance that is not there are errors. 4 bytes are uploaded for
+    // each that comes or goes, its placement, and 36 for what it plays. After an error nothing has happened. Errors:
     // kInvalidArgument (no such group, or without capacity; placement not finite; handle of one that has gone, or given
     // twice), kLimit (more than there is room for).
     Result<std::vector<InstanceHandle>> spawn(uint32_t group, std::span<const Affine> world_from_model);
@@ -228,49 +234,48 @@ public:
         return despawn(std::span<const InstanceHandle>(&instance, 1));
     }
     bool is_alive(const InstanceHandle& instance) const;
-    // The handle of whoever has this number now. Errors: kInvalidArgument (nobody has).
+    // The handle of the instance that has this number now. Errors: kInvalidArgument (there is none).
     Result<InstanceHandle> handle(uint32_t instance) const;
-    // Instances of a group that are there. Errors: kInvalidArgument (no such group).
+    // How many instances of a group are there. Errors: kInvalidArgument (no such group).
     Result<uint32_t> alive_count(uint32_t group) const;
 
-    // All numbers, of instances that are there or not; and those of one group. In groups without
-    // CrowdGroup::capacity all are there. Errors: kInvalidArgument (no such group).
+    // All instance numbers, in use or not; and those of one group. In groups without CrowdGroup::capacity all are
+    // there. Errors: kInvalidArgument (no such group).
     Instances instances() const;
     Result<Instances> instances(uint32_t group) const;
 
-    // What follows is taken up by the next record(), in the order of the calls. Each sets one value for all of the
-    // instances, or one for each. Where there is an error nothing has been set. Errors of all: kInvalidArgument (an
-    // instance is not there, or there is another number of values).
+    // The calls below take effect with the next record(), in the order in which they are made. Each sets one value for
+    // all of the instances, or one for each. After an error nothing has been set. Errors of all: kInvalidArgument (an
+    // instance is not there, or the number of values does not match).
 
     // What instances play, and where they stand. New instances play the rest pose and stand at the origin. A playback
-    // replaces the one before at once, and its clips begin at their time_s: for fades from clip to clip see play(). Of
-    // an instance that hangs on another one the placement is not used. Only changed instances are uploaded: 36 bytes
-    // each for a playback, 48 for a placement (80 with root motion). Errors:
-    // kInvalidArgument (clip out of range, value not finite, weight outside 0..1, set_playback() where there is a
-    // controller).
+    // replaces the one before at once, and its clips begin at their time_s: for fades from clip to clip see play(). The
+    // placement of an instance that hangs on another one is not used. Only changed instances are uploaded: 36 bytes
+    // each for a playback, 48 for a placement (80 with root motion). Errors: kInvalidArgument (clip out of range, value
+    // not finite, weight outside 0..1, set_playback() for a group with a controller).
     Result<void> set_playback(const Instances& instances, const Playback& playback);
     Result<void> set_playback(const Instances& instances, std::span<const Playback> playback);
     Result<void> set_placement(const Instances& instances, const Affine& world_from_model);
     Result<void> set_placement(const Instances& instances, std::span<const Affine> world_from_model);
 
-    // How instances look, in the pictures of Renderer and for shaders of the application's own; the size of one is that
-    // of its placement. 16 bytes are uploaded for each. Errors: kInvalidArgument (no such outfit, tint out of range).
+    // How instances look, in Renderer's pictures and for the application's own shaders; an instance's size comes from
+    // its placement. 16 bytes are uploaded for each. Errors: kInvalidArgument (no such outfit, tint out of range).
     Result<void> set_look(const Instances& instances, const InstanceLook& look);
     Result<void> set_look(const Instances& instances, std::span<const InstanceLook> look);
 
-    // Hangs instances on sockets of others, or lets them go; then they stay where they are until they are placed. What
-    // hangs on somebody is placed by each update, behind all that moves the carrier, so that both fit together in every
-    // picture; what a view sees goes by where it was in the update before. When a carrier is despawned, what hangs on
-    // it stays where it is. 64 bytes are uploaded for each. Carriers may hang on others in turn, up to 64 in a row:
-    // each level takes a dispatch, and attaching to such a carrier takes time in proportion to all attachments. Errors:
-    // kInvalidArgument (not of a group with CrowdGroup::is_carried, no such carrier or socket, sockets in model space,
-    // number not finite, it would hang on itself or in a longer row).
+    // Hangs instances on sockets of others, or lets them go; then they stay where they are until they are placed. Each
+    // update places what hangs on a carrier after everything that moves the carrier, so that both fit together in every
+    // picture; culling uses where it was in the update before. When a carrier is despawned, what hangs on it stays
+    // where it is. 64 bytes are uploaded for each. Carriers can hang on others in turn, in chains of up to 64: each
+    // level takes a dispatch, and attaching to such a carrier takes time in proportion to all attachments. Errors:
+    // kInvalidArgument (a group without CrowdGroup::is_carried, no such carrier or socket, sockets in model space,
+    // number not finite, it would hang on itself or in a longer chain).
     Result<void> attach(const Instances& instances, const Attachment& attachment);
     Result<void> attach(const Instances& instances, std::span<const Attachment> attachment);
     Result<void> detach(const Instances& instances);
 
-    // For instances whose groups have controllers; direct_layers() makes one for games that play clips by such calls
-    // alone. 32 bytes are uploaded for each, and applied on the GPU. Parameters and layers are numbered as in the
+    // For instances whose groups have controllers; direct_layers() makes a controller for games that play clips only by
+    // these calls. 32 bytes are uploaded for each, and applied on the GPU. Parameters and layers are numbered as in the
     // Controller. Errors: kInvalidArgument (no controller, layer with states, or without inertial plays, clip, mask or
     // parameter out of range, value not finite, negative fade, weight outside 0..1).
     Result<void> play(const Instances& instances, uint32_t layer, const LayerPlayback& playback);
@@ -295,126 +300,127 @@ public:
     Result<void> set_destination(const Instances& instances, std::span<const Vec3<float>> world_place);
     Result<void> clear_destination(const Instances& instances);
 
-    // A pose from outside (a ragdoll, a cut scene) in place of the animated one, which goes on below it (procedural
-    // rules move it too): parent_from_joint[joint_count] for all of the instances, or the poses of each one after
-    // another. If an instance had none, it fades in within `fade_s` seconds, 0: at once; it counts as having one until
-    // it is cleared, so a call in each frame replaces the pose and lets the fade go on. clear_pose() fades out; the
-    // room for the pose is free again when that is done. A pose set meanwhile fades in from where it is. Translations
-    // and scales are blended linearly, rotations on the shortest path, by a weight eased as those of
+    // A pose from outside (a ragdoll, a cut scene) in place of the animated one, which goes on underneath; procedural
+    // rules move such a pose too. parent_from_joint[joint_count] for all of the instances, or one pose for each, one
+    // after another. If an instance had none, it fades in within `fade_s` seconds, 0: at once; it counts as having one
+    // until it is cleared, so a call in each frame replaces the pose and lets the fade go on. clear_pose() fades out;
+    // the room for the pose is free again when that is done. A pose set meanwhile fades in from where it is.
+    // Translations and scales are blended linearly, rotations on the shortest path, by a weight that is eased as in
     // docs/controller.md, step 5. Rotations are normalised. Only the poses set are uploaded, 48 bytes a joint, and 8
     // for each instance that fades. Errors: kInvalidArgument (another number of joints, a number that is not finite, a
     // rotation of length 0, a negative fade; where Rig::uniform_scale is set, a scale that differs along the axes by
-    // more than 1e-5 of itself), kLimit (as many poses as CrowdGroup::pose_capacity are there).
+    // more than 1e-5 of itself), kLimit (CrowdGroup::pose_capacity poses are there already).
     Result<void> set_pose(const Instances& instances, std::span<const Trs<float>> parent_from_joint, float fade_s = 0);
     Result<void> clear_pose(const Instances& instances, float fade_s = 0);
 
-    // Placement, move, sockets, and what their controllers do, of these instances come back with the feedback from now
-    // on. Replaces the ones before. Errors: kInvalidArgument (no group has a controller, sockets or steering), kLimit
-    // (more than CrowdSettings::watch_capacity).
+    // From now on the feedback reports placement, move, sockets and what the controller does for each of these
+    // instances. Replaces the instances watched before. Errors: kInvalidArgument (no group has a controller, sockets or
+    // steering), kLimit (more than CrowdSettings::watch_capacity).
     Result<void> watch(const Instances& instances);
 
     // The poses that these instances show after the next record(), and only then, come back with its feedback: for
     // ragdolls, which begin where the animation ends. They are taken from the skin matrices, so they are as exact as
-    // SkinFormat; joints that are in no skin have their rest pose. Of an instance that the update does not animate,
-    // since its view does not see it, it is the pose in which it was seen last. The CPU takes some 0.07 us a joint when
-    // feedback() is called. Errors: kInvalidArgument (a group without CrowdGroup::pose_capacity, or of
+    // SkinFormat; joints that are in no skin have their rest pose. For an instance that the update does not animate
+    // because its view does not see it, it is the pose in which it was last seen. feedback() then takes the CPU some
+    // 0.07 us a joint. Errors: kInvalidArgument (a group without CrowdGroup::pose_capacity, or of
     // CrowdGroup::sockets_only), kLimit (more than CrowdSettings::pose_request_capacity).
     Result<void> request_poses(const Instances& instances);
 
     // What the updates that have finished since the last call reported, oldest first; does not wait. An update's
     // feedback is kept until the fourth record() after it: with fewer than four updates in flight, one call between two
-    // record()s misses nothing. Empty where no group has a controller, sockets or steering, and no pose may be
-    // requested.
+    // record()s misses nothing. Empty if no group has a controller, sockets or steering, and no pose can be requested.
     Result<std::vector<Feedback>> feedback();
 
-    // Records what the crowd's buffers begin with, so that the first update need not: into commands of any queue that
-    // may copy, of the adopted queue's family or of AdoptedDevice::more_queue_families. They are to be submitted, and
-    // to have run, or to be waited for by a semaphore, before those of the first record() do. Nothing where that has
-    // been called, and on a native device. Errors: kInvalidArgument (no command buffer).
+    // Records the upload of what the crowd's buffers begin with, so that the first update need not: into commands for
+    // any queue that can copy, of the adopted queue's family or of AdoptedDevice::more_queue_families. Submit them so
+    // that they have run, or are waited for by a semaphore, before the commands of the first record() run. Does nothing
+    // once record() has been called, and on a native device. Errors: kInvalidArgument (no command buffer).
     Result<void> record_uploads(VkCommandBuffer commands);
 
     // Records one update into the caller's command buffer (recording, outside a render pass, of the adopted queue's
-    // family): advances every instance by `time_step_s` times its speed, then control, and sample, blend, scan, bind or
-    // all four in one. A playback set since the last record() starts at its time plus this step; a negative step plays
-    // backwards. The recorded commands must have finished before the crowd is destroyed, and may be submitted once.
-    // They run in the order in which they were recorded, those of update(), read_ and save_state() among them, so what
-    // has been recorded is to be submitted before these are called. What was bound for compute (pipeline, descriptor
-    // sets, push constants) is no longer bound afterwards. On a native device the command buffer is
-    // VK_NULL_HANDLE, and the update is done when the call returns, as by update().
+    // family): advances every instance by `time_step_s` times its speed, then runs control, and sample, blend, scan and
+    // bind or all four in one. A playback set since the last record() starts at its time plus this step; a negative
+    // step plays backwards. The recorded commands must have finished before the crowd is destroyed, and may be
+    // submitted once. Commands must run in the order in which they were recorded, and update(), read_...() and
+    // save_state() submit some of their own, so submit what has been recorded before you call these. What was bound for
+    // compute (pipeline, descriptor sets, push constants) is no longer bound afterwards. On a native device the command
+    // buffer is VK_NULL_HANDLE, and the update is done when the call returns, as by update().
     //
-    // With a view, where CrowdSettings::culling: all instances go on in time, and of groups that are fused, without
-    // sockets or inertial transitions, only those that it sees are animated (others' groups entirely). Without one, all
-    // are, and all are listed. A box around all clips' poses decides, wider by CrowdGroup::pose_margin. Errors:
-    // kInvalidArgument (the time step or the view is not finite; a view and no culling), kUnsupported
-    // (CrowdView::occlusion on a native device; on a software device CrowdGroup::sockets_only, and, with inertial
-    // transitions, after a native update()).
+    // With a view, which needs CrowdSettings::culling, time advances for all instances, but in groups that are fused
+    // and have no sockets or inertial transitions only those that the view sees are animated (other groups are animated
+    // entirely). Without a view all are animated, and all are listed. What the view sees is decided by a box around all
+    // clips' poses, enlarged by CrowdGroup::pose_margin. Errors: kInvalidArgument (the time step or the view is not
+    // finite; a view and no culling), kUnsupported (CrowdView::occlusion on a native device; on a software device
+    // CrowdGroup::sockets_only, and, with inertial transitions, after a native update()).
     Result<void> record(VkCommandBuffer commands, float time_step_s, const CrowdView* view = nullptr);
-    // The second half of an update for a view with CrowdView::occlusion, recorded after its record() and what draws the
-    // depths: tests the boxes of everything in view against these, and animates those that are visible and were not in
-    // the last update. After it, all that are visible, and those that were, are listed. What a box hides behind is what
-    // has been drawn in front of it, so nothing visible is left out. Call it in each such update. Errors:
-    // kInvalidArgument (the last record() was not for such a view, no image), kLimit (the device cannot hold the depths
-    // in one storage buffer), kUnsupported (a native device).
+    // The second half of an update for a view with CrowdView::occlusion, recorded after its record() and the commands
+    // that draw the depths: tests the boxes of everything in view against these, and animates those that are visible
+    // and were not in the last update. After it, the lists hold all that are visible and those that were visible in the
+    // last update. A box counts as hidden only behind what has been drawn in front of it, so nothing visible is left
+    // out. Call it in each such update. Errors: kInvalidArgument (the last record() was not for such a view, no image),
+    // kLimit (the device cannot hold the depths in one storage buffer), kUnsupported (a native device).
     Result<void> record_disoccluded(VkCommandBuffer commands, const DepthImage& depths);
-    // Says that the commands of the last record(), and of its record_disoccluded(), will never be submitted: of a
-    // minimised window, or a swapchain that is out of date. The crowd is as if they had not been recorded: time has not
-    // gone on, and what was set before is taken up by the next record(), together with what has been set since.
-    // outputs() change back too. Not after groups have been added or removed since. (A pose whose fade ended in that
-    // update is not back where CrowdGroup::pose_capacity was exhausted and its room has been given to another.) Of a
-    // dropped update that nobody tells of, the changes are lost, of the first one also what the buffers begin with, and
-    // after four in a row record() fails where there is feedback(). Errors: kInvalidArgument (nothing has been recorded
-    // since the last discard or update(), or its commands have run).
+    // Says that the commands of the last record(), and of its record_disoccluded(), will never be submitted, for
+    // example because a window was minimised or a swapchain is out of date. The crowd is then as if they had not been
+    // recorded: time has not advanced, and the next record() takes up what was set before, together with what has been
+    // set since. outputs() change back too. Not after groups have been added or removed since. (A pose whose fade ended
+    // in that update does not come back if CrowdGroup::pose_capacity was exhausted and its room has been given to
+    // another.) If an update is dropped without this call, its changes are lost (with the first update also what the
+    // buffers begin with), and after four in a row record() fails if there is feedback(). Errors: kInvalidArgument
+    // (nothing has been recorded since the last discard or update(), or its commands have run).
     Result<void> discard_last_record();
     // record(), submit to the device's queue, and wait; a native device computes here. Commands of record() that have
-    // not been submitted are taken for dropped. After an error half of an update may have happened (a device that is
-    // lost, a JobSystem that throws): then the crowd goes on from a state that is restored.
+    // not been submitted are assumed to be dropped. After an error half of an update may have happened (a device that
+    // is lost, a JobSystem that throws): then restore a saved state before the crowd goes on.
     Result<void> update(float time_step_s, const CrowdView* view = nullptr);
 
-    // What the next updates go on from, as bytes: for a game that is saved, a replay, a rollback. A crowd that is given
-    // them back, this one or another with the same settings, goes on as this one does from here, bit for bit on the
-    // same device: all that instances play, layers and parameters, placements, poses, springs, agents, who is there and
-    // their handles, who is watched, and what has been set and not yet been taken up. Matrices are not, but where
-    // updates build upon them (CrowdSettings::keep_previous_matrices, Culling::skips_updates, inertial transitions).
-    // The same version of throng reads them, on machines of the same byte order. Both calls submit and wait; updates
-    // that have been recorded must have been submitted or discarded, and one for a view with occlusion must have had
-    // its second half.
+    // Everything that the next updates build on, as bytes: for a game that is saved, a replay, a rollback. A crowd that
+    // gets them back, this one or another with the same settings, goes on as this one does from here, bit for bit on
+    // the same device: all that instances play, layers and parameters, placements, poses, springs, agents, who is there
+    // and their handles, who is watched, and what has been set and not yet been taken up. Matrices are left out, except
+    // where updates build on them (CrowdSettings::keep_previous_matrices, Culling::skips_updates, inertial
+    // transitions). The same version of throng reads them, on machines of the same byte order. Both calls submit and
+    // wait; updates that have been recorded must have been submitted or discarded, and one for a view with occlusion
+    // must have had its second half.
     //
-    // After restore_state() outputs() show what they did before, in a new crowd nothing, until the next update:
-    // update(0) before a picture. Feedback of updates that have not been asked for is gone, and updates are counted on
-    // from where they were saved. Where there is an error nothing has changed. Errors: kInvalidFile (damaged, of
-    // another version), kInvalidArgument (what differs, of a crowd with other settings; the last record() has not run).
+    // After restore_state(), outputs() still show what they did before (in a new crowd, nothing) until the next update,
+    // so call update(0) before you draw. Feedback that has not been fetched is gone, and updates are counted on from
+    // the number at which they were saved. After an error nothing has changed. Errors: kInvalidFile (damaged, of
+    // another version), kInvalidArgument (a crowd with other settings, and what differs; the last record() has not
+    // run).
     Result<std::vector<std::byte>> save_state();
     Result<void> restore_state(std::span<const std::byte> state);
 
     // The outputs of the last record(), or those of one frame slot. Each record() writes to the next slot, and after
-    // the last one to the first: frame_slot() says to which one the last did. There are CrowdSettings::frames_in_flight
-    // slots, and one more with keep_previous_matrices. Their buffers stay the same, so an application can make its
-    // descriptors once for each slot. Empty where there is no such slot.
+    // the last slot to the first: frame_slot() says which one the last record() wrote to. There are
+    // CrowdSettings::frames_in_flight slots, and one more with keep_previous_matrices. Their buffers stay the same, so
+    // an application can make its descriptors once for each slot. Empty if there is no such slot.
     std::span<const OutputBlock> outputs() const;
     std::span<const OutputBlock> outputs(uint32_t frame_slot) const;
     uint32_t frame_slot_count() const;
     uint32_t frame_slot() const;
-    // What a group is drawn from beside its outputs. Errors: kInvalidArgument (no such group).
+    // What a group is drawn from, besides its outputs. Errors: kInvalidArgument (no such group).
     Result<GroupMesh> mesh(uint32_t group) const;
     // Times of the newest of the last four updates that has finished. Errors: kInvalidArgument where timestamps are off
     // or nothing has run yet.
     Result<StageTimes> stage_times() const;
 
-    // Copies of one instance's results of the last update; they submit and wait. Of an instance that was spawned since,
-    // they are what its number showed before. Shapes: [palette_count], [joint_count], [vertex_count]. Errors:
+    // These copy one instance's results of the last update; they submit and wait. For an instance that was spawned
+    // since, they return what its number showed before. Shapes: [palette_count], [joint_count], [vertex_count]. Errors:
     // kInvalidArgument (the instance is not there, a group of CrowdGroup::sockets_only; with a skin pool, an instance
     // that the last update has not drawn; no update has been made; the last record() has not run).
     Result<std::vector<Affine>> read_skin_matrices(const InstanceHandle& instance);
     Result<std::vector<Affine>> read_model_matrices(const InstanceHandle& instance);
-    // Morphed and skinned on the GPU, model space, in the order of Character::vertices; where
-    // Culling::reduces_joints, of instances that the last update has listed.
+    // Morphed and skinned on the GPU, model space, in the order of Character::vertices; with Culling::reduces_joints,
+    // only for instances that the last update has listed.
     Result<std::vector<Vec3<float>>> read_positions(const InstanceHandle& instance);
 
-    // What the last update has listed, in the order of the lists. Errors: kInvalidArgument where not
+    // What the last update has listed, in the order of the lists. Errors: kInvalidArgument without
     // CrowdSettings::culling.
     Result<std::vector<DrawnInstance>> read_drawn();
 
-    // Device memory that the crowd holds; what it shares with other crowds of its characters is in each one's.
+    // Device memory that the crowd holds; what it shares with other crowds of its characters is counted in each of
+    // them.
     uint64_t size_bytes() const;
 
     // Internal.

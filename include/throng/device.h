@@ -40,20 +40,20 @@ struct DeviceSettings {
     // Native and software devices: threads that compute updates, the calling one included; 0: as many as the processor
     // runs side by side; at most 1024. Results do not depend on it.
     uint32_t threads = 0;
-    // The same by the application's job system, in place of threads of the device's own.
+    // Native and software devices: the application's job system computes updates, in place of the device's own threads.
     std::shared_ptr<JobSystem> jobs{};
     Validation validation = Validation::kOff;
     // What the driver has compiled is kept in $XDG_CACHE_HOME/throng or ~/.cache/throng, a file for each device and
-    // driver, and need not be compiled at the next start. The file is written when the device goes; where it cannot be
-    // read or written, the device does without.
+    // driver, and need not be compiled at the next start. The file is written when the device is destroyed; if it
+    // cannot be read or written, the device does without.
     bool pipeline_cache = true;
 };
 
 // An instance, device and queue that the application made, and destroys after all that throng made with them: copies of
-// the Device, crowds and renderers. Vulkan 1.3, which VkApplicationInfo::apiVersion has to say, loaded from the
-// system's libvulkan.so.1; the device has the features synchronization2 and maintenance4 enabled, and dynamicRendering
-// to draw with throng. Which features are enabled throng cannot ask; validation layers tell. The queue supports
-// compute, and graphics to draw with throng.
+// the Device, crowds and renderers. It must be Vulkan 1.3 (VkApplicationInfo::apiVersion has to say so), loaded from
+// the system's libvulkan.so.1; the device has the features synchronization2 and maintenance4 enabled, and
+// dynamicRendering to draw with throng. throng cannot ask which features are enabled; validation layers can tell. The
+// queue supports compute, and graphics to draw with throng.
 struct AdoptedDevice {
     VkInstance instance = VK_NULL_HANDLE;
     VkPhysicalDevice physical_device = VK_NULL_HANDLE;
@@ -61,8 +61,8 @@ struct AdoptedDevice {
     VkQueue queue = VK_NULL_HANDLE;
     uint32_t queue_family = 0;
     bool shader_int64 = false;  // that feature is enabled too: software devices run faster with it
-    // The application's, which it keeps: throng's pipelines are made with it. Null: without one. It must not have been
-    // created as externally synchronized.
+    // The application's own cache, with which throng makes its pipelines; the application still destroys it. Null:
+    // none. It must not have been created as externally synchronized.
     VkPipelineCache pipeline_cache = VK_NULL_HANDLE;
     // The threads of native updates on a software device, as DeviceSettings::threads and jobs
     uint32_t threads = 0;
@@ -73,8 +73,8 @@ struct AdoptedDevice {
     std::vector<uint32_t> more_queue_families{};
 };
 
-// What native updates and pictures are computed by, the best that this machine's processor has: "SSE2", "AVX2",
-// "AVX-512" or "NEON"; empty where throng has none for it. Results of different ones differ in last bits.
+// The instruction set that native updates and pictures use, the best that this machine's processor has: "SSE2", "AVX2",
+// "AVX-512" or "NEON"; empty where throng has none for it. Results of different sets differ in the last bits.
 std::string native_instruction_set();
 
 class Gpu;  // internal
@@ -87,8 +87,8 @@ class Device {
 public:
     // All physical devices of this machine, and the native one, which is the last. Errors: kVulkan.
     static Result<std::vector<DeviceInfo>> list();
-    // Errors: kNoDevice (none that is selected, or it cannot run throng, and why; no validation layer), kLimit (too
-    // many threads), kVulkan.
+    // Errors: kNoDevice (no device matches, or it cannot run throng, and why; no validation layer), kLimit (too many
+    // threads), kVulkan.
     static Result<Device> create(const DeviceSettings& settings = {});
     // throng submits to the adopted queue only in the calls that say so; the application guards the queue there.
     // Errors: kInvalidArgument (something is null; no such queue family, or without compute; an instance made for a

@@ -31,12 +31,12 @@ struct Bounds {
     Vec3<float> min{}, max{};
 };
 
-// World bounds of the instances' rest poses, by their placements: as the application has set them, or, of groups whose
-// updates move them, in crowds that a Renderer has prepared or drawn, as they were after a recent update. So is who is
-// there of groups that shaders populate; else nobody of them is known.
+// World bounds of the instances' rest poses at their placements: as the application has set them or, for groups whose
+// updates move them, in crowds that a Renderer has prepared or drawn, as they were after a recent update. The same goes
+// for which instances of a group that shaders populate are there; without such a Renderer none of them is known.
 Bounds world_bounds(const Crowd& crowd);
-// The same without strays: those few, a hundredth at most (one of fewer than a hundred), that stand so far away that a
-// camera would show nobody else.
+// The same without strays: the few, a hundredth at most (one if there are fewer than a hundred), that stand so far away
+// that a camera fitted to them too would show nobody else.
 Bounds main_bounds(const Crowd& crowd);
 Bounds main_bounds(std::span<const Crowd* const> crowds);  // of all of them
 // A camera that looks down on the bounds from the front right and holds them in view; a crowd of many thousands runs
@@ -47,7 +47,7 @@ Camera fit_camera(const Bounds& bounds, float aspect_ratio);
 struct DrawOptions {
     bool shadows = true;
     // render_frame() and record() leave out characters hidden behind others, in crowds that cull. Takes one more pass,
-    // the depths of those that were visible in the last frame: pays where some are large and hide many. Without effect
+    // the depths of those that were visible in the last frame: worth it where some are large and hide many. No effect
     // where this machine's processor draws.
     bool occlusion = false;
     // Pixels by which a coarser level of detail may be off, in crowds that cull (render_frame(), record(), view_of());
@@ -60,18 +60,18 @@ struct DrawOptions {
     Vec3<float> to_sun{-0.45f, 0.85f, 0.5f};    // world space, of any length; y at least a twentieth of it
     // A line from each joint to its parent, over everything, coloured by level; of crowds that keep model matrices
     bool skeletons = false;
-    bool bounds = false;  // the boxes that culling goes by
+    bool bounds = false;  // the boxes that culling tests
 };
 
-// What the camera sees of a picture of this size, shadows of the crowd included, for an update of it that is drawn by
-// the same camera and options, or by CrowdView::clip_from_world itself; without occlusion, of which the second half is
-// the caller's. Its depth is reversed and without end: 1 at the near plane, 0 infinitely far away; y of the clip space
-// points down, as Vulkan has it. Errors: kInvalidArgument (camera, options).
+// What the camera sees in a picture of this size, shadows of the crowd included: for an update that is drawn with the
+// same camera and options, or with CrowdView::clip_from_world itself. Without occlusion, since its second half is up to
+// the caller. Depth is reversed and infinite: 1 at the near plane, 0 infinitely far away; y of the clip space points
+// down, as in Vulkan. Errors: kInvalidArgument (camera, options).
 Result<CrowdView> view_of(const Camera& camera, uint32_t width, uint32_t height, const Bounds& bounds,
                           const DrawOptions& options = {});
 
 // What draws: kNative, this machine's processor, on native and software devices; kDevice, the device's shaders, on all
-// but native ones. kAuto: natively where that can be. Both draw the same picture, but for rounding.
+// but native ones. kAuto: natively where possible. Both draw the same picture, except for rounding.
 enum class DrawPath { kAuto, kNative, kDevice };
 
 struct RendererSettings {
@@ -79,7 +79,7 @@ struct RendererSettings {
     uint32_t samples = 4;                  // lowered to what the device has; natively 1 or 4
     DrawOptions options = {};
     DrawPath path = DrawPath::kAuto;
-    bool blue_first = false;  // in picture(), which is of VK_FORMAT_B8G8R8A8_SRGB then, as most displays are
+    bool blue_first = false;  // then picture() is of VK_FORMAT_B8G8R8A8_SRGB, as most displays are
 };
 
 struct RenderResult {
@@ -97,58 +97,60 @@ Result<void> decode_images(const Crowd& crowd);
 
 struct RendererState;  // internal
 
-// Natively it needs no Vulkan, and but for record(), record_drawing() and picture() nothing of it; else a device with a
-// graphics queue and dynamicRendering. Not thread-safe.
+// Natively it needs no Vulkan, and uses it only in record(), record_drawing() and picture(); otherwise it needs a
+// device with a graphics queue and dynamicRendering. Not thread-safe.
 class Renderer {
 public:
     static Result<Renderer> create(const Device& device, const RendererSettings& settings = {});
-    // None yet, as Crowd().
+    // No renderer yet, as with Crowd().
     Renderer() noexcept;
     Renderer(Renderer&&) noexcept;
     Renderer& operator=(Renderer&&) noexcept;
     ~Renderer();
 
     // Makes what drawing this crowd needs, its pipelines and textures, so that its first picture is no slower than
-    // those after it. Submits and waits. From then on updates copy the placements that they move, 48 bytes each, for
-    // what is fitted to them.
+    // those after it. Submits and waits. From then on updates copy back the placements that they move, 48 bytes each,
+    // for what is fitted to them (world_bounds(), main_bounds()).
     Result<void> prepare(const Crowd& crowd);
 
-    // What follows takes one crowd, or several, each once, that are drawn in one picture, under one sun, with one
-    // ground; more than one shows the same as one crowd with the groups of all would.
+    // The calls below take one crowd, or several, each once, that are drawn in one picture, under one sun, with one
+    // ground. Several look the same as one crowd with the groups of all of them would.
 
-    // Draws crowds as their last update left them, of those that cull what that has listed; submits and waits. Ground,
-    // fog and shadows are fitted to main_bounds(). The crowds' device is the renderer's. Alpha-blended materials are
-    // drawn as masks with a cutoff of 0.5, since a crowd is not sorted. Errors: also kInvalidArgument (the commands of
-    // a crowd's last record() have been neither submitted nor discarded).
+    // Draws crowds as their last update left them (of crowds that cull, what it has listed); submits and waits. Ground,
+    // fog and shadows are fitted to main_bounds(). The crowds must be of the renderer's device. Alpha-blended materials
+    // are drawn as masks with a cutoff of 0.5, since a crowd is not sorted. Errors: also kInvalidArgument (the commands
+    // of a crowd's last record() have been neither submitted nor discarded).
     Result<RenderResult> render(const Crowd& crowd, const Camera& camera);
     Result<RenderResult> render(std::span<const Crowd* const> crowds, const Camera& camera);
 
-    // As render(), but advances crowds by `time_step_s` first, as Crowd::update() does: update, for what the camera
-    // sees where the crowd culls, and picture, in one submission (what is native, beside it).
+    // As render(), but first advances crowds by `time_step_s`, as Crowd::update() does: the update (for what the camera
+    // sees, if the crowd culls) and the picture are one submission (what is native runs beside it).
     Result<RenderResult> render_frame(Crowd& crowd, float time_step_s, const Camera& camera);
     Result<RenderResult> render_frame(std::span<Crowd* const> crowds, float time_step_s, const Camera& camera);
 
     // Records the same into the caller's command buffer (recording, outside a render pass, of the device's queue
     // family). The picture is then in picture(), in VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL and visible to transfer reads,
-    // until the next frame. The recorded commands are submitted once, in the order of the calls, to the device's queue,
-    // and have finished before the renderer or the crowd is destroyed, or the renderer resized. Frames may be recorded
-    // before the last has finished. Of a crowd that it has neither drawn nor prepared it uploads textures, and waits.
-    // Drawn by the device whatever the path, since it is updated there. Errors: kUnsupported (a native device).
+    // until the next frame. The recorded commands must be submitted once, in the order of the calls, to the device's
+    // queue, and must have finished before the renderer or the crowd is destroyed, or the renderer resized. Frames may
+    // be recorded before the last has finished. For a crowd that this renderer has neither drawn nor prepared, it
+    // uploads textures and waits. The device draws whatever the path, since the crowd is updated there. Errors:
+    // kUnsupported (a native device).
     Result<void> record(VkCommandBuffer commands, Crowd& crowd, float time_step_s, const Camera& camera);
     Result<void> record(VkCommandBuffer commands, std::span<Crowd* const> crowds, float time_step_s,
                         const Camera& camera);
-    // The two halves of that, for crowds that are updated natively on a software device (UpdatePath::kNative), which a
-    // recorded update is not: Crowd::update() for what the camera sees, without occlusion, at once; and the drawing
-    // alone, of the crowd as its last update left it when the commands run. Natively it is drawn at once, and the
-    // commands copy the picture; but where that last update is recorded and may not have run, the device draws.
+    // The two halves of record(), for crowds that are updated natively on a software device (UpdatePath::kNative),
+    // which a recorded update is not. update() is Crowd::update() for what the camera sees, without occlusion, at once.
+    // record_drawing() is the drawing alone, of the crowd as its last update left it when the commands run. Natively it
+    // is drawn at once, and the commands copy the picture; but if that last update is recorded and may not have run,
+    // the device draws.
     Result<void> update(Crowd& crowd, float time_step_s, const Camera& camera);
     Result<void> update(std::span<Crowd* const> crowds, float time_step_s, const Camera& camera);
     Result<void> record_drawing(VkCommandBuffer commands, const Crowd& crowd, const Camera& camera);
     Result<void> record_drawing(VkCommandBuffer commands, std::span<const Crowd* const> crowds, const Camera& camera);
     // VK_FORMAT_R8G8B8A8_SRGB (RendererSettings::blue_first: VK_FORMAT_B8G8R8A8_SRGB), of the renderer's size; another
-    // after resize(). Null on a native device.
+    // image after resize(). Null on a native device.
     VkImage picture() const;
-    // Errors: kInvalidArgument (empty), kLimit (names the device's limit); then it keeps its size.
+    // Errors: kInvalidArgument (empty), kLimit (names the device's limit); after an error it keeps its size.
     Result<void> resize(uint32_t width, uint32_t height);
 
     // From the next frame on. Errors: kInvalidArgument (exposure, sun, lod_pixels, full_rate_pixels, budget_ms,
@@ -156,7 +158,7 @@ public:
     Result<void> set_options(const DrawOptions& options);
     const DrawOptions& options() const;
 
-    // As RenderResult has it, of the last frame that has finished; 0 where none has.
+    // RenderResult::draw_ms of the last frame that has finished; 0 if none has.
     double draw_ms() const;
     // Whether this machine's processor draws.
     bool is_native() const;

@@ -18,12 +18,12 @@ struct CharacterEvent {
     float time_s = 0;  // after the beginning of the update's time step
 };
 
-// What a layer plays: a state, or of a layer without states a clip.
+// What a layer plays: a state or, in a layer without states, a clip.
 struct PlayedMotion {
     uint32_t motion = kNone;  // index of ControllerLayer::states, or of Character::clips; kNone: the rest pose
     float phase = 0;          // of its cycle, 0..1
     uint32_t loops = 0;       // whole cycles since it was entered
-    // How far it has replaced the one behind it, 0..1, linear in time (docs/controller.md, step 5)
+    // How far it has replaced the next, older motion of its layer, 0..1, linear in time (docs/controller.md, step 5)
     float fade = 1;
 
     bool operator==(const PlayedMotion&) const = default;
@@ -37,7 +37,7 @@ struct WatchedInstance {
     Affine move{};
     std::span<const Affine> sockets{};    // [socket_count] of its group, in its CrowdGroup::socket_space
     std::span<const float> parameters{};  // [parameter_count] of its controller
-    // [layer_count] of its controller; of each, newest first, what it cross-fades: the first leads
+    // [layer_count] of its controller; for each layer what it cross-fades, newest first: the first leads
     std::span<const std::span<const PlayedMotion>> layers{};
 };
 
@@ -47,11 +47,11 @@ struct ShownPose {
     std::span<const Trs<float>> parent_from_joint{};  // [joint_count], as Crowd::set_pose() takes it
 };
 
-// What came back from one update. Can be moved, and what refers to it stays valid, but not copied.
+// What came back from one update. Can be moved (what refers to it stays valid), but not copied.
 struct Feedback {
     uint64_t update = 0;                     // counted from 1
     std::vector<CharacterEvent> events{};    // by instance, then layer, then time
-    uint64_t lost_event_count = 0;           // that found no room; right below 2^32 events an update
+    uint64_t lost_event_count = 0;           // events that found no room; exact below 2^32 events an update
     std::vector<WatchedInstance> watched{};  // of watch(), in its order
     std::vector<ShownPose> poses{};          // of request_poses(), in the order of the calls
 

@@ -16,9 +16,10 @@ struct SectionLod {
     uint32_t first_influences = 0;
 };
 
-// The buffers are the crowd's, shared by all that have the same character, stay as long as it lives, and are not to be
-// written. Their contents are there when the commands of the first record(), or of record_uploads(), have run, visible
-// to all that follows on the queue. Empty on a native device, where Character has the same.
+// The buffers belong to the crowd, and are shared by all crowds that have the same character. They stay as long as the
+// crowd lives, and must not be written. Their contents are there when the commands of the first record(), or of
+// record_uploads(), have run, visible to all that follows on the queue. Empty on a native device, where Character has
+// the same.
 struct GroupMesh {
     BufferView vertex{};      // Vertex[Character::vertices], as storage buffer or vertex buffer
     BufferView influences{};  // Influences, once for each set of joints (Culling::reduces_joints); likewise

@@ -5,8 +5,8 @@
 
 namespace throng {
 
-// An application's job system, for DeviceSettings::jobs. Called from whatever threads call throng, at the same time
-// too.
+// An application's job system, for DeviceSettings::jobs. Called from whatever threads call throng, even by several at
+// the same time.
 class JobSystem {
 public:
     virtual ~JobSystem() = default;
@@ -14,7 +14,7 @@ public:
     virtual uint32_t concurrency() const = 0;
     // Calls job(context, 0) to job(context, count - 1), each once, on any threads and in any order, and returns when
     // all have returned. What they compute does not depend on which thread runs which. Jobs wait for nothing and throw
-    // nothing; nor should this, which leaves an update half done.
+    // nothing. run() should not throw either: that leaves an update half done.
     virtual void run(uint32_t count, void (*job)(void* context, uint32_t index), void* context) = 0;
 };
 

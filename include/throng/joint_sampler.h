@@ -1,4 +1,4 @@
-// Where chosen joints of a character are, asked at any time: hit boxes, muzzles, the feet of what may come.
+// Says where chosen joints of a character are, at any time: hit boxes, muzzles, the feet of a pose that may come.
 #pragma once
 
 #include <throng/character.h>
@@ -12,13 +12,13 @@ namespace throng {
 
 class NativeJoints;  // internal
 
-// Computed by this machine's processor: these joints and those that they hang on. A handle; copies share what it is
-// made of, and any number of threads may use it at a time. The character is not kept.
+// This machine's processor computes these joints and the ones above them, nothing else. A handle; copies share what it
+// is made of, and any number of threads can use it at a time. The character is not kept.
 class JointSampler {
 public:
-    // Reads the clips' keys of all these joints: milliseconds, of large characters tens; so once a character, not for
-    // each question. Errors: kInvalidArgument (no joints, or one that is out of range), kUnsupported (a processor
-    // without a native engine).
+    // Reads the clips' keys of all these joints, which takes milliseconds, tens of them for large characters: create
+    // one for each character, not for each question. Errors: kInvalidArgument (no joints, or one that is out of range),
+    // kUnsupported (a processor without a native engine).
     static Result<JointSampler> create(const Character& character, std::span<const uint32_t> joints);
 
     // model_from_joint, in the order of the joints, of a character that plays this at the times given; within 1e-5 of

@@ -1,4 +1,4 @@
-// How far a call that takes long has come, and whether it is to go on.
+// Progress and cancellation of calls that take long.
 #pragma once
 
 #include <functional>

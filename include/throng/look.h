@@ -1,4 +1,4 @@
-// How instances of one group look: which sections of the mesh each shows, of which material and in which colours.
+// How instances of one group look: which sections of the mesh each shows, with which material and in which colours.
 #pragma once
 
 #include <array>
@@ -23,7 +23,7 @@ struct Outfit {
     std::vector<SectionLook> sections{};
 };
 
-// How an instance looks; a new one as this says. An entry of OutputBlock::look.
+// How an instance looks; the defaults are the look of a new one. An entry of OutputBlock::look.
 struct InstanceLook {
     std::array<float, 3> tint{1, 1, 1};  // linear; 0..1000
     uint32_t outfit = 0;                 // of CrowdGroup::outfits

@@ -21,7 +21,7 @@ struct SkinnedVertex {
 
 // An entry of OutputBlock::root.
 struct RootMotion {
-    std::array<float, 4> move{};  // as there
+    std::array<float, 4> move{};  // as described there
     std::array<std::array<float, 4>, 4> internal{};
 };
 
@@ -31,8 +31,8 @@ struct ShownMorph {
     float weight = 0;
 };
 
-// A part of a buffer, entries one after another: in an OutputBlock, those of consecutive instances. None where `buffer`
-// is VK_NULL_HANDLE.
+// A part of a buffer, entries one after another: in an OutputBlock, those of consecutive instances. There is none if
+// `buffer` is VK_NULL_HANDLE.
 struct BufferView {
     VkBuffer buffer = VK_NULL_HANDLE;
     VkDeviceSize offset_bytes = 0;
@@ -42,8 +42,8 @@ struct BufferView {
     explicit operator bool() const { return buffer != VK_NULL_HANDLE; }
 };
 
-// What an OutputBlock says of its buffers, on a native device in host memory, shaped as they are there; empty on
-// others. What is not const may be written between two updates.
+// The buffers of an OutputBlock on a native device, in host memory and with the same shapes; empty on other devices.
+// What is not const may be written between two updates.
 struct HostOutputs {
     std::span<const std::byte> skin{}, previous_skin{};
     std::span<const Affine> model{}, placement{}, socket{};
@@ -52,26 +52,26 @@ struct HostOutputs {
     std::span<std::array<float, 4>> target{}, destination{};
     std::span<const ShownMorph> morph{};
     std::span<const InstanceLook> look{};
-    std::span<CommandHead> command_head{};  // of one
+    std::span<CommandHead> command_head{};  // one element
     std::span<InstanceCommand> command{};
     std::span<const uint32_t> list{}, skin_row{};
     std::span<const SkinnedVertex> skinned{};
 };
 
 // Results of consecutive instances of one group. The views stay the same as long as the crowd lives, and those that the
-// crowd does not have are empty. Each may be bound as storage buffer or vertex buffer and copied from; `draw` is for
-// indirect draws too. (What needs another usage, as building acceleration structures does, copies them first.) Offsets
-// are multiples of all alignments that the device asks for. Written by compute shaders, and made visible by record() to
+// crowd does not have are empty. Each can be bound as storage buffer or vertex buffer and copied from; `draw` is for
+// indirect draws too. (For another usage, such as building acceleration structures, copy them first.) Offsets are
+// multiples of all alignments that the device asks for. Written by compute shaders, and made visible by record() to
 // later compute, vertex, indirect and transfer reads on the same queue. They are valid once the recorded commands have
-// run, until those of a later record() that writes to the same frame slot do: of the next one, which waits for what
-// reads them in compute and vertex shaders, indirect draws and transfers (for other stages, as fragment shaders, the
-// application puts a barrier before it); or with CrowdSettings::frames_in_flight above 1, of that many later, and only
-// if the application has seen to it that the reading has finished. What the application writes (parameter, target,
-// destination, command) is the same in all slots: with several, drawing must not read it.
+// run, until those of a later record() that writes to the same frame slot run. That is the next record(), which waits
+// for what reads them in compute and vertex shaders, indirect draws and transfers (for other stages, such as fragment
+// shaders, the application puts a barrier before it). With CrowdSettings::frames_in_flight above 1 it is the one that
+// many later, and the application has to make sure that the reading has finished by then. What the application writes
+// (parameter, target, destination, command) is the same in all slots: with several, drawing must not read it.
 //
-// Where CrowdSettings::culling, without a skin pool, instances that are not listed have the matrices of an earlier
-// update that drew them. In an update that draws them anew, the previous matrices are those of that update: they are
-// written then, also where the slot of the update before, which did not list these instances, is in flight.
+// With CrowdSettings::culling and without a skin pool, instances that are not listed have the matrices of an earlier
+// update that drew them. In an update that draws them again, their previous matrices are those of the same update: it
+// writes them, even if the slot of the update before, which did not list these instances, is in flight.
 struct OutputBlock {
     uint32_t group = 0;
     uint32_t first_instance = 0;  // of the crowd
@@ -84,7 +84,7 @@ struct OutputBlock {
     BufferView skin{};
     // Skin matrices of the update before, where CrowdSettings::keep_previous_matrices is set.
     BufferView previous_skin{};
-    uint32_t skin_row_count = 0;  // instance_count, or of the pool: shared poses, then those of instances
+    uint32_t skin_row_count = 0;  // instance_count or, with a pool, its rows: shared poses, then instances' own
     // With a skin pool: which row of `skin` an instance has, uint32_t[instance_count]. Only instances that are listed
     // have one.
     BufferView skin_row{};
@@ -108,16 +108,17 @@ struct OutputBlock {
     uint32_t target_count = 0;
     // Targets of procedural rules, float4[instance_count][target_count]: a place in world space, and its weight in w.
     // May be written like the parameters, and is the same in all frame slots too. An instance that a shader's command
-    // spawns begins without any, so that one has an effect from the update after its birth on.
+    // spawns begins without any target, so one that is written for it has an effect only from the update after its
+    // birth on.
     BufferView target{};
     // Destinations of agents, float4[instance_count]: a place in world space, and in w whether the agent has one (1 or
     // 0). Likewise.
     BufferView destination{};
 
     uint32_t morph_count = 0;  // that an instance may show: all of the character, or CrowdGroup::morph_limit
-    // Morphs that each instance shows, ShownMorph[instance_count][morph_count]: those that have weight, then weight 0.
-    // In their order, or, where there is a limit below their number, the largest weight by magnitude first. Before
-    // skinning: bind position += weight * MorphDelta.
+    // Morphs that each instance shows, ShownMorph[instance_count][morph_count]: those that have weight, then entries of
+    // weight 0. In their order, or, where there is a limit below their number, the largest weight by magnitude first.
+    // Before skinning: bind position += weight * MorphDelta.
     BufferView morph{};
 
     // How instances look, InstanceLook[instance_count], with CrowdGroup::outfits.
@@ -125,13 +126,13 @@ struct OutputBlock {
 
     uint32_t command_capacity = 0;  // CrowdGroup's
     // What the application's own shaders ask of instances of the block: a CommandHead, then
-    // InstanceCommand[command_capacity]. To be written between two updates, or before the first one behind
+    // InstanceCommand[command_capacity]. Write it between two updates or, before the first one, after
     // Crowd::record_uploads(), without which the buffer is not yet empty. The same in all frame slots.
     BufferView command{};
 
-    // Instances that are drawn, uint32_t[5 + instance_count], with CrowdSettings::culling: their number, where those of
-    // each of four levels of detail begin behind the fifth word, then their numbers in the block, level by level,
-    // ascending.
+    // Instances that are drawn, uint32_t[5 + instance_count], with CrowdSettings::culling: how many they are; for each
+    // of four levels of detail, where its instances begin after the fifth word; then their numbers in the block, level
+    // by level, ascending.
     BufferView list{};
     // Draw calls for Crowd::mesh(), VkDrawIndexedIndirectCommand[section_count][4 levels of detail], with
     // CrowdSettings::culling; the n-th instance of a call is the n-th of its level in the list. The stride is that of a

@@ -17,23 +17,23 @@ struct ClipPlayback {
 };
 
 // What one instance plays: `first` with `weight`, `second` with 1 - weight. With weight 1 the second clip costs
-// nothing. It stays so: what fades is a LayerPlayback.
+// nothing. Weights do not change by themselves: for fades see LayerPlayback.
 struct Playback {
     ClipPlayback first{}, second{};
     float weight = 1;
 };
 
 // A clip on a layer without states, above what the layer plays already: fades in within `fade_s` seconds. kInertial:
-// only this clip plays from now on, and the difference to what was shown dies away (docs/controller.md, step 10); of
-// layers with ControllerLayer::inertial_plays.
+// only this clip plays from now on, and the difference to what was shown dies away (docs/controller.md, step 10); only
+// on layers with ControllerLayer::inertial_plays.
 struct LayerPlayback {
     ClipPlayback clip{};
     float fade_s = 0;
     FadeKind fade = FadeKind::kCross;
 };
 
-// How a layer without states lies on those below it. The weight is reached in `fade_s` seconds, the rest changes at
-// once.
+// How a layer without states is blended over those below it. The weight is reached in `fade_s` seconds, the rest
+// changes at once.
 struct LayerBlend {
     float weight = 1;
     float fade_s = 0;

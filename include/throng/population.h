@@ -9,9 +9,9 @@
 
 namespace throng {
 
-// An instance from its Crowd::spawn() to its Crowd::despawn(). Its number in the crowd, by which outputs name it, is
-// given to others later, which have another generation. In groups without CrowdGroup::capacity that were made with the
-// crowd the generation is 0.
+// An instance from its Crowd::spawn() to its Crowd::despawn(). Outputs name it by its number in the crowd, which later
+// goes to other instances with another generation. In groups without CrowdGroup::capacity that were made with the
+// crowd, the generation is 0.
 struct InstanceHandle {
     uint32_t instance = kNone;
     uint32_t generation = 0;  // how many had the number before; modulo 2^32
@@ -19,8 +19,8 @@ struct InstanceHandle {
     bool operator==(const InstanceHandle&) const = default;
 };
 
-// What a call is about: one instance or many, in an order. Refers to the caller's handles, which must last as long as
-// the call. Where one of them is not there any more, the call does nothing and says which.
+// The instances that a call is about: one or many, in a given order. Refers to the caller's handles, which must last as
+// long as the call. If one of the instances is gone, the call does nothing and says which.
 class Instances {
 public:
     Instances(const InstanceHandle& one) : handles_(&one), count_(1) {}
@@ -29,7 +29,7 @@ public:
     template <class Range>
     requires std::convertible_to<const Range&, std::span<const InstanceHandle>> Instances(const Range& handles)
         : Instances(std::span<const InstanceHandle>(handles)) {}
-    // Whoever has the numbers from `first` on when the call is made.
+    // The instances that have the numbers from `first` on when the call is made.
     static Instances numbered(uint32_t first, uint32_t count = 1) {
         Instances instances{std::span<const InstanceHandle>()};
         instances.first_ = first;

@@ -11,13 +11,13 @@
 
 namespace throng {
 
-// Joints are named as in Rig::names; "a joint and all below it" bend as chains do, each joint on what the one above it
-// does. A joint's bone leads to the next joint of its chain in the rest pose, in a last joint on in the direction of
-// the one before. Lengths and places are in units of the world. Rules move what was posed, by clips, layers or
-// Crowd::set_pose().
+// Joints are named as in Rig::names; "a joint and all below it" bend as chains, each joint on top of what the one above
+// it does. A joint's bone leads to the next joint of its chain in the rest pose; the bone of a last joint continues in
+// the direction of the one before. Lengths and places are in units of the world. Rules move what was posed, by clips,
+// layers or Crowd::set_pose().
 
-// The wind that blows over a whole crowd; Crowd::set_wind(). Without velocity there is none. Speed and gust may change
-// in each update; where the direction or the wavelength changes, gusts are suddenly elsewhere.
+// The wind that blows over a whole crowd; Crowd::set_wind(). Without velocity there is no wind. Speed and gust can
+// change in each update; if the direction or the wavelength changes, gusts are suddenly elsewhere.
 struct Wind {
     Vec3<float> velocity{};  // units a second, world; at most 1e6
     float gust = 0.4f;       // how much of the speed comes and goes, 0..1
@@ -44,7 +44,7 @@ struct SpringRule {
     std::string joint{};
     float frequency_hz = 2;             // at which a bone would swing; 0..1000
     float damping = 0.4f;               // 1: it returns without swinging; 0..1000
-    Vec3<float> gravity{};              // more than what the pose shows already, units/s^2, world
+    Vec3<float> gravity{};              // on top of what the pose already shows, units/s^2, world
     float drag = 0;                     // acceleration by the wind for each unit/s, 1/s
     float radius = 0;                   // of the bones' ends, for colliders; 0 or more
     std::vector<Collider> colliders{};  // at most 16
@@ -55,7 +55,7 @@ struct LookAtRule {
     std::string joint{};
     std::string target{};
     Vec3<float> forward{0, 0, 1};  // space of the joint
-    // From where the pose points, 0..pi; looks as near as that where the target is farther
+    // How far it turns from where the pose points, 0..pi; if the target is farther, as near to it as that allows
     float limit_rad = 1.5f;
     float weight = 1;  // 0..1, times the target's: part of the way
 };
@@ -65,7 +65,7 @@ struct LookAtRule {
 struct ReachRule {
     std::string joint{};
     std::string target{};
-    Vec3<float> pole{0, 0, 1};  // space of the grandparent's parent: to where a straight limb bends
+    Vec3<float> pole{0, 0, 1};  // space of the grandparent's parent: the side to which a straight limb bends
     float weight = 1;           // 0..1, times the target's: part of the way
 };
 
@@ -75,16 +75,17 @@ struct TargetPlace {
     float weight = 1;  // 0..1: part of the way
 };
 
-// In their order: each sees what those before it did. Targets are places that Crowd::set_target() moves; no two have
-// one name. A joint must be the only one of its name. Places, directions' lengths, radii, gravity and drag are at most
-// 1e15, so that floats hold their squares; a direction is no shorter than 1e-15.
+// Rules are applied in their order: each sees what those before it did. Targets are places that Crowd::set_target()
+// moves; no two have the same name. A joint that a rule names must be the only one of its name. Places, directions'
+// lengths, radii, gravity and drag are at most 1e15, so that floats hold their squares; a direction is no shorter than
+// 1e-15.
 using ProceduralRule = std::variant<WindRule, SpringRule, LookAtRule, ReachRule>;
 struct ProceduralRules {
     std::vector<std::string> targets{};
     std::vector<ProceduralRule> rules{};
 
-    // Index of the target with this name, for Crowd::set_target(), or kNone. And the same with an error, in place of
-    // kNone, that says which there are: kInvalidArgument.
+    // Index of the target with this name, for Crowd::set_target(), or kNone. target_named() is the same, but a missing
+    // name is an error that says which there are: kInvalidArgument.
     uint32_t find_target(std::string_view target_name) const;
     Result<uint32_t> target_named(std::string_view target_name) const;
 };

@@ -1,5 +1,5 @@
 // The definition of every stage: scalar, double precision, on the CPU, no Vulkan. The kernels are tested against it; a
-// program uses it for the exact pose of one character now (hit tests, servers).
+// program can use it for the exact pose of one character at once (hit tests, servers).
 #pragma once
 
 #include <throng/character.h>
@@ -30,8 +30,8 @@ Result<ReferencePose> reference_pose(const Character& character, const Playback&
 // what the clients see. Not thread-safe. One that has been moved from may only be assigned to or destroyed.
 class ReferenceCharacter {
 public:
-    // All are referred to as long as this lives; `rules` as CrowdGroup::procedural. Errors: as check_controller(), and
-    // as Crowd::create() for the rules.
+    // The result refers to all arguments, which must live as long as it does; `rules` is as CrowdGroup::procedural.
+    // Errors: as check_controller(), and as Crowd::create() for the rules.
     static Result<ReferenceCharacter> create(const Character& character, const Controller& controller,
                                              const ProceduralRules* rules = nullptr);
     ReferenceCharacter(ReferenceCharacter&&) noexcept;
@@ -48,16 +48,16 @@ public:
     Result<void> set_wind(const Wind& wind);
     Result<void> update(float time_step_s);
 
-    // Where it stands, which procedural rules have to know; update() moves it on by root motion where `moves` is set,
-    // as CrowdGroup::moves_placements is. `instance` is its number in the crowd, by which it sways in the wind.
+    // Where it stands, which procedural rules have to know; update() moves it on by root motion if `moves` is set (as
+    // CrowdGroup::moves_placements). `instance` is its number in the crowd, by which it sways in the wind.
     void set_placement(const Affine& world_from_model, bool moves = true, uint32_t instance = 0);
     AffineT<double> placement() const;
 
     // After the last update (before the first: the rest pose).
     ReferencePose pose() const;
-    // What happened in the last update; the instance of its events is 0, and there are 16,384 at most, the first. Those
-    // of a crowd's instance are the same, but for the last digits of their times, and the order of those that stand at
-    // one place of a clip.
+    // What happened in the last update; the instance of these events is 0, and only the first 16,384 are kept. An
+    // instance of a crowd has the same events, except for the last digits of their times, and the order of events at
+    // the same place of a clip.
     // `move` is root motion: world_from_model * move is where a character that stood at world_from_model stands now.
     std::span<const CharacterEvent> events() const;
     AffineT<double> move() const;

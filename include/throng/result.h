@@ -36,14 +36,14 @@ struct Error {
     std::exit(1);
 }
 
-// For what only a mistake in the program leads to: prints what it is, and aborts.
+// For errors that only a mistake in the program can cause: prints the error and aborts.
 [[noreturn]] inline void abort_with(const char* what, const Error& error) {
     std::fprintf(stderr, "%s: %s\n", what, error.text().c_str());
     std::abort();
 }
 
-// A T, or the Error that prevented it. Looking at the one that is not there is a programmer's mistake: it prints a
-// line, with the Error where there is one, and aborts.
+// A T, or the Error that prevented it. Accessing the one that is not there is a programmer's mistake: it prints a line,
+// with the Error where there is one, and aborts.
 template <class T>
 class [[nodiscard]] Result {
 public:
@@ -77,8 +77,8 @@ public:
     }
 
     T value_or(T other) && { return ok() ? std::move(*this).value() : std::move(other); }
-    // For programs that cannot go on without it: where there is an error, prints it as a line on stderr and ends the
-    // program with exit code 1.
+    // For programs that cannot go on without the value: if there is an error, prints it as a line on stderr and ends
+    // the program with exit code 1.
     T expect() && {
         if (!ok()) exit_with(error());
         return std::move(*this).value();
@@ -105,7 +105,7 @@ public:
         if (!failed_) abort_with("throng::Result::error()", {.message = "there is none: the call succeeded"});
         return error_;
     }
-    // As that of the others.
+    // As Result<T>::expect().
     void expect() const {
         if (failed_) exit_with(error_);
     }

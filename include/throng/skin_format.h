@@ -22,7 +22,7 @@ uint32_t skin_format_bytes(SkinFormat format);
 // compares them.
 enum class SkinBlend {
     kLinear,  // the weighted sum of the skin matrices: any character; joints that bend or twist far lose volume
-    // Rotations and translations as dual quaternions, which keep it (L. Kavan et al., Geometric Skinning with
+    // Rotations and translations as dual quaternions, which keep the volume (L. Kavan et al., Geometric Skinning with
     // Approximate Dual Quaternion Blending, 2008), scales linearly. For characters whose scales and inverse binds are
     // uniform
     kDualQuaternion,

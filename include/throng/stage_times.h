@@ -8,14 +8,14 @@
 namespace throng {
 
 // The stages of an update in their order, as they are timed. "fused" is sample, blend, scan and bind of the groups that
-// are updated in one pass. "update_rate" takes the matrices of what is not animated in this update towards their next
-// pose. "commands" is that of CrowdGroup::command_capacity, "terrain" that of CrowdSettings::terrain, "attach" that of
-// CrowdGroup::is_carried, and "skin" that of CrowdSettings::skins_once. "blend" has the weights of morphs too.
+// are updated in one pass. "update_rate" moves the matrices of instances that are not animated in this update towards
+// their next pose. "commands" is for CrowdGroup::command_capacity, "terrain" for CrowdSettings::terrain, "attach" for
+// CrowdGroup::is_carried, and "skin" for CrowdSettings::skins_once. "blend" includes the weights of morphs.
 inline constexpr std::array<const char*, 14> kStageNames{"commands", "control",     "steer",      "terrain", "cull",
                                                          "sample",   "blend",       "procedural", "scan",    "bind",
                                                          "fused",    "update_rate", "attach",     "skin"};
 
-// The index of a stage's name in kStageNames, or kStageNames.size() where no stage is called so.
+// The index of a stage's name in kStageNames, or kStageNames.size() if no stage has that name.
 constexpr size_t index_of_stage(std::string_view name) {
     size_t i = 0;
     while (i < kStageNames.size() && name != kStageNames[i]) ++i;
@@ -26,7 +26,7 @@ constexpr size_t index_of_stage(std::string_view name) {
 struct StageTimes {
     std::array<double, kStageNames.size()> ms{};  // 0 where the crowd does not have the stage
 
-    // The time of the stage called `name`; 0 where none is called so.
+    // The time of the stage called `name`; 0 if there is none.
     constexpr double of(std::string_view name) const {
         const size_t i = index_of_stage(name);
         return i < ms.size() ? ms[i] : 0;

@@ -8,9 +8,9 @@
 
 namespace throng {
 
-// How characters find their way over the ground, the plane of world x and z, y up: agents, that walk to their
-// destinations and out of each other's way (docs/steering.md). An agent looks and walks along +z of its model space,
-// and has its place at that space's origin.
+// How characters move over the ground, the plane of world x and z, y up, as agents: they walk to their destinations and
+// out of each other's way (docs/steering.md). An agent looks and walks along +z of its model space, and stands at that
+// space's origin.
 struct Steering {
     // World units, 1e-6 to 1e6; two agents do not come nearer to each other than the sum of their radii, or three
     // quarters of it after having been held up
@@ -23,7 +23,8 @@ struct Steering {
     uint32_t speed_parameter = kNone;
 };
 
-// Heights of the ground over a grid of points, bilinear between them; beyond its edges as at the nearest point.
+// Heights of the ground over a grid of points, bilinear between them; beyond the edges, the height of the nearest
+// point.
 struct Terrain {
     float x = 0, z = 0;              // of the first point, world space
     float spacing = 1;               // of neighbouring points along x and z; above 0

@@ -1,6 +1,7 @@
-// attach: instances that hang on a socket of another are put there; defined by attach_reference.h. Their own sockets,
-//   which updates have left in model space, follow, for what hangs on these. One invocation per instance, for each
-//   batch that carries any and each level: what hangs on nobody is of level 0, what hangs on that of level 1, ….
+// attach: places each instance that hangs on another's socket; defined by attach_reference.h. Then takes the instance's
+//   own sockets, which updates leave in model space, to world space for what hangs on them. One invocation per
+//   instance, dispatched for each carrier batch and level: instances that hang on nobody have level 0, those that hang
+//   on them level 1, ….
 //   Cost: 64 bytes of an attachment and 48 of a socket read, 48 of a placement written, and 96 for each of its sockets.
 #include "attach/attach_io.h"
 #include "gpu/affine.glsl"

@@ -15,13 +15,13 @@ struct InstanceAttachment {
     vec4 socket_from_model[3];  // rows
 };
 
-// What one dispatch places: instances of this level that hang in this batch.
+// One dispatch: places the instances of this level that hang on instances of this batch.
 struct AttachPush {
     uint instance_count;
     uint level;
-    uint carrier_batch;         // whose sockets are bound; of level 0, kNone
-    uint carrier_socket_count;  // of an instance there
-    uint socket_count;          // of an instance that is placed
+    uint carrier_batch;         // whose sockets are bound; kNone at level 0
+    uint carrier_socket_count;  // per instance of that batch
+    uint socket_count;          // per placed instance
     uint birth;                 // control/births.glsl
 };
 

@@ -24,7 +24,7 @@ struct Failure : std::exception {
     std::string text;
 };
 
-// Throws that what the caller gave at `place` cannot be taken.
+// Throws kInvalidArgument: what the caller gave at `place` is not acceptable.
 template <class... Parts>
 [[noreturn]] void refuse(const ErrorPlace& place, const Parts&... message) {
     throw Failure(ErrorCode::kInvalidArgument, place, message...);

@@ -12,7 +12,7 @@ struct Progress::State {
     explicit State(const LoadHooks& of) : hooks(of) {}
 
     bool is_calling_thread() const { return std::this_thread::get_id() == thread; }
-    // What a hook throws ends the work of the other threads too.
+    // An exception from a hook ends the work of the other threads too.
     template <class Hook>
     void call(const char* name, const Hook& hook) {
         try {

@@ -1,4 +1,4 @@
-// LoadHooks inside throng: a range of the work of a call, and whether the call is to go on.
+// LoadHooks inside throng: a range of a call's work, and whether the call is to continue.
 #pragma once
 
 #include <throng/load_hooks.h>
@@ -8,7 +8,7 @@
 
 namespace throng {
 
-// May be copied, and be used by any thread: those that the calling thread has begun learn from it that they are to end.
+// Can be copied, and used by any thread: those that the calling thread has started learn from it that they are to end.
 class Progress {
 public:
     Progress() = default;  // nobody asks
@@ -24,7 +24,7 @@ public:
     void poll_at(uint64_t step) const {
         if (step % kStepsBetweenPolls == 0) poll();
     }
-    // As poll(); and on the calling thread the hook learns that this part of the range, 0..1, is done.
+    // As poll(); on the calling thread it also tells the hook that this part of the range, 0..1, is done.
     void report(double part_done) const;
     void report(uint64_t done, uint64_t of) const { report(static_cast<double>(done) / static_cast<double>(of)); }
 

@@ -13,7 +13,7 @@
 
 namespace throng {
 
-// Writes a new file beside `path`, then has it take that name by `take_name`, a rename() or what behaves like it.
+// Writes a new file beside `path`, then gives it that name by `take_name`, which is rename() or behaves like it.
 // Returns the errno of what failed, or 0.
 template <class TakeName>
 int write_beside(const std::filesystem::path& path, std::span<const std::byte> bytes, TakeName take_name) {
@@ -50,13 +50,13 @@ inline void check_written(const std::filesystem::path& path, int reason) {
         throw Failure(ErrorCode::kFile, path.string(), "cannot be written: " + std::generic_category().message(reason));
 }
 
-// Who reads `path` sees the old file or the new one, never half of it. Throws kFile with the system's reason, and
+// Readers of `path` see the old file or the new one, never half of it. Throws kFile with the system's reason, and
 // leaves nothing behind.
 inline void replace_file(const std::filesystem::path& path, std::span<const std::byte> bytes) {
     check_written(path, write_beside(path, bytes, ::rename));
 }
 
-// The same, but a file that is there already stays: of several that call it at once, one creates it.
+// The same, but a file that is there already stays: of several calls at once, one creates it.
 inline void create_file(const std::filesystem::path& path, std::span<const std::byte> bytes) {
     const int reason = write_beside(path, bytes, [](const char* unfinished, const char* name) {
         return ::link(unfinished, name) == 0 ? ::unlink(unfinished) : -1;

@@ -22,7 +22,7 @@ std::string joined(const Parts&... parts) {
     return out;
 }
 
-// "joint 7", for what the caller gave as a number; of kNone, as of a name that was looked up in vain, it says that.
+// "joint 7", for a number that the caller gave; for kNone, which looking up an unknown name returns, it says so.
 std::string numbered(std::string_view thing, uint32_t index);
 
 // `text` from a file, made fit for a message of one line: control characters become '?', and what is longer than

@@ -10,7 +10,7 @@ ThreadPool::ThreadPool(uint32_t concurrency) {
     try {
         for (uint32_t i = 1; i < concurrency; ++i) threads_.emplace_back([this] { work(); });
     } catch (const std::system_error&) {
-        // The machine gives no more: those that there are do the work
+        // The machine allows no more threads: the existing ones do the work
     }
 }
 

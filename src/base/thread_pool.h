@@ -35,7 +35,7 @@ private:
     void take_part(const Loop& loop);
 
     std::mutex callers_;  // held by the one whose loop it is
-    std::mutex mutex_;    // guards what follows, but for next_
+    std::mutex mutex_;    // guards what follows, except next_
     std::condition_variable begun_, done_;
     Loop loop_;
     uint64_t loop_number_ = 0;

@@ -7,7 +7,8 @@
 namespace throng {
 namespace {
 
-// One scale, also where rounding makes three, which set_pose() would refuse; negative where the matrix mirrors.
+// Averages the scales: rounding can make three different ones, which set_pose() would refuse. Negative if the matrix
+// mirrors.
 Trs<double> with_uniform_scale(AffineT<double> parent_from_joint) {
     const double sign = determinant(parent_from_joint) < 0 ? -1 : 1;
     for (auto& row : parent_from_joint.row)

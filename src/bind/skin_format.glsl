@@ -1,5 +1,5 @@
-// Skin matrices as they lie in memory, in the crowd's format (throng::SkinFormat). The includer defines SKIN_STORES
-// where it writes them; it declares the constant kSkinFormat. [instance][palette entry]
+// Skin matrices as they lie in memory, in the crowd's format (throng::SkinFormat). The includer declares the constant
+// kSkinFormat, and defines SKIN_STORES if it writes them. [instance][palette entry]
 #include "gpu/buffers_io.h"
 #include "bind/bind_io.h"
 #include "gpu/stored.glsl"
@@ -45,7 +45,7 @@ Affine load_skin(uint index) {
     return unpack(skin_affines[index]);
 }
 
-// The similarity that a matrix is.
+// A skin matrix as a similarity.
 Similarity load_skin_similarity(uint index) {
     if (kSkinFormat == kSkinSimilarity) return unpack(skin_similarities[index]);
     return similarity_from_affine(load_skin(index));

@@ -14,10 +14,10 @@ namespace throng {
 // Why a character's skin matrices cannot be stored in this format; empty where they can.
 std::string skin_format_unsupported_reason(SkinFormat format, const Character& character);
 
-// Why its vertices cannot be blended so; likewise.
+// Why its vertices cannot be blended this way; empty if they can.
 std::string skin_blend_unsupported_reason(SkinBlend blend, const Character& character);
 
-// Whole matrices of those read back.
+// Unpacks matrices that were read back.
 std::vector<Affine> unpack_skin(SkinFormat format, std::span<const std::byte> bytes);
 
 }  // namespace throng

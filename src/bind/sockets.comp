@@ -1,6 +1,5 @@
-// sockets: transforms of the joints that things are attached to, of every instance, for other passes and the CPU.
-// One invocation per instance and socket. Fused updates have written model_from_joint already; of staged ones it is
-// gathered here.
+// sockets: the transforms of every instance's attachment joints, for other passes and the CPU. One invocation per
+// instance and socket. Fused updates have already written model_from_joint; for staged ones it is gathered here.
 #include "gpu/buffers_io.h"
 #include "bind/sockets_io.h"
 #include "control/births.glsl"

@@ -1,17 +1,17 @@
 // The active clips of an instance -> the pose of one joint. Included by the staged kernel and by the fused one; defined
-// by active_clips_reference.h. The includer declares what sample/clip_pose.glsl needs, or defines the two
-// functions that it has; the tables `active_clips` (TABLE_OF_ROWS, two rows a ActiveClip:
+// by active_clips_reference.h. The includer declares what sample/clip_pose.glsl needs, or defines the two functions of
+// that file itself; the tables `active_clips` (TABLE_OF_ROWS, two rows a ActiveClip:
 // [instance][push.active_clip_limit]) and `masks` (TABLE_OF_WORDS, floats: [mask][rig_joint_count()]), `push` and the
 // constant kPacked.
 //
-// Layers lie on each other from the lowest up. A layer's pose is the weighted sum of its active clips: rotations each
-// in the hemisphere of the sum so far, normalised at the end. Source of the sum and its limits: Gramkow, On Averaging
-// Rotations, IJCV 42, 2001. An additive layer sums differences from the first rows of its clips; a difference from the
-// identity is the pose itself, so both go one way. With ACTIVE_CLIPS_IN_ORDER the includer has
-// blend/model_rotations.glsl, and layers may blend their rotations in model space; elsewhere there are none that do.
+// Layers are applied from the lowest up. A layer's pose is the weighted sum of its active clips, each rotation taken in
+// the hemisphere of the sum so far, normalised at the end. Source of the sum and its limits: Gramkow, On Averaging
+// Rotations, IJCV 42, 2001. An additive layer sums the differences from its clips' first rows; a pose is its own
+// difference from the identity, so both kinds of layer share one path. With ACTIVE_CLIPS_IN_ORDER the includer includes
+// blend/model_rotations.glsl, and layers can blend their rotations in model space; without it no layer does.
 //
 // The loop samples once a round, which keeps the code small and the registers few: an additive active clip takes two
-// rounds, its reference first. It ends at its bottom, since a software device runs all that lies behind a break once
+// rounds, its reference first. It ends at its bottom, since a software device runs whatever follows a `break` once
 // more.
 #include "blend/blend.glsl"
 #include "control/controller_io.h"
@@ -38,7 +38,7 @@ float layer_weight(ActiveClip active_clip, uint joint) {
     return is_masked ? active_clip.layer_weight * mask : active_clip.layer_weight;
 }
 
-// Where only the rotation is asked for, the rest is the identity's.
+// With `only_rotation`, translation and scale are the identity's.
 JointPose sample_active_clip(ActiveClip active_clip, uint joint, bool at_reference, bool only_rotation) {
     const SlotCursor cursor = SlotCursor(
         active_clip.first_track, at_reference ? active_clip.reference_row : active_clip.earlier,
@@ -47,7 +47,7 @@ JointPose sample_active_clip(ActiveClip active_clip, uint joint, bool at_referen
     return clip_pose(cursor, joint);
 }
 
-// What leads from one pose to another, in the space of the parent: a rotation, a translation and a ratio of scales.
+// The difference that takes `from` to `to`, in the parent's space: a rotation, a translation and a ratio of scales.
 JointPose pose_difference(JointPose to, JointPose from) {
     const bvec4 has_no_ratio = lessThan(abs(from.scale), vec4(kNoScale));
     return JointPose(quaternion_multiply(to.rotation, vec4(-from.rotation.xyz, from.rotation.w)),
@@ -62,7 +62,7 @@ JointPose add_active_clip(JointPose sum, JointPose part, float weight, bool is_a
                      sum.translation + part.translation * weight, sum.scale + part.scale * weight);
 }
 
-// `layer` on `below`, 0 < weight <= 1; an override of weight 1 is the layer to the bit.
+// `layer` on `below`, 0 < weight <= 1; an override of weight 1 yields the layer bit for bit.
 JointPose apply_layer(JointPose layer, JointPose below, float weight, bool is_additive) {
     JointPose base = below;
     if (is_additive) base = kIdentityPose;
@@ -75,8 +75,7 @@ JointPose apply_layer(JointPose layer, JointPose below, float weight, bool is_ad
 
 JointPose mix_active_clips(uint instance, uint joint, bool only_rotation) {
     uint index = instance * push.active_clip_limit;
-    const uint end =
-        index + push.active_clip_limit;  // kActiveClipEnds comes before, but where the control stage has not run yet
+    const uint end = index + push.active_clip_limit;  // kActiveClipEnds comes earlier, unless control has not run yet
     JointPose result = kIdentityPose, sum = kEmptySum, from = kIdentityPose;
     bool is_lowest = true, is_reference = false;
 #ifdef ACTIVE_CLIPS_IN_ORDER
@@ -86,7 +85,7 @@ JointPose mix_active_clips(uint instance, uint joint, bool only_rotation) {
         const ActiveClip active_clip = active_clip_at(index);
         const bool is_additive = (active_clip.flags & kActiveClipAdditive) != 0,
                    ends_layer = (active_clip.flags & kActiveClipEndsLayer) != 0;
-        const float weight = is_lowest ? 1 : layer_weight(active_clip, joint);  // the lowest layer covers
+        const float weight = is_lowest ? 1 : layer_weight(active_clip, joint);  // the lowest layer has full weight
         is_reference = is_additive && !is_reference;
 #ifdef ACTIVE_CLIPS_IN_ORDER
         // The lowest layer's rotations are the same in either space

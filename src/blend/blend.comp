@@ -1,6 +1,6 @@
-// blend: two poses per joint, weighted per instance, to parent_from_joint; and over them the pose that was set. Reads
-// only the poses that have weight. One workgroup per instance, joints in strides. Reads 48 or 96 bytes a joint, writes
-// 48, or 32 as similarities.
+// blend: two poses per joint, weighted per instance, -> parent_from_joint, with the pose override on top. Reads only
+// the poses that have weight. One workgroup per instance, joints in strides. Reads 48 or 96 bytes a joint, writes 48,
+// or 32 as similarities.
 #include "gpu/buffers_io.h"
 #include "blend/blend_io.h"
 #include "gpu/table.glsl"

@@ -1,7 +1,6 @@
-// Transitions that compute only where they go: the offset from it to what was shown before decays, and its speed with
-// it. Source: D. Bollo, Inertialization: High-Performance Animation Transitions in Gears of War, GDC 2018. Difference
-// from it: the speed of an offset counts the motion of the target too, so that a still character does not jerk into a
-// run; and scales decay as translations do. Defined by inertia_reference.h.
+// Inertial transitions compute only the target: the offset from it to what was shown before decays, along with its
+// speed. Source: D. Bollo, Inertialization: High-Performance Animation Transitions in Gears of War, GDC 2018.
+// Difference from it: scales decay as translations do. Defined by inertia_reference.h.
 #include "blend/inertia_io.h"
 #include "gpu/angles.glsl"
 #include "gpu/similarity.glsl"
@@ -48,7 +47,8 @@ vec4 inertia_of_rotation(vec4 offset, vec4 offset_before, float time_step_s) {
 
 vec4 rotation_offset(vec4 to, vec4 from) { return quaternion_multiply(to, vec4(-from.xyz, from.w)); }
 
-// From the last two poses shown and the target's at the same times, `time_step_s` apart.
+// From the last two poses shown and the target's at the same times, `time_step_s` apart. With `target` as
+// `target_before`, as inertial_pose() passes it, the offset's speed is that of what was shown.
 InertiaJoint inertia_begin(JointPose shown, JointPose shown_before, JointPose target, JointPose target_before,
                            float time_step_s) {
     return InertiaJoint(

@@ -4,7 +4,7 @@
 #include "sample/sample_io.h"
 THRONG_IO_BEGIN
 
-// In each vector: in xyz the offset when the transition began, in w its speed along itself, per second; not above 0: it
+// Each vector: xyz is the offset when the transition began, w its speed along itself, per second; at most 0, since it
 // shrinks.
 struct InertiaJoint {
     vec4 rotation;  // axis times angle, radians
@@ -15,7 +15,7 @@ struct InertiaJoint {
 // A joint of an instance with inertial transitions, from update to update.
 struct InertiaState {
     JointPose shown, shown_before;  // by the last two updates
-    InertiaJoint offset;            // as the last inertial transition began
+    InertiaJoint offset;            // when the last inertial transition began
 };
 
 THRONG_IO_END

@@ -19,7 +19,8 @@ struct ReferenceInertia {
     Offset translation, scale;
 };
 
-// From the last two poses shown and the target's at the same times, `time_step_s` apart.
+// From the last two poses shown and the target's at the same times, `time_step_s` apart. With `target` as
+// `target_before`, as ReferenceCharacter passes it, the offset's speed is that of what was shown.
 struct InertiaPoses {
     Trs<double> shown, shown_before, target, target_before;
 };

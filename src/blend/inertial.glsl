@@ -1,14 +1,14 @@
-// Poses with the offset that an inertial transition left: steps 2 and 10 of docs/controller.md. The includer declares
-// the buffers `inertias` (InstanceInertia) and `inertia_states` (InertiaState[instance][joint]).
+// Adds to poses the offset that an inertial transition left: steps 2 and 10 of docs/controller.md. The includer
+// declares the buffers `inertias` (InstanceInertia) and `inertia_states` (InertiaState[instance][joint]).
 #include "blend/inertia.glsl"
 #include "control/controller_io.h"
 
-// Each joint once an update: what is shown is remembered.
+// To be called once per joint and update, since it remembers what is shown.
 JointPose inertial_pose(uint instance, uint index, JointPose target) {
     const InstanceInertia inertia = inertias[instance];
     InertiaState state = inertia_states[index];
     if (inertia.begins != 0) {
-        // Else nothing is known of its speed
+        // Otherwise the offset's speed is unknown, and 1e30 s makes it vanish
         const float step_s = inertia.shown_count > 2 && inertia.shown_step_s > 0 ? inertia.shown_step_s : 1e30;
         state.offset = inertia_begin(state.shown, inertia.shown_count > 2 ? state.shown_before : state.shown, target,
                                      target, step_s);

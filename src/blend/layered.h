@@ -10,14 +10,14 @@
 
 namespace throng {
 
-// Dispatched with io::LayeredPush, a workgroup per instance. All up to `words` are tables
-// (gpu/table.glsl); that of the active clips, which a kernel writes, is made by make_table().
+// Dispatched with io::LayeredPush, a workgroup per instance. The buffers that it only reads are tables
+// (gpu/table.glsl), except kInertiasBuffer; kActiveClipsBuffer, which a kernel writes, is made by make_table().
 struct LayeredSettings {
     bool packed = false;  // Character::packed
     BlendOutput output = BlendOutput::kAffine;
     bool inertial = false;
     bool pose_overrides = false;  // poses may be set
-    // Layers blend rotations in model space: an invocation per instance, and record_layered_in_order()
+    // Layers blend rotations in model space: an invocation per instance, by record_layered_in_order()
     bool in_order = false;
 
     friend auto operator<=>(const LayeredSettings&, const LayeredSettings&) = default;

@@ -19,8 +19,8 @@ struct LayeredInOrderPush {
     uint first_joint, joint_end;
 };
 
-// model_from_joint of a joint, as unit quaternions, where a layer blends them: of what lies below the layer, of the
-// layer's own pose, and of what comes of both.
+// Rotations of a joint's model_from_joint, as unit quaternions, for a layer that blends them: below the layer, in the
+// layer's own pose, and after blending both.
 struct ModelRotations {
     vec4 below, layer, blended;
 };

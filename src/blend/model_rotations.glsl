@@ -9,7 +9,8 @@
 
 vec4 unit(vec4 quaternion) { return quaternion * inversesqrt(dot(quaternion, quaternion)); }
 
-// `model_layer` counts an instance's voiced layers in model space from the lowest up; 0 <= weight <= 1.
+// `model_layer` counts an instance's layers in model space that have active clips, from the lowest up;
+// 0 <= weight <= 1.
 JointPose apply_in_model_space(uint instance, uint joint, uint model_layer, JointPose layer, JointPose below,
                                float weight) {
     const uint first = model_layer * push.joint_count, parent = WORD_AT(parents, joint);

@@ -9,7 +9,7 @@
 namespace throng {
 namespace {
 
-constexpr double kUniform = 1e-5;  // scales that differ by no more of the larger one count as the same
+constexpr double kUniform = 1e-5;  // scales that differ by at most this fraction of the largest count as equal
 
 bool is_finite(const Trs<double>& t) {
     const auto& [q, p, s] = t;

@@ -1,7 +1,7 @@
-// The pose that the application set for an instance, over the animated one, by its weight. The includer declares the
-// tables `pose_overrides` (TABLE_OF_WORDS, two words an InstancePose: [instance]) and `poses` (TABLE_OF_ROWS, three
-// rows a JointPose: [slot][rig_joint_count()]), and that function. Defined by blend_reference.h. At the weights 0 and 1
-// it is the animated pose, or the one that was set, to the bit.
+// Blends the pose that the application set for an instance over the animated one, by its weight. The includer declares
+// the tables `pose_overrides` (TABLE_OF_WORDS, two words an InstancePose: [instance]) and `poses` (TABLE_OF_ROWS, three
+// rows a JointPose: [slot][rig_joint_count()]), and the function rig_joint_count(). Defined by blend_reference.h.
+// Weight 0 yields the animated pose and weight 1 the one that was set, bit for bit.
 #include "blend/blend.glsl"
 #include "blend/pose_override_io.h"
 

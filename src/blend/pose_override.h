@@ -1,4 +1,4 @@
-// Poses that the application sets: what it may say, and how they fade. The same for crowds and the reference; no
+// Poses that the application sets: how they are checked, and how they fade. Shared by crowds and the reference; no
 // Vulkan.
 #pragma once
 
@@ -18,9 +18,9 @@ class PoseFade {
 public:
     bool is_set() const { return is_set_; }  // set, and not cleared since
 
-    // Towards the pose within `fade_s` seconds, 0: at once; nothing where it goes there already.
+    // Fades the pose in within `fade_s` seconds, 0: at once. Does nothing if it is already set.
     void set(float fade_s);
-    // Back within `fade_s` seconds.
+    // Fades the pose out within `fade_s` seconds, 0: at once.
     void clear(float fade_s);
     void advance(float time_step_s);  // below 0 counts as 0
 
@@ -28,7 +28,7 @@ public:
     bool is_gone() const { return !is_set_ && fade_ == 0; }  // cleared, and faded out
     float weight() const;                                    // 0..1, eased
 
-    // Writes or reads what it goes on from.
+    // Writes or reads the state that it continues from.
     template <class Archive>
     void exchange(Archive& archive) {
         archive.value(is_set_);
@@ -43,8 +43,8 @@ private:
 
 // Throw kInvalidArgument with `place`.
 void check_fade(float fade_s, const ErrorPlace& place);
-// The pose, [joint_count], with rotations of length 1. Where the rig's scales are uniform, those of the pose must be so
-// within 1e-5, and become so.
+// The pose, [joint_count], with rotations of length 1. If the rig's scales are uniform, those of the pose must be
+// uniform within 1e-5, and are made exactly so.
 std::vector<Trs<double>> checked_pose(std::span<const Trs<float>> parent_from_joint, uint32_t joint_count,
                                       bool uniform_scale, const ErrorPlace& place);
 

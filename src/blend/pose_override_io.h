@@ -6,7 +6,7 @@ THRONG_IO_BEGIN
 
 // An instance's pose override, read as words of a table.
 struct InstancePose {
-    uint slot;     // of its pose in poses[slot][joint]; of no meaning where the weight is 0
+    uint slot;     // its pose is poses[slot][joint]; meaningless if the weight is 0
     float weight;  // 0: as it is animated, 1: as it was set
 };
 

@@ -1,5 +1,5 @@
-// claim: which of the commands of an application's shaders can be obeyed, and of several that set the same of an
-//   instance the last one. What cannot be becomes kNothing, so that the kernels behind this one trust the others. One
+// claim: finds which commands of an application's shaders can be obeyed, and the last of several that set the same
+//   thing of an instance. Commands that cannot be obeyed become kNothing, so that later kernels can trust the rest. One
 //   invocation per command that there is room for. Cost: 64 bytes read and one atomic a command.
 #include "command/command_io.h"
 #include "gpu/buffers_io.h"

@@ -18,7 +18,7 @@ uint claim_of(InstanceCommand command) {
     return command.instance * claims_of_instance() + claim;
 }
 
-// Whether the i-th command is the one that is obeyed; the claim is then free for the next update.
+// Whether the i-th command is the one to obey; if so, frees the claim for the next update.
 bool takes_claim(uint i, InstanceCommand command) {
     return atomicCompSwap(claims[claim_of(command)], i + 1, 0) == i + 1;
 }

@@ -7,9 +7,9 @@ THRONG_IO_BEGIN
 
 THRONG_IO_CONSTANT kCommandWorkgroupSize = 64;
 
-// throng::CommandHead; behind it lie the commands.
+// throng::CommandHead; the commands follow it.
 struct CommandHead {
-    uint count;  // also those that found no room
+    uint count;  // including those that found no room
     uint lost, ignored;
     uint unused0;
     uvec4 unused[3];
@@ -54,12 +54,12 @@ struct InstanceCommandPush {
     uint birth;         // control/births.glsl
     uint flags;
 };
-THRONG_IO_CONSTANT kShadersPopulate = 1;  // kSpawn and kDespawn are for them
+THRONG_IO_CONSTANT kShadersPopulate = 1;  // shaders may use kSpawn and kDespawn
 THRONG_IO_CONSTANT kHasController = 2;
 THRONG_IO_CONSTANT kMayBeInertial = 4;  // has inertial transitions or plays
 THRONG_IO_CONSTANT kHasRoots = 8;
 THRONG_IO_CONSTANT kHasDestinations = 16;
-THRONG_IO_CONSTANT kMovesPlacements = 32;  // root motion does
+THRONG_IO_CONSTANT kMovesPlacements = 32;  // root motion moves placements
 
 // Which part of `changes` belongs to the buffer `changed`. For each item it holds the item's number in that buffer,
 // then its words.

@@ -1,5 +1,5 @@
-// obey: what an application's shaders ask of instances that are there. One invocation per command that there is room
-//   for. Cost: 64 bytes read and one atomic a command, and what it sets, 4 to 116 bytes, is written.
+// obey: carries out what an application's shaders ask of instances that exist. One invocation per command that there is
+//   room for. Cost: 64 bytes read and one atomic a command, and what it sets, 4 to 116 bytes, is written.
 #include "command/command_io.h"
 #include "gpu/affine.glsl"
 #include "gpu/buffers_io.h"
@@ -28,7 +28,7 @@ PUSH(InstanceCommandPush);
 #include "control/commands.glsl"
 #include "control/control.glsl"
 
-// In 2^-32 of the clip, as LayerPlay has it.
+// The phase in 2^-32 of the clip, as in LayerPlay.
 uint phase_of(float time_s, float duration_s, bool loops) {
     if (duration_s <= 0) return 0;
     const float cycles = time_s / duration_s;

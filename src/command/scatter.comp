@@ -1,4 +1,4 @@
-// scatter: what the CPU has changed of instances here and there goes to its places. One invocation per word. Cost: the
+// scatter: writes what the CPU has changed of scattered instances into the buffers. One invocation per word. Cost: the
 //   word and its item's number read, the word written.
 #include "command/command_io.h"
 #include "gpu/buffers_io.h"

@@ -38,7 +38,7 @@ public:
     }
 
 private:
-    // Calls check_one(item) for each, of which failures name the place.
+    // Calls check_one(item) for each item; a failure in it names the item's place.
     template <class Items, class Check>
     void each(const Items& items, const char* name, const Check& check_one) {
         for (size_t i = 0; i < items.size(); ++i) {

@@ -1,11 +1,11 @@
-// What an Asset must be to be compiled. load_asset() makes such; an engine that fills one itself may err.
+// What an Asset must satisfy to be compiled. load_asset() ensures it; an engine that fills one itself can get it wrong.
 #pragma once
 
 #include <throng/asset.h>
 
 namespace throng {
 
-// Throws kInvalidArgument, which names the place: indices out of range, arrays of another length than asset.h says,
+// Throws kInvalidArgument, naming the place, for indices out of range, arrays of another length than asset.h says,
 // numbers that are not finite, keys out of order, nodes that are their own ancestors.
 void check_asset(const Asset& asset);
 // The same for nodes, skins and the nodes of meshes alone: without going through vertices and keys.

@@ -51,7 +51,7 @@ void measure(Character& character) {
         throw Failure(ErrorCode::kInvalidFile, character.name, "the rest pose is not finite");
 }
 
-// How much of the work is done, about, after each part of compiling an asset, and of load_character().
+// Roughly how much of the work is done after each part of compiling an asset, and of load_character().
 constexpr double kMeshCompiled = 0.05, kClipsRead = 0.1, kRootMotionExtracted = 0.15, kClipsPacked = 0.7,
                  kLodsMade = 0.95;
 constexpr double kLoaded = 0.1;
@@ -87,7 +87,7 @@ Result<Character> compile(const Asset& asset, const CompileSettings& settings, c
             }
             measure_clips(character, progress.between(kLodsMade, 1));
             file::visit_strings(character, [](std::string& text) { text = printable(text, std::string::npos); });
-            // Numbers so large that what is made of them is not finite, for example
+            // Finds, for example, numbers so large that what is computed from them is not finite
             check_character(character, asset.name, ErrorCode::kInvalidFile);
             progress.report(1);
             return character;
@@ -95,7 +95,7 @@ Result<Character> compile(const Asset& asset, const CompileSettings& settings, c
         asset.name);
 }
 
-// What save_character() wrote.
+// Reads what save_character() wrote.
 Character read_compiled(const std::filesystem::path& path, const std::string& place, const Progress& progress) {
     constexpr double kRead = 0.5;
     const std::vector<std::byte> bytes = read_file(path, kCompiledFileLimit_bytes, place, kLargerThanFiles,

@@ -10,14 +10,14 @@ namespace throng {
 
 inline constexpr size_t kJointLimit = 65'535;
 inline constexpr size_t kPaletteLimit = 65'536;  // an influence names its entry in 16 bits
-// Rows of all clips, times joints: minutes of measuring
+// Rows of all clips times joints: so many take minutes to measure
 inline constexpr uint64_t kPackingLimit = uint64_t{1} << 28;
 // Each costs every instance of a crowd a little time
 inline constexpr size_t kMorphLimit = 4'096;
-// Size of the keys, of the packed words and of the track table; of those of morphs likewise
+// The size of the keys, of the packed words and of the track table, each; the arrays of morphs have the same limit
 inline constexpr uint64_t kKeyLimit_bytes = uint64_t{256} << 20;
 
-// The last value of an enumeration that files and applications give.
+// The last value of an enumeration whose values come from files and applications.
 template <class Enum>
 inline constexpr Enum last_of{};
 template <>

@@ -11,7 +11,7 @@ uint place_of_active_clip(uint index) { return (instance * push.active_clip_limi
 
 void store_end(uint index, uvec2 end) { active_clips[place_of_active_clip(index) + 3] = pack(end); }
 
-// All of an active clip but its end. `weights`: within its layer, and the layer's.
+// Stores all of an active clip except its reference_row and flags. `weights`: within its layer, and the layer's.
 void store_begin(uint index, SlotCursor cursor, vec2 weights, float time_s) {
     const uint at = place_of_active_clip(index);
     if ((push.flags & kPushTellsTimes) != 0) active_clip_times[instance * push.active_clip_limit + index] = time_s;
@@ -20,7 +20,7 @@ void store_begin(uint index, SlotCursor cursor, vec2 weights, float time_s) {
     active_clips[at + 2] = pack(floatBitsToUint(weights));
 }
 
-// The newest active clip, where there is one, gets what is known now.
+// Stores the end of the newest active clip, if there is one, now that its flags are known.
 void end_newest(uint flags) {
     if (active_clip_count > (has_rest_pose ? 1 : 0)) store_end(active_clip_count - 1, newest_end | uvec2(0, flags));
 }

@@ -1,5 +1,5 @@
-// Which instances are there, of groups in which they come and go. `birth`, of the push constants: what the table holds
-// for those that were born in this update; 0: all are there, always.
+// Which instances exist, in groups where they come and go. `birth`, a push constant: what the table holds for instances
+// born in this update; 0: all exist, always.
 #include "gpu/table.glsl"
 
 TABLE_OF_WORDS(kBirthsBuffer, births);

@@ -1,7 +1,7 @@
 // The clips of a play and their weights: step 4 of docs/controller.md. C++ too (gpu/glsl.h). The includer declares
 // parameter_at(index), the functions of control/tables.glsl and those of control/rounded.glsl.
 
-// Up to three clips of one phase. Weights of those beyond are 0.
+// Up to three clips that share a phase. Unused ones have weight 0.
 struct ClipMix {
     uvec3 clips;
     vec3 weights;
@@ -12,7 +12,7 @@ struct ClipMix {
 };
 
 // `do` with a `break` before its body: on a software device `while` goes round once more for all invocations. Without
-// the `break`, SwiftShader gives those that have left a loop what its other rounds compute (docs/devices.md).
+// the `break`, SwiftShader gives invocations that have left a loop what its further rounds compute (docs/devices.md).
 void mix_line(INOUT(ClipMix) clip_mix, ControlState state, float x) {
     uint i = 0, k = 1;
     do {
@@ -94,7 +94,7 @@ ClipMix mix_of_play(ControlLayer layer, LayerPlay play) {
     return clip_mix;
 }
 
-// The first of equals.
+// The clip with the largest weight; the first of equals.
 uint heaviest(ClipMix clip_mix) {
     uint k = 0;
     if (clip_mix.weights.y > clip_mix.weights[k]) k = 1;

@@ -19,7 +19,8 @@ void set_layer(uint layer, ControlCommand command) {
     layers[layer].mask = command.motion;
 }
 
-// `layer` and `parameter`: where its target lies in the buffers, whichever of them it is.
+// `layer`, `parameter`: the index of its target in `layers` or `parameters`; only the one that the command needs
+// counts.
 void obey(ControlCommand command, uint layer, uint parameter) {
     if (command.kind == kCommandPlay || command.kind == kCommandPlayInertial)
         play(layer, command);

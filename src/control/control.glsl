@@ -5,8 +5,8 @@ ClipTimeline load_timeline(uint clip) { return CLIP_TIMELINE_AT(timelines, kClip
 
 float time_at(uint index) { return FLOAT_AT(times, index); }
 
-// Looping: t - floor(t / D) * D, so that t = D wraps to 0. Division is not exact on GPUs, hence the two mends; what an
-// overflow made infinite or NaN wraps to 0 as well, or it would stay for good.
+// Looping: t - floor(t / D) * D, so that t = D wraps to 0. Division is not exact on GPUs, hence the two corrections; a
+// time that overflow made infinite or NaN wraps to 0 as well, or it would stay so for good.
 float local_time(float time_s, float duration_s, bool loop) {
     if (duration_s <= 0) return 0;
     if (!loop) return clamp(time_s, 0, duration_s);
@@ -18,7 +18,7 @@ float local_time(float time_s, float duration_s, bool loop) {
 // The rows around time_s: the last one at or before it and the next; before the first and after the last, that row
 // alone.
 SlotCursor find_rows(ClipTimeline timeline, float time_s) {
-    uint low = 0, high = timeline.row_count;  // times[low] <= time_s < times[high], but for the ends
+    uint low = 0, high = timeline.row_count;  // times[low] <= time_s < times[high], except at the ends
     // `do` with a `break`, as in mix_line() (blend_space.glsl)
     do {
         if (high - low <= 1) break;

@@ -19,7 +19,7 @@ struct RowCursor {
 };
 RowCursor find_rows_reference(std::span<const float> times_s, double time_s);
 
-// As kernels read it, of a character of `joint_count` joints; the fraction is rounded to float there too.
+// The cursor as kernels read it, for a character of `joint_count` joints; its fraction is rounded to float.
 io::SlotCursor cursor_reference(const ClipPlayback& playback, std::span<const Clip> clips,
                                 std::span<const float> times_s, uint32_t joint_count);
 

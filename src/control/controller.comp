@@ -1,7 +1,7 @@
 // controller: one update of each instance's layers: transitions, fades, times, events, root motion; writes the clips
 // that its pose is made of. One invocation per instance. Defined in docs/controller.md; nothing that decides a state is
-// divided or fused, so that all devices agree. Loops test when a round is over: a software device goes round one that
-// tests before it once more than any invocation needs.
+// divided or fused, so that all devices agree. Loops test at the end of a round: a software device goes round a loop
+// that tests first once more than any invocation needs.
 #include "gpu/buffers_io.h"
 #include "gpu/stored.glsl"
 #include "control/births.glsl"
@@ -21,7 +21,7 @@ BUFFER(kRootsBuffer, RootState, roots);
 BUFFER(kRootRemaindersBuffer, vec2, root_remainders);
 // world_from_model, three rows each
 WRITEONLY_BUFFER(kPlacementsBuffer, vec4, placements);
-// The same as layers and parameters: to read them, which a software device does faster as tables
+// Layers and parameters once more, for reading: as tables, a software device reads them faster
 TABLE_OF_WORDS(kLayersBeforeBuffer, layers_before);
 TABLE_OF_WORDS(kParametersBeforeBuffer, parameters_before);
 BUFFER(kInertiasBuffer, InstanceInertia, inertias);

@@ -1,7 +1,7 @@
 // What the controller kernel reads and writes. Shared by C++ and GLSL. docs/controller.md defines what it computes.
 //
 // Tables of a group, one after another in one buffer of words (gpu/table.glsl), each struct as many words as it has
-// members; where each begins is in ControllerLayout.
+// members; ControllerLayout says where each begins.
 #ifndef THRONG_CONTROLLER_IO_H
 #define THRONG_CONTROLLER_IO_H
 #include "control/control_io.h"
@@ -62,7 +62,7 @@ struct ControlEdge {
     float dx, dy;  // (b - a) / |b - a|^2
 };
 
-// Out of the state whose list it is in.
+// A transition out of the state that lists it.
 struct ControlTransition {
     uint to;  // state within the layer
     uint first_condition, condition_count;
@@ -89,7 +89,7 @@ struct ControlEvent {
     uint event;  // index into Controller::events
 };
 
-// Where the tables begin, in words; the first words of the buffer.
+// Where each table begins, in words. Lies at the start of the buffer.
 struct ControllerLayout {
     uint clips, layers, states, points, triangles, edges, transitions, conditions, events;
     uint layer_count, parameter_count, clip_count;
@@ -99,7 +99,7 @@ struct ControllerLayout {
 struct LayerPlay {
     uint motion;  // state of the layer; of a direct layer a clip, clip_count: the rest pose
     uint phase;
-    uint loops;       // whole cycles since it was entered; of a state of negative speed, backwards
+    uint loops;       // whole cycles since it was entered; counted backwards if the state's speed is negative
     float fade;       // how far it has replaced what lies below it, 0..1, linear in time
     float fade_rate;  // 1 / seconds
     float speed;      // direct layers
@@ -108,7 +108,7 @@ struct LayerPlay {
 
 // What a layer of an instance keeps from update to update.
 struct LayerState {
-    LayerPlay plays[kStackSize];             // newest first: 0 leads; those from play_count on are left as they were
+    LayerPlay plays[kStackSize];             // newest first: 0 leads; those from play_count on are stale
     uint play_count;                         // 0: nothing yet
     float weight, weight_goal, weight_rate;  // direct layers: weight moves towards the goal by weight_rate a second
     uint mode, mask;                         // direct layers
@@ -139,7 +139,7 @@ THRONG_IO_CONSTANT kActiveClipMaskShift = 8;
 struct InstanceInertia {
     float elapsed_s;  // since the last pose that was shown before it; less than duration_s while it lasts
     float duration_s;
-    float shown_step_s;  // between the last two poses shown; 0: there are no two
+    float shown_step_s;  // between the last two poses shown; 0: there are fewer than two
     uint shown_count;    // poses shown, this update's included, at most 3
     uint begins;         // in this update
     float time_step_s;   // of this update
@@ -154,7 +154,7 @@ struct RootState {
 
 // In front of the records.
 struct EventHead {
-    uint count;  // all that happened, also those that found no room
+    uint count;  // all that happened, including those that found no room
     uint unused0, unused1, unused2;
 };
 
@@ -166,7 +166,7 @@ struct EventRecord {
     float time_s;  // after the beginning of the update's time step, 0..time step
 };
 
-// What the CPU asks of an instance; those of an instance lie together, in the order in which they were given.
+// What the CPU asks of an instance. An instance's commands lie together, in the order in which they were given.
 struct ControlCommand {
     uint instance;  // of the batch
     uint kind;
@@ -180,8 +180,8 @@ struct ControlCommand {
 THRONG_IO_CONSTANT kCommandPlay = 0;
 THRONG_IO_CONSTANT kCommandLayer = 1;
 THRONG_IO_CONSTANT kCommandParameter = 2;
-THRONG_IO_CONSTANT kCommandPlayInertial = 3;  // kCommandPlay, seen whole at once
-THRONG_IO_CONSTANT kCommandBegin = 4;         // it is as new
+THRONG_IO_CONSTANT kCommandPlayInertial = 3;  // kCommandPlay, at full weight at once
+THRONG_IO_CONSTANT kCommandBegin = 4;         // resets the instance
 
 struct ControllerPush {
     uint instance_count;
@@ -195,8 +195,8 @@ struct ControllerPush {
 };
 THRONG_IO_CONSTANT kPushHasRootMotion = 1;
 THRONG_IO_CONSTANT kPushIsInertial = 4;       // the group has inertial transitions
-THRONG_IO_CONSTANT kPushMovesPlacements = 2;  // it is applied, not only reported
-THRONG_IO_CONSTANT kPushTellsTimes = 8;       // of active clips, for the morph stage
+THRONG_IO_CONSTANT kPushMovesPlacements = 2;  // root motion is applied, not only reported
+THRONG_IO_CONSTANT kPushTellsTimes = 8;       // stores times of active clips, for the morph stage
 
 struct CommandPush {
     uint command_count;

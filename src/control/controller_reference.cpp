@@ -10,12 +10,12 @@ namespace throng {
 namespace io {
 namespace {
 
-// The kernel's own text, for one instance; and instead of what it writes for a device, a ControllerUpdate.
+// The kernel's own source, for one instance; it fills a ControllerUpdate instead of the device's buffers.
 struct ControllerText : ArrayTables {
     const Character& character;
     std::vector<float>& parameters;
     std::vector<LayerState>& layers;
-    ControllerPush push{};  // its time step counts here
+    ControllerPush push{};  // only its time_step_s is used
     ControllerUpdate* update = nullptr;
     ControllerLayout layout_of_group{};
     uint instance = 0, first_parameter = 0;
@@ -58,14 +58,14 @@ struct ControllerText : ArrayTables {
         add_weighted(update->move, move_between(rows, step.before, step.after, step.crossed), double{weight});
     }
 
-    // Step 7: by the places of events in all cycles that the step touches.
+    // Step 7: goes through the places of events in all cycles that the step touches.
     void emit_events(uint clip, const PhaseStep& step, uint layer) {
         constexpr int64_t kCycle = int64_t{1} << 32;
         const int64_t before = step.before, after = step.crossed * kCycle + step.after;
         const int64_t low = std::min(before, after), high = std::max(before, after) + (step.reached_end ? 1 : 0);
         const size_t first = update->events.size();
         const ControlClip& heard = load_clip(clip);
-        if (heard.event_count == 0) return;  // of up to a billion cycles
+        if (heard.event_count == 0) return;  // saves going through up to a billion cycles
         const int64_t direction = step.crossed < 0 ? -1 : 1, cycle_count = std::abs(int64_t{step.crossed}) + 1;
         const auto has_room = [&] { return update->events.size() < kMostEvents; };
         for (int64_t cycle = 0; cycle < cycle_count && has_room(); ++cycle)
@@ -100,7 +100,7 @@ void ControllerReference::apply(const io::ControlCommand& command) {
 }
 
 ControllerUpdate ControllerReference::update(float time_step_s) {
-    ControllerUpdate update{.move = {.cos = 0}};  // a sum so far
+    ControllerUpdate update{.move = {.cos = 0}};  // moves are summed up in it
     io::ControllerText text{{arrays_}, character_, parameters, layers, {.time_step_s = time_step_s}, &update};
     text.layout_of_group.layer_count = static_cast<uint32_t>(layers.size());
     for (; text.shown_layer < layers.size(); ++text.shown_layer) text.update_layer(text.shown_layer);

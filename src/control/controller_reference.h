@@ -1,6 +1,6 @@
 // The definition of the controller stage (docs/controller.md): one instance, on the CPU, with nothing fused and nothing
-// fast. What decides a state is computed in float as the definition says, so that a device must agree bit for bit; what
-// nothing follows from, in double.
+// fast. Values that decide a state are computed in float as the definition says, so that a device must agree bit for
+// bit; values that decide nothing, in double.
 #pragma once
 
 #include "control/root_motion_reference.h"
@@ -22,7 +22,7 @@ struct ControllerActiveClip {
     float layer_weight = 1;
     uint32_t mode = io::kModeOverride;
     uint32_t mask = kNone;
-    bool model_rotations = false;  // of an override: they are blended in model space
+    bool model_rotations = false;  // override layers: rotations are blended in model space
 };
 
 struct ControllerEventAt {
@@ -31,7 +31,7 @@ struct ControllerEventAt {
     double time_s;  // 0..|time step|
 };
 
-constexpr size_t kMostEvents = 16'384;  // as CrowdSettings::event_capacity has it, where nothing else is said
+constexpr size_t kMostEvents = 16'384;  // the default of CrowdSettings::event_capacity
 
 struct ControllerUpdate {
     std::vector<ControllerActiveClip> active_clips;  // lowest layer first; at least one
@@ -39,18 +39,18 @@ struct ControllerUpdate {
     // billion times takes no memory without bound
     std::vector<ControllerEventAt> events;
     GroundMove move;       // in model space before the update
-    float inertial_s = 0;  // how long an inertial transition takes that begins; 0: none does
+    float inertial_s = 0;  // duration of the inertial transition that begins; 0: none does
 };
 
 class ControllerReference {
 public:
-    // Throws what check_controller() finds. Both are referred to as long as this lives.
+    // Throws what check_controller() finds. Keeps references to both.
     ControllerReference(const Controller& controller, const Character& character);
 
     void apply(const io::ControlCommand& command);
     ControllerUpdate update(float time_step_s);
 
-    // As the kernel keeps them, bit for bit but for plays that have been dropped.
+    // As the kernel keeps them, bit for bit, except for plays that have been dropped.
     std::vector<float> parameters;
     std::vector<io::LayerState> layers;
 

@@ -14,7 +14,7 @@ void emit_event(ControlEvent event, PhaseStep phase_step, uint layer) {
     const uint count = times_passed(event.phase, phase_step);
     if (count == 0) return;
     const bool forwards = phase_step.cycles > 0;
-    // Backwards the place where it stands lies a cycle ahead
+    // Going backwards, an event right at the starting place is a full cycle away
     const uint distance = forwards ? event.phase - phase_step.before : phase_step.before - event.phase - 1;
     const uint first = atomicAdd(event_head.count, count);
     const uint end = min(count, push.event_capacity - min(first, push.event_capacity));

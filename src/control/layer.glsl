@@ -1,7 +1,7 @@
-// A layer of an instance in an update: what of docs/controller.md decides its state. C++ too, as
-// control/blend_space.glsl. The includer declares what that does, the buffers `layers` and `parameters`, `push`,
-// `layout_of_group`, `instance`, `first_parameter`, load_layer_state(index), and what the layer is shown by:
-// begin_layer(), add_active_clip(), add_move() and emit_events(); these go by control/plays.glsl, so that comes before.
+// One update of a layer of an instance: the part of docs/controller.md that decides its state. C++ too, like
+// control/blend_space.glsl. The includer declares what that file needs, the buffers `layers` and `parameters`, `push`,
+// `layout_of_group`, `instance`, `first_parameter`, load_layer_state(index), and the functions that show the layer:
+// begin_layer(), add_active_clip(), add_move() and emit_events(). These use control/plays.glsl, so that comes first.
 
 bool has_taken = false;  // a transition, in any layer
 // Duration of the inertial transition or play that this update begins with, in the highest layer that has one; 0: none
@@ -28,8 +28,8 @@ float advance_weight(INOUT(LayerState) state, ControlLayer layer) {
         1);
 }
 
-// Only what an update may change: each word stored costs a software device more than what computes it. Where plays
-// stand in time, show_plays() stores.
+// Stores only what an update can change: storing a word costs a software device more than computing it. show_plays()
+// stores the plays' phases and loops.
 void store_layer_state(uint index, LayerState state) {
     for (uint k = 0; k < kStackSize; ++k) {
         if (k >= state.play_count) continue;
@@ -43,7 +43,7 @@ void store_layer_state(uint index, LayerState state) {
     if (state.inertial_rate != 0) layers[index].inertial_rate = 0;
 }
 
-// Those clips of a play that have weight.
+// Adds the clips of a play that have weight.
 void add_clips(ClipMix clip_mix, PhaseStep phase_step, float play_weight, bool moves) {
     uint point = 0;
     do {
@@ -62,9 +62,9 @@ struct Leading {
     PhaseStep phase_step;
 };
 
-// Plays advance in time and are shown, the leading one first. One at a time, since a GPU has no registers for what all
-// of them show; but those in step with the leading one advance at a common rate. Where there may be such, a first round
-// through all plays only adds that up. All variables are initialized, and no `continue` is used: either would make
+// Advances plays in time and shows them, the leading one first: one at a time, since a GPU lacks the registers for what
+// all of them show. Plays in step with the leading one advance at a common rate; if there can be any, a first round
+// through all plays only adds up that rate. All variables are initialized, and no `continue` is used: either would make
 // AMD's compiler hold values in registers throughout the loop around this (docs/performance.md).
 void show_plays(uint at, uint index, LayerState state, ControlLayer layer, vec3 weights, float layer_weight) {
     Leading leading = {kNone, 0, 0, 0, {0, 0, 0, false, 0}};
@@ -129,7 +129,7 @@ void update_layer(uint index) {
     show_plays(at, index, state, layer, weights_of_plays(state), layer_weight);
 }
 
-// Those that transitions taken in this update asked for.
+// Resets the triggers that transitions taken in this update tested.
 void reset_triggers() {
     uint index = 0;
     do {

@@ -1,5 +1,5 @@
-// What Crowd asks of layers, checked, as commands of the GPU (the instance is left to the caller), and what it tells of
-// them.
+// Checks what Crowd asks of layers and turns it into commands of the GPU (the caller fills in the instance); and says
+// what layers play.
 #pragma once
 
 #include "base/error_place.h"
@@ -10,7 +10,7 @@
 
 namespace throng {
 
-// What may be asked of a layer: nothing where it has states.
+// What can be asked of a layer: nothing if it has states.
 struct LayerKind {
     uint32_t state_count = 0;     // 0: none, a direct layer
     bool inertial_plays = false;  // ControllerLayer::inertial_plays

@@ -9,7 +9,7 @@ bool holds(ControlCondition condition) {
     return condition.test == kTestFalse ? value == 0 : value != 0;
 }
 
-// `phase`: of the cycle that the leading play is in, how much it has played.
+// `phase`: how much of its current cycle the leading play has played.
 bool can_be_taken(ControlTransition transition, uint loops, uint phase, bool fading) {
     bool can = (!fading || (transition.flags & kTransitionInterrupts) != 0) &&
                (loops > transition.exit_loops || (loops == transition.exit_loops && phase >= transition.exit_phase));
@@ -58,11 +58,11 @@ void follow_transitions(INOUT(LayerState) state, ControlLayer layer) {
     push_play(state, play);
 }
 
-// Fades go on; what is covered is dropped.
+// Advances fades and drops plays that are fully covered.
 void advance_fades(INOUT(LayerState) state, float time_step_s) {
     uint count = state.play_count;
     for (uint k = kStackSize; k-- > 0;) {
-        if (k + 1 >= state.play_count) continue;  // the oldest is there whole
+        if (k + 1 >= state.play_count) continue;  // the oldest does not fade
         const float fade = min(sum(state.plays[k].fade, product(max(time_step_s, 0), state.plays[k].fade_rate)), 1);
         state.plays[k].fade = fade;
         if (fade >= 1) count = k + 1;
@@ -84,13 +84,13 @@ vec3 weights_of_plays(LayerState state) {
     return weights;
 }
 
-const float kMostCycles = 1e9;  // of an update, and loops of a play: sums of two fit an int
+const float kMostCycles = 1e9;  // of an update, and loops of a play; the sum of two such numbers fits an int
 
 // What one update did to a play's time.
 struct PhaseStep {
     uint before, after;
-    int crossed;       // ends of the clip, forwards counted positive; 0 of what does not loop
-    bool reached_end;  // of what does not loop
+    int crossed;       // ends of the clip, positive forwards; 0 if it does not loop
+    bool reached_end;  // only if it does not loop
     float cycles;      // x
 };
 

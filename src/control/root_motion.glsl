@@ -40,8 +40,8 @@ void add_move(uint clip, PhaseStep phase_step, float weight) {
     if ((push.flags & kPushHasRootMotion) != 0) move_sum += weight * move_of(load_clip(clip), phase_step);
 }
 
-// The move is reported, and where it is applied the instance stands at base * place. What rounding leaves out of x and
-// z is added with the next move (Kahan, 1965), or a long way of short steps would miss its end.
+// Reports the move and, if root motion is applied, places the instance at base * place. What rounding drops from x and
+// z is added with the next move (Kahan, 1965); otherwise a long way in short steps would miss its end.
 void end_move() {
     if ((push.flags & kPushHasRootMotion) == 0) return;
     const vec4 move = move_sum == vec4(0) ? vec4(0, 0, 1, 0) : turned_to_length_one(move_sum);

@@ -26,7 +26,7 @@ GroundMove place_at(RootRows rows, uint32_t phase);
 // phase_before.
 GroundMove move_between(RootRows rows, uint32_t phase_before, uint32_t phase_after, int64_t crossed);
 
-// A weighted sum of moves, and what it is once its turn has length one (no move where they cancel each other).
+// Adds to a weighted sum of moves; and the sum with its turn brought to length one (no move if they cancel each other).
 void add_weighted(GroundMove& sum, const GroundMove& move, double weight);
 GroundMove turned_to_length_one(const GroundMove& sum);
 

@@ -1,6 +1,6 @@
 // The stack of what a layer plays. C++ too (gpu/glsl.h).
 
-// A new play leads; where its fade is 1 nothing of the others is seen.
+// Pushes a new leading play; if its fade is 1, the others are no longer seen and are dropped.
 void push_play(INOUT(LayerState) state, LayerPlay play) {
     if (state.play_count == 0) play.fade = 1;
     state.plays[2] = state.plays[1];

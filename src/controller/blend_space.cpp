@@ -16,7 +16,7 @@ struct Place {
 using Triangle = std::array<uint32_t, 3>;  // counterclockwise
 using Edge = std::array<uint32_t, 2>;
 
-constexpr double kFlat = 1e-4;         // height by length
+constexpr double kFlat = 1e-4;         // height relative to length
 constexpr double kCocircular = 1e-12;  // of places within 0..2: rounding, many times over
 
 double cross(Place a, Place b, Place c) { return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x); }
@@ -28,7 +28,7 @@ bool in_circle(Place a, Place b, Place c, Place d) {
     return lifted(a, b, c) + lifted(b, c, a) + lifted(c, a, b) > kCocircular;
 }
 
-// Moved to 0 and scaled by powers of two, which rounds nothing: what lies on a line or circle still does.
+// The points moved to 0 and scaled by powers of two, which rounds nothing: what lies on a line or circle still does.
 std::vector<Place> scaled(std::span<const BlendPoint> points) {
     const auto [left, right] = std::ranges::minmax(points, {}, &BlendPoint::x);
     const auto [bottom, top] = std::ranges::minmax(points, {}, &BlendPoint::y);
@@ -103,8 +103,8 @@ private:
         hull.insert(hull.begin() + 1, point);
     }
 
-    // Where a neighbour's point lies in a triangle's circle, their common side is turned (Lawson 1977); ends where no
-    // circle holds a point.
+    // If the far point of a neighbour lies in a triangle's circle, turns their common side (Lawson 1977); this ends
+    // when no circle holds a point.
     bool flip_one() {
         for (Triangle& one : triangles)
             for (size_t side = 0; side < 3; ++side) {
@@ -139,7 +139,7 @@ private:
             }
     }
 
-    // A triangle all but flat whose long side is on the border gives way to its two short sides.
+    // Removes a nearly flat triangle whose long side is on the border; its two short sides take that one's place.
     bool peel_one() {
         for (auto triangle = triangles.begin(); triangle != triangles.end(); ++triangle)
             for (size_t side = 0; side < 3; ++side) {

@@ -11,15 +11,16 @@
 namespace throng {
 
 struct BlendSpace {
-    // Fill the hull of the points and do not overlap; none where the points lie on a line
+    // They fill the hull of the points and do not overlap; none if the points lie on a line
     std::vector<io::ControlTriangle> triangles;
-    // The border of the triangles; or along the line; or of a single point to itself
+    // The border of the triangles; without triangles, those along the line; for a single point, one from it to itself
     std::vector<io::ControlEdge> edges;
 };
 
-// Delaunay's triangulation of the points (different places, at least one); x and y, which have units of their own, are
-// scaled to the same range for it. Triangles flatter than 1e-4 of their length at the border are left out: in float
-// nothing could be said within them. O(points^2) and quick for the 64 points that a state may have.
+// The Delaunay triangulation of the points (at least one, all at different places). x and y have units of their own, so
+// they are scaled to the same range for it. Triangles at the border that are flatter than 1e-4 of their length are left
+// out: floats could not tell places within them apart. O(points^2), which is quick for the 64 points that a state can
+// have.
 BlendSpace make_blend_space(std::span<const BlendPoint> points);
 
 }  // namespace throng

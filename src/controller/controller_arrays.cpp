@@ -10,7 +10,7 @@
 namespace throng {
 namespace {
 
-// Position of the item with this name, or kNone.
+// Converts the controller for the character; `out` is the result.
 class Arrays {
 public:
     Arrays(const Controller& controller, const Character& character) : controller_(controller), character_(character) {
@@ -86,7 +86,7 @@ private:
             out.points[i].inverse_span = static_cast<float>(1 / (double{out.points[i + 1].x} - out.points[i].x));
     }
 
-    // Each state has a list of its own, those from any state among them.
+    // Each state has a list of its own, which includes the transitions from any state.
     void add_transitions(const ControllerLayer& layer, uint32_t first_state) {
         std::vector<io::ControlTransition> all;
         for (const ControllerTransition& transition : layer.transitions) all.push_back(converted(transition, layer));
@@ -103,7 +103,7 @@ private:
     }
 
     io::ControlTransition converted(const ControllerTransition& transition, const ControllerLayer& layer) {
-        // One less, so that what stops at kLastPhase has played its cycle.
+        // One less, so that a clip that stops at kLastPhase has played its cycle.
         const auto exit = static_cast<uint64_t>(std::max(std::round(transition.exit * 0x1p32) - 1, 0.0));
         const io::ControlTransition added{
             .to = find_name(layer.states, transition.to),
@@ -152,7 +152,7 @@ uint32_t phase_at(double time_s, double duration_s, bool loop) {
     if (!(duration_s > 0)) return 0;
     const double cycles = time_s / duration_s;
     if (!loop) return static_cast<uint32_t>(std::clamp(std::round(cycles * 0x1p32), 0.0, double{io::kLastPhase}));
-    // 2^32 is the beginning
+    // 2^32 wraps around to the beginning
     return static_cast<uint32_t>(static_cast<uint64_t>(std::round((cycles - std::floor(cycles)) * 0x1p32)));
 }
 

@@ -25,8 +25,7 @@ struct ControllerArrays {
 // For a controller that check_controller() accepts.
 ControllerArrays make_controller_arrays(const Controller& controller, const Character& character);
 
-// A time in a clip as a phase: looping, wherever it is; else the nearest within the clip. 0 where the clip has no
-// duration.
+// A time in a clip as a phase: wrapped around if looping, else clamped to the clip. 0 if the clip has no duration.
 uint32_t phase_at(double time_s, double duration_s, bool loop);
 
 }  // namespace throng

@@ -14,7 +14,7 @@ namespace {
 
 constexpr const char* kTooLarge = "is larger than the limit of 4 MiB";
 
-// One of some words; the first is the one that is meant where none is said.
+// The index of the member's value in `words`; 0, the default, if the member is absent.
 size_t word_of(const JsonView& object, std::string_view key, std::initializer_list<std::string_view> words) {
     const auto member = object.find(key);
     if (!member) return 0;
@@ -163,7 +163,7 @@ ControllerLayer read_layer(const JsonView& layer) {
     return out;
 }
 
-// Types, fields and their order; what the values mean to each other is for check_rules().
+// Reads types, fields and their order; check_rules() checks how the values fit together.
 Controller read_controller(const JsonView& top) {
     top.allow({"$schema", "parameters", "events", "masks", "layers"});
     if (const auto schema = top.find("$schema")) schema->as_string();

@@ -136,7 +136,7 @@ private:
             check_transition(layer, layer.transitions[i], states, place_of(place, "transitions", i));
     }
 
-    // What a number is multiplied by: a float or a bool.
+    // A parameter that a number is multiplied by must be a float or a bool.
     void check_number(const std::string& parameter, const std::string& place) const {
         const uint32_t index = parameters_.require(parameter, place);
         if (controller_.parameters[index].type == ParameterType::kTrigger)

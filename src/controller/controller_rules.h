@@ -1,4 +1,4 @@
-// What every controller keeps to, whether it was read from JSON or made in code.
+// The rules that every controller must keep, whether it was read from JSON or made in code.
 #pragma once
 
 #include <throng/controller.h>

@@ -1,4 +1,4 @@
-// A Controller for a Character as the kernel reads it (controller_io.h), and as its instances begin.
+// A Controller for a Character as the kernel reads it (controller_io.h), and the initial state of its instances.
 #pragma once
 
 #include "control/controller_io.h"

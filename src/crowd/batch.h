@@ -10,26 +10,26 @@
 namespace throng {
 
 struct Batch {
-    uint32_t group = 0, of_group = 0;  // and which of the group's batches it is
+    uint32_t group = 0, of_group = 0;  // of_group: which of the group's batches it is
     uint32_t first_instance = 0, instance_count = 0;
-    uint32_t used_count = 0;  // of them, up to the last one that is there in the update that is under way
-    // What `births` has of those born in that update; 0: all are there, always
+    uint32_t used_count = 0;  // instances up to the last one that is there in the update under way
+    // The value in `births` of instances born in that update; 0: all instances are always there
     uint32_t birth = 0;
     bool blends = false;      // whether two clips have weight in any instance, in the update that is under way
     bool is_moved = false;    // whether placements have been set for that update
-    uint32_t move_count = 0;  // updates so far of which that is so
+    uint32_t move_count = 0;  // how many updates that has held for
     Buffers buffers;          // those that its settings ask for
-    // What updates leave for those who read it, in frame slots that take turns: skin matrices, and where
-    // CrowdSettings::frames_in_flight is above 1 the skinned vertices and copies of other outputs (kShownBuffers).
+    // Outputs of updates for their readers, in frame slots used in turn: skin matrices and, if
+    // CrowdSettings::frames_in_flight is above 1, the skinned vertices and copies of other outputs (kShownBuffers).
     std::vector<Buffer> skins;   // [slot]
     std::vector<Buffers> shown;  // [slot], or none
     uint32_t slot = 0;           // of the last update
     // What inertial transitions keep between native updates (NativeRig::inertia_floats())
     native::AlignedBytes inertia_states;
     uint64_t inertia_bytes = 0;
-    bool has_updated = false, had_updated = false;  // ever; and before the last record()
-    // Whether an update has written these buffers; and before the last record(). A restored state sets has_updated as
-    // it was in its crowd, but brings no outputs
+    bool has_updated = false, had_updated = false;  // whether ever updated; the same before the last record()
+    // Whether an update has written these buffers; the same before the last record(). Restoring a state sets
+    // has_updated as it was in the saved crowd, but brings no outputs
     bool has_outputs = false, had_outputs = false;
 
     Buffer& operator[](uint32_t number) { return buffers[number]; }
@@ -49,7 +49,8 @@ struct Batch {
         return is_copied ? shown[of_slot][number] : buffers[number];
     }
 
-    // What kernels find of the batch and its group. `absent` stands for storage buffers that they do not have.
+    // The buffers of the batch and its group that kernels can be bound to. `absent` stands in for storage buffers that
+    // they do not have.
     BufferTable table(const Group& of, const BufferRange& absent) const {
         return BufferTable()
             .add(of.buffers)
@@ -66,7 +67,7 @@ struct Batch {
     }
 };
 
-// Which [palette_count] of the skin matrices an instance of the batch has, where buffers lie in host memory.
+// Which row of [palette_count] skin matrices an instance of the batch has, if buffers lie in host memory.
 inline uint32_t skin_row_of(const Group& group, const Batch& batch, uint32_t instance) {
     if (!group.skin_pool) return instance;
     return reinterpret_cast<const uint32_t*>(batch[io::kSkinRowsBuffer].mapped())[instance];
@@ -79,7 +80,7 @@ inline uint32_t batch_index_of(const std::vector<Batch>& batches, uint32_t insta
     return static_cast<uint32_t>(after - batches.begin()) - 1;
 }
 
-// The batch of this number of an instance; null where no group has it.
+// The batch that contains this instance number; null if no group has it.
 inline const Batch* batch_at(const std::vector<Batch>& batches, uint32_t instance) {
     if (batches.empty() || instance < batches.front().first_instance) return nullptr;
     const Batch& batch = batches[batch_index_of(batches, instance)];
@@ -95,8 +96,8 @@ inline InBatch in_batch(const std::vector<Batch>& batches, uint32_t instance) {
     return {batch, instance - batches[batch].first_instance};
 }
 
-// Cuts ranges of the crowd's instances where batches end: apply(batch, first_instance, count). Numbers that no group
-// has are left out.
+// Splits ranges of the crowd's instances where batches end, and calls apply(batch, first_instance, count) for each
+// part. Numbers that no group has are left out.
 template <class Ranges, class Apply>
 void for_each_part(const std::vector<Batch>& batches, const Ranges& ranges, const Apply& apply) {
     for (const auto& [first, count] : ranges) {

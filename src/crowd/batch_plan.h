@@ -1,4 +1,4 @@
-// What batches of a group have. Each stage adds its buffers (BatchPlan), then so many instances form a batch as the
+// The buffers of a group's batches. Each stage adds its own (BatchPlan); then as many instances form a batch as the
 // device's limits allow, and the buffers are made.
 #pragma once
 
@@ -44,21 +44,21 @@ public:
     void add(uint32_t number, uint64_t instance_bytes, Make make);
     // Its size does not grow with the batch: `most_bytes` at most.
     void add_of_batch(uint32_t number, uint64_t most_bytes, Make make);
-    // Keeps batches small enough for a buffer that they do not own but share, as the arena of the staged update: of
-    // such a buffer, an instance takes this much.
+    // Keeps batches small enough for a buffer that they share and do not own, such as the arena of the staged update:
+    // an instance takes this much of it.
     void limit(uint64_t instance_bytes) { largest_bytes_ = std::max(largest_bytes_, instance_bytes); }
     const Group& group() const { return group_; }
     const CrowdSettings& settings() const { return settings_; }
-    // What an instance takes of everything together.
+    // What an instance takes of all buffers together.
     uint64_t instance_bytes() const;
-    uint64_t batch_bytes() const { return batch_bytes_; }  // and a batch, whatever its size
-    // What an instance takes of the buffer that it takes most of: this decides how many make a batch.
+    uint64_t batch_bytes() const { return batch_bytes_; }  // what a batch takes besides, whatever its size
+    // The most that an instance takes of any one buffer, which decides how many instances form a batch.
     uint64_t largest_bytes() const { return largest_bytes_; }
     // Makes the buffers of a batch, for as many instances as it has.
     void make(Uploads& uploads, Batch& batch) const;
 
 private:
-    // Kernels write it to the frame slot of their update; or it is copied there when they are done.
+    // Whether kernels write it to the frame slot of their update; whether it is copied there when they are done.
     bool is_only_in_slots(uint32_t number) const;
     bool is_copied_to_slots(uint32_t number) const;
     // How many buffers of this number a batch has.
@@ -76,12 +76,12 @@ private:
     uint64_t largest_bytes_ = 0, batch_bytes_ = 0;
 };
 
-// Skin matrices of so many updates are there at a time.
+// For how many updates skin matrices are kept at a time.
 inline uint32_t frame_slot_count(const CrowdSettings& settings) {
     return settings.frames_in_flight + (settings.keep_previous_matrices ? 1 : 0);
 }
 
-// What the poses of CrowdGroup::pose_capacity take.
+// The memory that the poses of CrowdGroup::pose_capacity take.
 uint64_t pose_bytes(const CrowdSettings& settings);
 
 }  // namespace throng

@@ -13,10 +13,10 @@
 namespace throng {
 namespace {
 
-constexpr size_t kFew = 16;                  // ranges, which are commands of their own
-constexpr size_t kLong_bytes = 4096;         // of a range, which is one too, however many there are
+constexpr size_t kFew = 16;                  // up to so many ranges are commands of their own
+constexpr size_t kLong_bytes = 4096;         // from this size on, a range is always its own command
 constexpr size_t kRoundWords = 1 << 16;      // 256 KiB
-constexpr size_t kMostWordsAnInstance = 80;  // of what may change, about; more is a further round
+constexpr size_t kMostWordsAnInstance = 80;  // that can change, about; more take a further round
 
 }  // namespace
 
@@ -78,7 +78,8 @@ void ChangeStage::record(const Update& update) {
         used_words = 0;
     };
     const size_t room = uploaded_.size_bytes() / sizeof(uint32_t);
-    // The first round may be written: the barrier that the update begins with is behind what the last update read.
+    // The first round can be written at once: the barrier that the update begins with comes after the last update's
+    // reads.
     for (const Pending& of : std::views::join(pending_)) {
         const size_t stride = 1 + of.item_words;
         for (size_t at = 0; at < of.words.size();) {

@@ -15,7 +15,7 @@ namespace {
 
 constexpr size_t kRound = 16384;  // commands of a batch that are applied by one dispatch
 
-// As cursors in control_stage.cpp.
+// For the same reason as the cursors in control_stage.cpp.
 void add_resting_clips(BatchPlan& plan) {
     std::vector<io::ActiveClip> of_instance(plan.group().controller->active_clip_limit);
     of_instance[0] = {.first_track = rest_track_of(plan.group()),
@@ -32,7 +32,7 @@ void add_resting_clips(BatchPlan& plan) {
 
 }  // namespace
 
-// As its instances begin.
+// Adds the buffers. Those that hold state are filled with what instances begin with.
 void ControllerStage::plan(BatchPlan& plan) {
     const Group& group = plan.group();
     if (!group.controller) return;
@@ -90,7 +90,7 @@ void ControllerStage::make_uploads(Member& member) {
         batch.table(group_of(batch), batch[io::kLayersBuffer]).set({{io::kCommandsBuffer, member.uploaded}}));
 }
 
-// One dispatch a batch of those commands that follow the first `first`. False where there were none.
+// One dispatch per batch, of the commands after the first `first`. Returns false if there were none.
 bool ControllerStage::record_round(VkCommandBuffer commands, size_t first) {
     const auto count_of = [&](const Member& member) {
         return std::min(kRound, member.recorded.size() - std::min(first, member.recorded.size()));

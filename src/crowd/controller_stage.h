@@ -13,15 +13,16 @@ namespace throng {
 class ControllerStage : public Stage {
 public:
     static void plan(BatchPlan& plan);
-    // Serves the batches whose group has a controller. Events go to the feedback, which is there where a group has one.
+    // Serves the batches whose group has a controller. Events go to the feedback, which exists if any group has a
+    // controller.
     explicit ControllerStage(const StageContext& context);
 
-    // Queues what the next begin() hands to the GPU; `command.instance` is of the batch.
+    // Queues what the next begin() hands to the GPU; `command.instance` is the number within the batch.
     void add(uint32_t batch, const io::ControlCommand& command);
 
     void begin(const Update& update) override;
     void record(const Update& update) override;
-    // Before what was added since.
+    // Puts the last update's commands back, before those added since.
     void discard() override;
     void exchange_group(StateArchive& archive, uint32_t group) override;
     uint64_t size_bytes() const override;

@@ -42,7 +42,7 @@ void CrowdState::check_groups(const CrowdSettings& settings) const {
     if (total > UINT32_MAX)
         throw Failure(ErrorCode::kLimit, "crowd", std::to_string(total) + " instances; at most 4,294,967,295");
     check_terrain(settings);
-    constexpr uint32_t kMostInFlight = 4;  // as updates whose feedback is kept
+    constexpr uint32_t kMostInFlight = 4;  // as many as updates whose feedback is kept
     if (settings.frames_in_flight < 1 || settings.frames_in_flight > kMostInFlight)
         throw Failure(ErrorCode::kInvalidArgument, "frames in flight", settings.frames_in_flight, "; 1 to ",
                       kMostInFlight);
@@ -80,7 +80,7 @@ void CrowdState::check_memory(uint64_t needed_bytes) const {
 // As few batches as the device's limits allow.
 uint64_t CrowdState::batch_count_of(const BatchPlan& plan, uint32_t count) const {
     const uint64_t limit_bytes = arena_limit_bytes(*gpu);
-    // Where matrices lie in a pool, only as many instances as that has rows may take a workgroup each
+    // If matrices lie in a pool, only as many instances as the pool has rows can take a workgroup each
     const uint64_t instances_per_workgroup = plan.group().skin_pool ? io::kCullWorkgroupSize : 1,
                    capacity = std::min(limit_bytes / plan.largest_bytes(),
                                        instances_per_workgroup * gpu->properties.limits.maxComputeWorkGroupCount[0]);
@@ -109,7 +109,7 @@ void CrowdState::make_batches(Uploads& uploads, const BatchPlan& plan, uint32_t 
 
 namespace {
 
-// The first `count` of a buffer, which may have been made a little larger.
+// The first `count` elements of a buffer, which may have been made a little larger.
 template <class T>
 std::span<T> in_host_memory(const Gpu& gpu, const Buffer& buffer, uint64_t count) {
     if (!gpu.is_native() || !buffer) return {};
@@ -206,7 +206,7 @@ OutputBlock CrowdState::output_of(const Batch& batch, uint32_t of_slot) const {
             .host = host_outputs(batch, of_slot)};
 }
 
-// Keeps feedback that there is already, and makes room in it.
+// Keeps existing feedback, and makes room in it.
 void CrowdState::make_feedback() {
     watch_capacity_ = settings_.watch_capacity;
     pose_request_capacity_ = settings_.pose_request_capacity;

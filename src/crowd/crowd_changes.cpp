@@ -99,7 +99,7 @@ void CrowdState::send(uint32_t instance, io::ControlCommand command) {
     controllers->add(of.batch, command);
 }
 
-// make_command(i, group, place): of the i-th instance. All are made before the first is sent.
+// make_command(i, group, place) makes the i-th instance's. All are made before the first is sent.
 template <class MakeCommand>
 void CrowdState::send_each(const Instances& instances, const char* what, const MakeCommand& make_command) {
     check_there(instances, what);
@@ -194,7 +194,7 @@ void CrowdState::set_pose(const Instances& instances, std::span<const Trs<float>
     check_fade(fade_s, "pose");
     std::vector<InBatch> at_each;
     std::vector<std::vector<Trs<double>>> poses_of;
-    // One pose for all is as long as that of the first; the pose of one alone, its own.
+    // A pose that all share is as long as the first instance's; a single instance has a pose of its own.
     const bool is_shared = instances.size() > 1 &&
                            parent_from_joint.size() == group_of(instances.number(0)).joint_count;
     size_t next = 0;

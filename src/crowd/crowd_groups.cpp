@@ -1,5 +1,5 @@
-// Groups that come and go. What stages have is made for all groups together, so they are made anew, over the buffers
-// that are there, and go on from where the ones before were.
+// Groups that come and go. What stages have is made for all groups together, so stages are made anew over the existing
+// buffers, and continue from where the old ones were.
 #include "base/failure.h"
 #include "crowd/crowd_state.h"
 #include "crowd/state_archive.h"
@@ -10,7 +10,7 @@
 namespace throng {
 namespace {
 
-// The first setting in which they differ, of those by which buffers and kernels are made.
+// The first setting that differs, among those that buffers and kernels depend on.
 std::string_view difference(const CrowdSettings& a, const CrowdSettings& b) {
     const auto culling_differs = [&](bool Culling::*setting) {
         return a.culling && b.culling && (*a.culling).*setting != (*b.culling).*setting;
@@ -80,7 +80,7 @@ std::vector<CrowdState::StageState> CrowdState::stage_states() const {
     return all;
 }
 
-// The first numbers of groups and instances that neither a group nor an earlier move has.
+// Chooses the first numbers for the group and its instances that neither a group nor an earlier move has.
 CrowdState::Move CrowdState::plan_move(const CrowdState& from, uint32_t group, std::span<const Move> others) const {
     const Instances instances = from.instances(group);
     Move move{.from = group, .first_from = instances.first(), .count = instances.size()};
@@ -134,8 +134,8 @@ void CrowdState::count_instances() {
     instance_count = batches.empty() ? 0 : batches.back().first_instance + batches.back().instance_count;
 }
 
-// All that may fail of a change of groups. `moves`: of groups that join the crowd, whose states are `joining`, or leave
-// it.
+// Does everything about a change of groups that can fail. `moves`: of groups that join the crowd, whose states are
+// `joining`, or leave it.
 CrowdState::Remade CrowdState::remake(std::span<const StageState> before, std::span<const StageState> joining,
                                       std::span<const Move> moves) {
     Remade made{.uploads = std::make_unique<FirstUploads>(gpu, events_)};
@@ -170,8 +170,8 @@ CrowdState::Remade CrowdState::remake(std::span<const StageState> before, std::s
     }
     if (placements->is_followed()) find_stage<PlacementStage>(made.stages)->follow(false);
     if (timer && end_count_of(made.stages) > timer_room_) made.timer = make_timer(made.stages);
-    // Feedback of an update is kept for four more, and refers to what its groups had; its outputs are read while as
-    // many more are computed as there are frames in flight.
+    // Feedback of an update is kept for four more, and refers to what its groups had; its outputs are read while up to
+    // frames_in_flight more updates are computed.
     constexpr uint32_t kUpdates = 5;
     made.retired.emplace(events_, std::max(kUpdates, settings_.frames_in_flight + 1));
     return made;
@@ -227,7 +227,7 @@ void CrowdState::remove_group(uint32_t group) {
     go_on_with(std::move(made), {.batches = std::move(part.batches), .group = std::move(part.group)});
 }
 
-// `gone`: what else than the stages before may be in use by updates that are under way.
+// `gone`: what updates under way may use besides the old stages.
 void CrowdState::go_on_with(Remade made, Retired::Things gone) {
     for (auto& stage : stages) gone.stages.push_back(std::move(stage));
     use_stages(std::move(made.stages));

@@ -63,7 +63,7 @@ void CrowdState::request_poses(const Instances& instances) {
     for (uint32_t i = 0; i < instances.size(); ++i) pose_requests_.push_back(instances.number(i));
 }
 
-// Where a discarded record() has put some back, there may be more than there is room for: the others wait.
+// If a discarded record() has put some back, there may be more than there is room for: the rest wait.
 std::vector<RequestedPose> CrowdState::take_pose_requests() {
     const auto end = pose_requests_.begin() + std::min<ptrdiff_t>(std::ssize(pose_requests_), pose_request_capacity_);
     recorded_pose_requests_.assign(pose_requests_.begin(), end);
@@ -95,7 +95,7 @@ std::vector<Feedback> CrowdState::take_feedback() {
     return taken;
 }
 
-// Of a group that shaders populate: whoever has the number, if anybody.
+// In a group that shaders populate, the handle stands for whichever instance has the number, if any.
 void CrowdState::check_readable(const InstanceHandle& handle) const {
     check_in_group(handle, "read-back");
     if (!group_of(handle.instance).shaders_populate) check_there(handle, "read-back");
@@ -146,7 +146,7 @@ std::vector<Vec3<float>> CrowdState::read_positions(const InstanceHandle& handle
     return positions;
 }
 
-// A word of each instance.
+// `words` has one word for each instance.
 uint32_t CrowdState::read_word(const Buffer& words, uint32_t instance) const {
     return download<uint32_t>(gpu, BufferRange(words, instance * sizeof(uint32_t), sizeof(uint32_t)))[0];
 }

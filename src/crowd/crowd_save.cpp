@@ -1,5 +1,5 @@
-// The state of a crowd as bytes, and back: a head, what the buffers of batches hold, what the CPU goes by, and a
-// checksum.
+// The state of a crowd as bytes, and back: a head, what the buffers of batches hold, the state that the CPU keeps, and
+// a checksum.
 #include "base/crc64.h"
 #include "base/failure.h"
 #include "crowd/crowd_state.h"
@@ -77,7 +77,7 @@ void add_group(Checksum& made_of, const Group& group) {
     made_of.add(group.pose_capacity);
     made_of.add(group.outfit_count);
     made_of.add(group.active_morph_limit);
-    made_of.add_all(std::array{group.posed_min, group.posed_max});  // who is in view goes by them
+    made_of.add_all(std::array{group.posed_min, group.posed_max});  // they decide who is in view
     if (group.controller) add_controller(made_of, *group.controller);
     if (group.procedural) made_of.add(group.procedural->checksum);
     if (group.steering) {
@@ -86,7 +86,7 @@ void add_group(Checksum& made_of, const Group& group) {
     }
 }
 
-// What differs first; empty: nothing.
+// The first difference; empty if there is none.
 std::string_view difference(const StateFit& there, const StateFit& here) {
     if (there.settings != here.settings)
         return "CrowdSettings::skin_format, keep_previous_matrices or culling is another one there";
@@ -168,7 +168,7 @@ void CrowdState::exchange(StateArchive& archive) {
                               "a pose is requested of an instance that has none");
 }
 
-// Before the first update, which fills them, they hold whatever the memory did.
+// Until the first update fills them, they hold whatever was in the memory.
 void CrowdState::clear_playbacks(std::span<const KeptBuffer> kept, std::span<std::byte> contents) {
     for (const auto& [batch, number, buffer] : kept) {
         if (number == io::kPlaybacksBuffer) std::ranges::fill(contents.first(buffer->size_bytes()), std::byte{});
@@ -220,7 +220,7 @@ std::vector<std::byte> CrowdState::download_all(std::span<const KeptBuffer> kept
     return contents;
 }
 
-// Checked before anything changes; and what only shows while it is read is taken back.
+// Checks before anything changes. If an error only shows while reading, what has been read is taken back.
 void CrowdState::restore_state(std::span<const std::byte> state) {
     check_last_has_run("crowd state");
     finish_uploads();

@@ -24,7 +24,7 @@ constexpr StageKind kind_of() {
             [](const StageContext& context) -> std::unique_ptr<Stage> { return std::make_unique<T>(context); }};
 }
 
-// An update, in its order.
+// The stages in the order of an update.
 constexpr std::array kStages{
     kind_of<ChangeStage>(),          kind_of<PopulationStage>(), kind_of<PlacementStage>(),  kind_of<LookStage>(),
     kind_of<InstanceCommandStage>(), kind_of<ControlStage>(),    kind_of<ControllerStage>(), kind_of<SteerStage>(),
@@ -171,7 +171,7 @@ void CrowdState::update(float time_step_s, const CrowdView* view) {
     record(VK_NULL_HANDLE, time_step_s, view);
 }
 
-// What a native update keeps for itself, kernels of the device do not find, and the other way round.
+// The device's kernels do not see what a native update keeps for itself, and vice versa.
 void CrowdState::check_runs(bool natively) const {
     for (const Group& group : groups) {
         if (natively) break;
@@ -249,8 +249,8 @@ void CrowdState::record_disoccluded(VkCommandBuffer commands, const DepthImage& 
     memory_barrier(*gpu, commands, kShaderWrite | kTransferWrite, consumers());
 }
 
-// What may read the results. A queue without graphics must not name stages of drawing in its barriers, and the update
-// may be recorded for such a one where other families share the buffers
+// What may read the results. A queue without graphics must not name drawing stages in its barriers, and if other
+// families share the buffers, the update may be recorded for such a queue
 // (VUID-vkCmdPipelineBarrier2-dstStageMask-03850).
 Access CrowdState::consumers() const {
     return gpu->has_graphics() && gpu->sharing_families.empty()
@@ -258,8 +258,8 @@ Access CrowdState::consumers() const {
                : kAnyAccess;
 }
 
-// What the update has taken up is pending again, and what it let go on goes back; the timer notices by itself that it
-// never runs.
+// What the update has taken up is pending again, and what it has advanced goes back. The timer notices by itself that
+// the update never runs.
 void CrowdState::discard_last_record() {
     if (!can_discard_)
         throw Failure(ErrorCode::kInvalidArgument, "discard",
@@ -283,8 +283,8 @@ void CrowdState::discard_last_record() {
     go_to_slot((slot == 0 ? static_cast<uint32_t>(outputs.size()) : slot) - 1);
 }
 
-// Raised by what the last update took more than the budget, at most by half, and lowered more slowly, so that it
-// settles.
+// Raises the factor by as much as the last update exceeded the budget, at most by half, and lowers it more slowly, so
+// that it settles.
 float CrowdState::budgeted_full_rate_pixels(const CrowdView* view) {
     if (!view) return 0;
     if (!(view->budget_ms > 0) || !timer) return view->full_rate_pixels;
@@ -301,7 +301,7 @@ float CrowdState::budgeted_full_rate_pixels(const CrowdView* view) {
 
 void CrowdState::free_what_may_go() {
     for (const auto& uploads : first_uploads_) uploads->poll();
-    // The first one knows whether an update has run
+    // Keeps the first one, which knows whether an update has run
     for (size_t i = first_uploads_.size(); i-- > 1;) {
         if (!first_uploads_[i]->is_done()) continue;
         events_.give_back(first_uploads_[i]->take_event());
@@ -319,7 +319,7 @@ void CrowdState::go_to_slot(uint32_t next) {
     for (Batch& batch : batches) batch.slot = next;
 }
 
-// The first update of a group has none before it: nothing has moved.
+// A group's first update has no earlier one, so it counts as if nothing had moved.
 void CrowdState::copy_to_previous(VkCommandBuffer commands) const {
     if (!keeps_previous_ || std::ranges::all_of(batches, &Batch::has_updated)) return;
     memory_barrier(*gpu, commands, kShaderRead | kShaderWrite, kTransferRead | kTransferWrite);

@@ -32,7 +32,7 @@
 
 namespace throng {
 
-// Checksums of what has to be the same in the crowd that a state is of, and in the one that is given it.
+// Checksums of what must be the same in the crowd that a state was saved from and the one that it is restored to.
 struct StateFit {
     uint64_t paths = 0, settings = 0, groups = 0, counts = 0, buffers = 0;
 };
@@ -41,7 +41,7 @@ struct CrowdState {
     CrowdState(std::shared_ptr<Gpu> gpu, const CrowdSettings& settings);
 
     const Group& group_at(uint32_t group) const;  // throws kInvalidArgument
-    // Takes over all groups of another crowd, which then has none; the numbers that they have here.
+    // Takes over all groups of another crowd, which then has none. Returns the numbers that they have here.
     std::vector<uint32_t> add_groups(CrowdState& from);
     void remove_group(uint32_t group);
     std::vector<InstanceHandle> spawn(uint32_t group, std::span<const Affine> world_from_model);
@@ -69,7 +69,8 @@ struct CrowdState {
     std::vector<Feedback> take_feedback();
     // Whether update() computes natively; with occlusion it does not.
     bool is_native(bool occlusion) const;
-    // What the buffers begin with, where no update and neither of these has brought it there; the second waits for it.
+    // Upload the first contents of the buffers, unless an update or either of these calls has done so. The second
+    // waits for the upload.
     void record_uploads(VkCommandBuffer commands);
     void finish_uploads();
     // Throws kInvalidArgument where the last record() was not discarded and its commands have not run. May wait for the
@@ -77,7 +78,7 @@ struct CrowdState {
     void check_last_has_run(const char* what) const;
     void follow_placements();
     void update(float time_step_s, const CrowdView* view);
-    // A command buffer of VK_NULL_HANDLE: natively, at once.
+    // With a command buffer of VK_NULL_HANDLE it computes natively, at once.
     void record(VkCommandBuffer commands, float time_step_s, const CrowdView* view);
     void record_disoccluded(VkCommandBuffer commands, const DepthImage& depths);
     void discard_last_record();
@@ -95,14 +96,15 @@ struct CrowdState {
     SkinFormat skin_format = SkinFormat::kAffine;
     SkinBlend skin_blend = SkinBlend::kLinear;
     bool skins_once = false;
-    std::deque<Group> groups;    // with gaps, Group::is_gone(), which groups that come later fill
+    std::deque<Group> groups;    // with gaps (Group::is_gone()), which later groups fill
     std::vector<Batch> batches;  // in ascending order of their instances; numbers between them belong to nobody
     std::vector<std::vector<OutputBlock>> outputs;  // [frame slot][batch]
     uint32_t slot = 0;                              // of the last update
     std::unique_ptr<StageTimer> timer;
     std::optional<FeedbackRing> feedback;
 
-    // In the order of an update; those below are among them, null where the crowd does not need them.
+    // In the order of an update. The pointers below refer to some of them, and are null if the crowd does not need the
+    // stage.
     std::vector<std::unique_ptr<Stage>> stages;
     ChangeStage* changes = nullptr;  // this and the next two are always there
     PopulationStage* population = nullptr;
@@ -162,14 +164,14 @@ private:
     void upload_all(std::span<const KeptBuffer> kept, std::span<const std::byte> contents) const;
     void check_agents(const Instances& instances) const;
     void copy_to_previous(VkCommandBuffer commands) const;
-    // Of a call that names instances: throws kInvalidArgument where one is not there.
+    // For calls that name instances: throws kInvalidArgument if one is not there.
     void check_there(const Instances& instances, const char* what) const;
     void check_there(uint32_t first_instance, uint32_t count, const char* what) const;
     void check_readable(const InstanceHandle& handle) const;
     static void refuse_if_shaders_populate(const Group& group, const char* what);
     void check_handle(const InstanceHandle& handle, const char* what) const;
-    // Throws also where the group that had this number has been removed. Whether the number is another instance's by
-    // now is not asked.
+    // Also throws if the group that had this number has been removed. Does not check whether the number belongs to
+    // another instance by now.
     void check_in_group(const InstanceHandle& handle, const char* what) const;
     void check_range(uint32_t first_instance, uint32_t count, const char* what) const;
     InBatch at(uint32_t instance) const { return in_batch(batches, instance); }
@@ -187,7 +189,7 @@ private:
     };
     // A group that joins the crowd, or leaves it.
     struct Move {
-        uint32_t from = 0, to = 0;                         // groups; to none: kNone
+        uint32_t from = 0, to = 0;                         // groups; `to` is kNone if it leaves
         uint32_t first_from = 0, first_to = 0, count = 0;  // its instances
     };
     struct Part {
@@ -199,7 +201,7 @@ private:
     struct Remade {
         Stages stages{};
         std::unique_ptr<FirstUploads> uploads{};
-        std::unique_ptr<StageTimer> timer{};  // where there is no room in the one before
+        std::unique_ptr<StageTimer> timer{};  // if the one before has too little room
         std::optional<Retired> retired{};     // to keep what is not needed any more
     };
     void check_may_change(const char* what) const;
@@ -215,7 +217,7 @@ private:
     EventPool events_;
     RecordedUpdates recorded_{events_};
     CrowdSettings settings_;                                    // without what the application owns
-    std::vector<std::unique_ptr<FirstUploads>> first_uploads_;  // of the crowd, and of what has come later
+    std::vector<std::unique_ptr<FirstUploads>> first_uploads_;  // of the crowd, and of later changes of groups
     std::vector<Retired> retired_;
     Buffer terrain_heights_;
     uint32_t timer_room_ = 0;  // StageTimer's most_stages
@@ -229,7 +231,7 @@ private:
     bool had_updated_ = false;      // before the last record()
     bool awaits_commands_ = false;  // the last update has been recorded, discarded or not
     bool can_discard_ = false;      // the last record() has not been discarded
-    float full_rate_factor_ = 1;    // what the budget makes of CrowdView::full_rate_pixels, as a factor
+    float full_rate_factor_ = 1;    // the budget's factor on CrowdView::full_rate_pixels
     std::vector<Watched> watched_;
     uint32_t watch_capacity_ = 0;
     std::vector<uint32_t> pose_requests_, recorded_pose_requests_;  // for the next record(), and of the last one

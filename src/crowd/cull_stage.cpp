@@ -68,7 +68,7 @@ void CullStage::plan(BatchPlan& plan) {
                       cull_workgroups_of(static_cast<uint32_t>(n)) * uint64_t{io::kCounters} * sizeof(uint32_t),
                       VK_BUFFER_USAGE_STORAGE_BUFFER_BIT);
     });
-    constexpr uint64_t kCell_bytes = 1;  // half a byte of an instance, rounded up
+    constexpr uint64_t kCell_bytes = 1;  // half a byte per instance, rounded up
     plan.add(io::kCellsBuffer, kCell_bytes, [](Uploads& uploads, const std::string& what, uint64_t n) {
         return fill(uploads, what, std::vector<io::Cell>(1), cell_count(static_cast<uint32_t>(n)));
     });
@@ -174,8 +174,8 @@ void CullStage::for_each_batch(VkCommandBuffer commands, const Dispatch& dispatc
     memory_barrier(*gpu_, commands, kShaderRead | kShaderWrite, kShaderRead | kShaderWrite | kIndirectRead);
 }
 
-// As soon as placements stand still: whoever moves some of them in each update pays nothing for cells that would never
-// be looked at again.
+// Makes cells as soon as placements stand still: an application that moves some in each update pays nothing for cells
+// that would never be used again.
 void CullStage::record_cells(const Update& update) {
     bool any = false;
     for (size_t i = 0; i < members_.size(); ++i) {

@@ -11,7 +11,7 @@
 
 namespace throng {
 
-// The planes of what a view sees, and the eye; of no view, all there is, in full detail. `full_rate_pixels` is
+// The frustum planes of a view, and its eye. Without a view everything is seen, in full detail. `full_rate_pixels` is
 // CrowdView's, or what the budget makes of it.
 io::CullView cull_view_of(const CrowdView* view, float full_rate_pixels);
 
@@ -26,20 +26,20 @@ public:
     void record(const Update& update) override;
     void discard() override;
     void exchange(StateArchive& archive) override;
-    // Throws kInvalidArgument where the last begin() was for no view with occlusion, or its second half is recorded
-    // already.
+    // Throws kInvalidArgument if the last begin() was not for a view with occlusion, or its second half has been
+    // recorded already.
     void record_disoccluded(const Update& update, const DepthImage& depths) override;
     // Whether record_disoccluded() is to come.
     bool is_half_done() const { return is_half_done_; }
     uint32_t end_count() const override { return 3; }
-    // What a batch has listed, after the last update that has finished.
+    // The instances that the last finished update listed for a batch.
     std::vector<DrawnInstance> read(uint32_t batch) const;
     uint64_t size_bytes() const override;
 
 private:
     struct Member {
         Bindings cells, cull, offsets, list;
-        bool has_cells = false;  // of placements as they are
+        bool has_cells = false;  // that match the current placements
     };
     struct Reveal {
         DepthPyramid pyramid;
@@ -60,9 +60,8 @@ private:
     uint32_t update_number_ = 0;
     bool is_half_done_ = false;   // record_disoccluded() is to come
     bool was_half_done_ = false;  // before the last begin()
-    // Made when they are first needed, for the largest picture so far. Smaller ones are kept with what is bound to
-    // them, since updates may be under way that use them; each has twice the room of the one before, where the device
-    // can bind it.
+    // Made when first needed, for the largest picture so far. Smaller ones are kept with their bindings, since updates
+    // under way may use them. Each has twice the room of the one before, if the device can bind that.
     std::vector<Reveal> reveals_;
     std::vector<Member> members_;  // [batch]
 };

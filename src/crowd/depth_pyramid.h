@@ -1,4 +1,4 @@
-// The depths of a picture, on the way to what they hide.
+// The depths of a picture, prepared for testing what they hide.
 #pragma once
 
 #include "cull/cull.h"

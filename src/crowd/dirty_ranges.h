@@ -1,4 +1,4 @@
-// Which instances changed since the last update; costs nothing for those that did not, but for a bit each.
+// Which instances changed since the last update. An instance that did not change costs only a bit.
 #pragma once
 
 #include <algorithm>
@@ -39,7 +39,7 @@ public:
         return ranges;
     }
 
-    // The same, until the next call; none is left.
+    // The same, and forgets them. The span is valid until the next call.
     std::span<const Range> take() {
         taken_.clear();
         append_to(taken_);
@@ -58,7 +58,7 @@ private:
     void append_to(std::vector<Range>& ranges) const {
         if (!is_any_) return;
         for (size_t at = 0; at < words_.size(); ++at) {
-            for (uint64_t word = words_[at]; word != 0; word &= word + (word & -word)) {  // without its lowest ones
+            for (uint64_t word = words_[at]; word != 0; word &= word + (word & -word)) {  // clears its lowest run of 1s
                 const int bit = std::countr_zero(word);
                 const auto first = static_cast<uint32_t>(at * kBits) + static_cast<uint32_t>(bit),
                            count = static_cast<uint32_t>(std::countr_one(word >> bit));
@@ -70,7 +70,7 @@ private:
         }
     }
 
-    // Calls apply(word, bits) for each word that holds some of the range's bits, with these.
+    // Calls apply(word, bits) for each word that holds some of the range's bits; `bits` are those.
     template <class Apply>
     void for_each_word(uint32_t first, uint32_t count, const Apply& apply) {
         const size_t end = size_t{first} + count;

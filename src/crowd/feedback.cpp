@@ -40,8 +40,8 @@ Buffer FeedbackRing::make_copy() const {
             MemoryKind::kReadback};
 }
 
-// Never submitted, and nobody said so: a later update has run, and updates run in the order in which they were
-// recorded.
+// Whether the update was never submitted, and nobody said so: a later update has run, and updates run in the order in
+// which they were recorded.
 bool FeedbackRing::was_dropped(const Slot& slot) const {
     return std::ranges::any_of(
         slots_, [&](const Slot& other) { return other.update.number > slot.update.number && other.done.is_set(); });
@@ -78,7 +78,7 @@ void FeedbackRing::restart(uint64_t update_count) {
     update_count_ = update_count;
 }
 
-// What a native update has written of the events: so the rest of their room takes no memory.
+// The events that a native update has written. Only these are copied, so the rest of the room takes no memory.
 BufferRange FeedbackRing::happened() const {
     io::EventHead head;
     std::memcpy(&head, events_.mapped(), sizeof head);
@@ -90,7 +90,7 @@ void FeedbackRing::end(VkCommandBuffer commands, std::span<const Watched> watche
     memory_barrier(*gpu_, commands, kShaderWrite | kTransferWrite, kTransferRead | kTransferWrite);
     copies_.assign(1, {commands ? BufferRange(events_) : happened(), 0});
     VkDeviceSize at = events_.size_bytes();
-    // A driver's time is per copy: thousands took NVIDIA's over a millisecond.
+    // Drivers take time for each copy: thousands took NVIDIA's over a millisecond.
     const auto copy = [&](const BufferRange& range) {
         if (range.size_bytes == 0) return;
         BufferRange& last = copies_.back().from;

@@ -15,7 +15,7 @@
 
 namespace throng {
 
-// What is read of an instance, where it lies on the device.
+// What is read back of an instance, and where it lies on the device.
 struct Watched {
     uint32_t instance = 0;                   // of the crowd
     uint32_t place = 0;                      // in the order that the application asked for
@@ -41,7 +41,7 @@ struct RequestedPose {
 
 class FeedbackRing {
 public:
-    // instance_bytes: of all that end() copies of watched instances and of poses at most.
+    // `instance_bytes`: the most that end() copies of watched instances and of poses.
     FeedbackRing(std::shared_ptr<Gpu> gpu, uint32_t event_capacity, uint64_t instance_bytes);
     FeedbackRing(const FeedbackRing&) = delete;
     FeedbackRing& operator=(const FeedbackRing&) = delete;
@@ -49,19 +49,19 @@ public:
     const Buffer& events() const { return events_; }  // io::EventHead, then io::EventRecord[event_capacity]
     uint32_t event_capacity() const { return event_capacity_; }
 
-    // From the next update on there is room for so much, as in the constructor.
+    // From the next update on there is room for this much; see the constructor.
     void make_room(uint64_t instance_bytes) { instance_bytes_ = std::max(instance_bytes_, instance_bytes); }
 
     uint64_t update_count() const { return update_count_; }
-    // Goes on behind so many updates, as if nothing of them were left to report. None is under way.
+    // Continues after this many updates, as if all of them had been reported. No update may be under way.
     void restart(uint64_t update_count);
 
-    // Before the first kernel of an update that writes events, and behind the last. Throws kInvalidArgument where the
-    // update whose slot comes next is still under way.
+    // Called before the first kernel of an update that writes events; end() is called after the last. Throws
+    // kInvalidArgument if the update that used the next slot is still under way.
     void begin(VkCommandBuffer commands);
     // Takes the last update back: its commands will never be submitted.
     void discard();
-    // `watched`: by instance, since what lies side by side is copied together.
+    // `watched`: sorted by instance, since adjacent data is copied together.
     void end(VkCommandBuffer commands, std::span<const Watched> watched, std::vector<RequestedPose> poses);
     // Feedback of the updates that have finished and have not been read, oldest first.
     std::vector<Feedback> take();
@@ -93,7 +93,7 @@ private:
     uint64_t instance_bytes_;
     Buffer events_;
     std::array<Slot, 4> slots_;
-    std::vector<CopyFrom> copies_;  // of one end(); kept for their memory
+    std::vector<CopyFrom> copies_;  // of one end(); kept to reuse the memory
     uint64_t update_count_ = 0;
 };
 

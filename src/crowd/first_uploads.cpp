@@ -8,7 +8,7 @@ void FirstUploads::record(VkCommandBuffer commands) {
     state_ = State::kRecorded;
 }
 
-// The event is the update's: a queue that only copies has none.
+// Only updates set the event: a queue that only copies cannot.
 void FirstUploads::begin_update(VkCommandBuffer commands) {
     poll();
     recorded_them_ = state_ == State::kPending;

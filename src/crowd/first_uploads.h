@@ -14,9 +14,9 @@ public:
 
     Uploads uploads;  // to be filled before any of the calls
 
-    // By themselves; nothing where they have been recorded before.
+    // Records the uploads alone; does nothing if they have been recorded before.
     void record(VkCommandBuffer commands);
-    // At the beginning of an update, where they may not have been recorded.
+    // At the beginning of an update: records them unless that has been done.
     void begin_update(VkCommandBuffer commands);
     // The last update will never be submitted.
     void discard_update();
@@ -26,8 +26,8 @@ public:
     DeviceEvent take_event() { return std::move(have_run_); }  // when it is done
     // Whether the commands of a first update that was recorded are known to have run.
     bool first_update_has_run() const { return has_event_ && have_run_.is_set(); }
-    // Before something is read, where they have not been recorded: submits them and waits; on a software device the
-    // processor copies, since nobody uses the buffers yet. Where they have been, by themselves, waits for the queue.
+    // Called before something is read. If they have not been recorded, submits them and waits; on a software device the
+    // processor copies, since nobody uses the buffers yet. If they have been recorded alone, waits for the queue.
     void finish();
 
 private:
@@ -37,7 +37,7 @@ private:
     State state_ = State::kPending;
     DeviceEvent have_run_;  // set by the first update
     bool has_event_ = false;
-    // Of the last update, which may be discarded: what it has recorded
+    // What the last update, which may be discarded, has recorded
     bool recorded_them_ = false, recorded_event_ = false;
 };
 

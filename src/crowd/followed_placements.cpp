@@ -18,7 +18,7 @@ FollowedPlacements::FollowedPlacements(std::shared_ptr<Gpu> gpu, const std::vect
     }
 }
 
-// An update that was never submitted, and nobody said so, is known by a later one that has run.
+// A slot is also free if its update was never submitted and nobody said so: then a later update has run.
 void FollowedPlacements::begin(uint64_t number) {
     Slot& slot = slots_[number % slots_.size()];
     const bool is_free = slot.number == 0 || slot.done.is_set() || std::ranges::any_of(slots_, [&](const Slot& other) {

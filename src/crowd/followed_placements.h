@@ -1,6 +1,6 @@
-// Where updates have moved instances, for a CPU that wants to know: their placements come back behind each update, in
-// one of a few host-visible slots in turn, and are read when the device says that they are there. Nothing waits. Where
-// shaders populate a group, so does who is there.
+// Tells the CPU where updates have moved instances: placements are copied after each update into one of a few
+// host-visible slots in turn, and read when the device says that they are there. Nothing waits. For groups that shaders
+// populate, births are copied too.
 #pragma once
 
 #include "crowd/batch.h"
@@ -11,8 +11,8 @@
 namespace throng {
 
 struct FollowedBatch {
-    size_t batch = 0;  // its place among the crowd's: where a change of groups fails, they have moved and come back
-    bool has_births = false;  // they come back too
+    size_t batch = 0;         // an index, since batches move away and back if a change of groups fails
+    bool has_births = false;  // births are copied too
 };
 
 class FollowedPlacements {
@@ -21,16 +21,16 @@ public:
     FollowedPlacements(std::shared_ptr<Gpu> gpu, const std::vector<Batch>& batches,
                        std::vector<FollowedBatch> followed);
 
-    // Before and behind the kernels of an update, which is the number-th. Where the slot that comes next is still under
-    // way, nothing is copied.
+    // Called before and after the kernels of the update with this number. If the next slot is still in use, nothing is
+    // copied.
     void begin(uint64_t number);
     void end(VkCommandBuffer commands);
     void discard();  // the last update's commands will never be submitted
 
-    // The newest update of which they are there, and which has not been asked for; 0: none.
+    // The newest update whose placements have arrived and that this has not returned before; 0: none.
     uint64_t take_newest();
-    // read(batch, placements, births): those of the update that take_newest() has returned last; no births where the
-    // batch has none that come back.
+    // Calls read(batch, placements, births) with those of the update that take_newest() returned last. Births are empty
+    // if those of the batch are not copied.
     template <class Read>
     void for_each(const Read& read) const {
         VkDeviceSize at = 0;

@@ -90,7 +90,8 @@ void FusedUpdate::bind(Member& member) const {
     const Group& group = group_of(batch);
     for (size_t set = 0; set < group.fused.size(); ++set) {
         SetBindings& bindings = member.sets.emplace_back();
-        // What the character does not have is the dispatch's own output: two dispatches then never share it.
+        // For what the character does not have, the dispatch's own output is bound, so that two dispatches never share
+        // it.
         const auto bound = [&](const Buffer& skin) {
             return kernels_[batch.group][set].blending.bind(
                 batch.table(group, skin).add(group.fused[set].tables).set({{io::kSkinBuffer, skin}}));
@@ -113,8 +114,8 @@ void FusedUpdate::record_disoccluded(const Update& update, const DepthImage&) {
     update.end_stage("fused");
 }
 
-// A barrier between two sets of joints, since synchronization validation takes the buffers that both write for one
-// range each.
+// A barrier between two sets of joints, since synchronization validation treats each buffer that both write as one
+// range.
 template <class Applies>
 void FusedUpdate::record_sets(VkCommandBuffer commands, const Applies& applies) const {
     size_t most = 0;

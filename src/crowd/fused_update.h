@@ -9,7 +9,7 @@ namespace throng {
 
 class FusedUpdate : public Stage {
 public:
-    // Skin matrices, and what else either path of an update writes.
+    // Adds skin matrices, and whatever else either path of an update writes.
     static void plan(BatchPlan& plan);
     // Serves the batches whose group is fused.
     explicit FusedUpdate(const StageContext& context);
@@ -20,8 +20,8 @@ public:
     uint32_t end_count() const override { return 2; }
 
 private:
-    // One clip an instance costs about half of two, so a batch in which none blends has a kernel that does not look for
-    // a second.
+    // One clip per instance costs about half as much as two, so a batch in which no instance blends uses a kernel that
+    // does not look for a second.
     struct Kernels {
         Kernel blending, single;
     };

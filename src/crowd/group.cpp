@@ -34,7 +34,7 @@ std::vector<uint32_t> clip_timelines(const Character& character) {
     return as_words(timelines);
 }
 
-// A packed track is read as two rows, also where the second is left out: the last one too.
+// A packed track is read as two rows even if the second is left out, so the last track needs one more row behind it.
 std::vector<std::array<float, 4>> readable_keys(const Character& character) {
     std::vector<std::array<float, 4>> keys = character.keys;
     if (character.packed) keys.emplace_back();
@@ -186,7 +186,7 @@ Group::Group(Uploads& uploads, SharedRigs& rigs, const Character& character, con
     make_lods(uploads, character);
 }
 
-// From rows where `may_have_rows`, in whose order the joints are then walked.
+// Uses rows if `may_have_rows` and there are any; the joints are then walked in the order of the rows.
 void Group::add_fused(Uploads& uploads, SharedRigs& rigs, const Character& character, FusedRig rig, FusedPlan plan,
                       bool may_have_rows) {
     if (may_have_rows) {
@@ -219,7 +219,7 @@ void Group::make_lods(Uploads& uploads, const Character& character) {
     indices = upload(uploads, name + ": indices", all, VK_BUFFER_USAGE_INDEX_BUFFER_BIT);
 }
 
-// For a set of joints that is there already.
+// For a set of joints that add_fused() has added.
 void Group::make_native(SharedRigs& rigs, const Character& character, const CrowdSettings& settings, uint32_t lod) {
     if (!native || fused.empty()) return;
     // Where most joints move, all of them in the palette's order are written faster than these (docs/native.md).
@@ -244,8 +244,8 @@ void Group::leave_native(const std::string& reason) {
     path_reason = path_reason.substr(path_reason.find(' ') + 1) + "; not native: " + reason;  // "native, …"
 }
 
-// The sets of joints of coarser levels, as far as the method of the finest goes about them, and the influences that
-// refer to no others.
+// Adds the sets of joints of coarser levels, as far as the method of the finest supports them, and the influences that
+// refer to no other joints.
 void Group::reduce_joints(Uploads& uploads, SharedRigs& rigs, const Character& character,
                           const CrowdSettings& settings) {
     if (character.joint_lods.empty()) return;
@@ -296,7 +296,7 @@ void Group::make_looks(Uploads& uploads, const CrowdGroup& group) {
     if (outfit_count > 0) buffers[io::kSectionLooksBuffer] = upload(uploads, name + ": outfits", looks);
 }
 
-// The boxes of clips are of linear blends, which dual quaternions leave.
+// The boxes of clips hold for linear blends; dual quaternions can leave them.
 float Group::usual_pose_margin(SkinBlend blend) const {
     constexpr float kBlends = 0.1f, kAnything = 0.5f;
     return controller || procedural || pose_capacity > 0 || blend != SkinBlend::kLinear ? kAnything : kBlends;

@@ -29,7 +29,7 @@ struct FusedJoints {
     FusedPlan plan;
     Buffers tables;                           // of upload_fused_tables()
     std::shared_ptr<const NativeRig> native;  // where the group is updated natively
-    native::AlignedBytes native_masks;        // and of the controller's masks, NativeRig::masks_in_order()
+    native::AlignedBytes native_masks;        // of the controller, by NativeRig::masks_in_order()
 };
 
 // What a group that is driven by a controller has.
@@ -82,11 +82,11 @@ struct Group {
     Group(Uploads& uploads, SharedRigs& rigs, const CrowdGroup& group, const PathChoice& choice,
           const CrowdSettings& settings);
 
-    // By it others know this group from one that is made later at the same place, and when it is gone.
+    // Lets others tell this group from one made later at the same index, and notice when it is gone.
     std::shared_ptr<const GroupLife> life = std::make_shared<const GroupLife>();
     std::string name;
     bool varies = false;         // instances come and go: CrowdGroup::capacity
-    uint32_t initial_count = 0;  // of instances, where it does
+    uint32_t initial_count = 0;  // of instances, if it varies
     uint32_t command_capacity = 0;
     bool shaders_populate = false;  // CrowdGroup's
     uint32_t joint_count = 0;
@@ -129,24 +129,24 @@ struct Group {
     uint32_t morph_count = 0;
     uint32_t active_morph_limit = 0;  // that an instance shows at most
     uint32_t outfit_count = 0;
-    std::vector<std::vector<uint32_t>> section_materials;  // [section], as io::SectionLook has them, that some outfit
-                                                           // shows it in
+    std::vector<std::vector<uint32_t>> section_materials;  // [section], as io::SectionLook has them: all that
+                                                           // outfits show the section in
 
     bool is_gone() const { return joint_count == 0; }
     const Buffer& operator[](uint32_t number) const { return buffers[number]; }
-    // It is not updated natively, though it was chosen. Throws kUnsupported where it must be.
+    // Gives up the native update that was chosen. Throws kUnsupported if the group must be updated natively.
     void leave_native(const std::string& reason);
     // The walk of all joints; null where the group is not updated natively in one pass.
     const NativeRig* native_rig() const { return fused.empty() ? nullptr : fused[0].native.get(); }
-    // Instances that are not drawn may be left as they are: nothing but a picture shows their pose, and none builds
+    // Whether instances that are not drawn can be left as they are: only a picture shows their pose, and no pose builds
     // upon the one before.
     bool animates_drawn_only() const { return !fused.empty() && !sockets && !(controller && controller->is_inertial); }
-    // Matrices that outlive an update.
+    // Whether skin matrices outlive an update.
     bool skips_updates(const CrowdSettings& settings) const {
         return settings.culling && animates_drawn_only() &&
                (settings.keep_previous_matrices || settings.culling->skips_updates);
     }
-    // The set of joints that a level of detail has, and of influences that refer to no others.
+    // The set of joints that a level of detail uses, and thus the set of influences that refer to no other joints.
     uint32_t influence_set_of(uint32_t lod) const {
         return fused.size() > 1 ? std::min(lod, static_cast<uint32_t>(fused.size()) - 1) : 0;
     }
@@ -158,7 +158,7 @@ struct Group {
     }
     GroupMesh mesh() const;
     bool has_root_motion() const { return controller && buffers[io::kRootRowsBuffer].size_bytes() > sizeof(io::vec4); }
-    // Updates themselves change placements.
+    // Whether updates themselves change placements.
     bool moves_placements() const {
         return steering || on_terrain || is_carried || command_capacity > 0 ||
                (has_root_motion() && controller->moves_placements);
@@ -170,7 +170,7 @@ struct Group {
     }
     uint32_t socket_count() const { return sockets ? static_cast<uint32_t>(sockets->joints.size()) : 0; }
     bool takes_similarities() const { return scan_choice.method->format == ScanFormat::kSimilarity; }
-    uint64_t size_bytes() const;  // but for native walks, which groups share
+    uint64_t size_bytes() const;  // without native walks, which groups share
 
 private:
     void make_procedural(Uploads& uploads, const ProceduralRules& rules, const Character& character);

@@ -39,8 +39,8 @@ GroupRows::GroupRows(const Character& character, const native::RowSpaces& spaces
     counts_.plain_entries = std::ranges::all_of(binds_.is_plain, std::identity());
 }
 
-// Its buffers are shared by the same key. Where another crowd has the rows but has not uploaded them yet, its buffers
-// must not be used, so they are computed again.
+// Buffers are shared by the same key. If another crowd has the rows but has not uploaded them yet, its buffers must not
+// be used, so they are computed again.
 std::shared_ptr<const GroupRows> GroupRows::make(Uploads& uploads, SharedRigs& rigs, const Character& character,
                                                  const FusedRig& finest, Buffers& buffers) {
     Gpu& gpu = *uploads.gpu();

@@ -10,7 +10,7 @@
 namespace throng {
 namespace {
 
-// Why a group cannot have one; empty where it can.
+// Why a group cannot have a skin pool; empty if it can.
 std::string unsupported_reason(const Group& group, const Character& character, const CrowdSettings& settings) {
     if (!settings.culling) return "it needs CrowdSettings::culling";
     if (group.fused.empty()) return "the group is updated stage by stage";

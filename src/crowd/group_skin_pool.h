@@ -5,12 +5,12 @@
 
 namespace throng {
 
-// Of a group that has everything else already; adds kSharedClipsBuffer to it. Throws what Crowd::create() promises of
-// skin pools.
+// Makes the pool of a group that has everything else already, and adds kSharedClipsBuffer to the group. Throws the
+// errors that Crowd::create() documents for skin pools.
 GroupSkinPool make_skin_pool(Uploads& uploads, SharedRigs& rigs, Group& group, const CrowdGroup& made_of,
                              const CrowdSettings& settings);
 
-// The skin matrices of its batches, and their rows.
+// Adds the skin matrices of the group's batches, and their rows.
 void plan_skin_pool(BatchPlan& plan);
 
 }  // namespace throng

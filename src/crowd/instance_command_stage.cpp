@@ -90,7 +90,7 @@ InstanceCommandStage::InstanceCommandStage(const StageContext& context)
     }
 }
 
-// Those that were lost or ignored before are counted no more.
+// Resets the counts of lost and of ignored commands.
 void InstanceCommandStage::begin(const Update& update) {
     constexpr std::array<uint32_t, 2> kNoneYet{};
     constexpr uint64_t kLost = offsetof(CommandHead, lost) / sizeof(uint32_t);

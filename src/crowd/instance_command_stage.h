@@ -1,5 +1,5 @@
-// Commands that an application's shaders have written, of groups with CrowdGroup::command_capacity: obeyed before all
-// else in an update.
+// Commands that an application's shaders have written for groups with CrowdGroup::command_capacity. An update obeys
+// them before all else.
 #pragma once
 
 #include "command/command_io.h"

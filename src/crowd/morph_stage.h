@@ -14,7 +14,7 @@ public:
     // Serves the batches whose character has morphs.
     explicit MorphStage(const StageContext& context);
 
-    // Behind control. Nothing else of an update reads what it writes. Its time counts as blend.
+    // Runs after control. Nothing else in an update reads what it writes. Its time counts as blend.
     void record(const Update& update) override;
 
 private:

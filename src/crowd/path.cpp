@@ -33,13 +33,13 @@ std::string staged_only(const CrowdGroup& group) {
     return {};
 }
 
-// As staged_only(), of updates in one pass on this machine's processor.
+// As staged_only(), for updates in one pass on this machine's processor.
 std::string natively_staged_only(const CrowdSettings& settings, const CrowdGroup& group) {
     if (std::string reason = staged_only(group); !reason.empty()) return reason;
     return native_unsupported(*group.character, {.skin_format = settings.skin_format});
 }
 
-// Why what a software device does cannot be done natively; empty where it can.
+// Why a software device's work cannot be done natively; empty if it can.
 std::string natively_unsupported_reason(const PathChoice& choice, const CrowdSettings& settings,
                                         const CrowdGroup& group) {
     if (choice.fused) return natively_staged_only(settings, group);
@@ -80,7 +80,7 @@ PathChoice device_path(const Gpu& gpu, const CrowdSettings& settings, const Crow
                                              std::max({group.instance_count, group.capacity, 1u});
         FusedPlan plan = any_scan ? choose_fused(rig, limits, subgroups_a_character)
                                   : plan_named(settings.scan, rig, limits);
-        // Poses from outside may have any scale, which rows have not; from keys the form of similarities is the faster
+        // Poses from outside may have any scale, which rows lack; from keys the form of similarities is faster
         const bool may_have_rows = group.pose_capacity == 0;
         if (any_scan && !may_have_rows && plan.unsupported_reason.empty() && plan.choice.method->name == "stream") {
             FusedPlan similar = plan_fused({find_scan_method("stream_quaternion"), plan.choice.threads}, rig, limits);
@@ -108,7 +108,7 @@ PathChoice device_path(const Gpu& gpu, const CrowdSettings& settings, const Crow
             .path_reason = "staged: " + unsupported_reason};
 }
 
-// On a device of Vulkan, or natively beside it.
+// On a Vulkan device, or natively beside it.
 PathChoice vulkan_path(const Gpu& gpu, const CrowdSettings& settings, const CrowdGroup& group) {
     const bool is_native = settings.path == UpdatePath::kNative;
     if (is_native && !gpu.native)

@@ -11,7 +11,7 @@
 namespace throng {
 
 struct PathChoice {
-    std::optional<FusedPlan> fused;  // none: staged; on a native device without a plan for kernels
+    std::optional<FusedPlan> fused;  // none: staged; on a native device it has no plan for kernels
     bool native = false;             // UpdatePath::kNative
     bool rows = false;  // kernels read rows in place of keys, where the character has them (crowd/group_rows.h)
     ScanChoice scan;

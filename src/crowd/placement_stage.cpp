@@ -102,13 +102,14 @@ void PlacementStage::end(VkCommandBuffer commands) {
 
 void PlacementStage::discard() {
     dirty_.put_back();
-    // What has been set since is for the update that will have this number.
+    // What has been set since is taken up by the next update, which will have this number.
     for (uint32_t& update : set_for_) update = std::min(update, update_count_);
     --update_count_;
     if (followed_) followed_->discard();
 }
 
-// Copies that are under way are numbered by the updates before: they are dropped, until follow() is called again.
+// Copies under way have the numbers of the old updates: they are dropped, and placements are not followed until
+// follow() is called again.
 void PlacementStage::exchange(StateArchive& archive) {
     archive.value(update_count_);
     if (archive.reads()) followed_.reset();

@@ -1,4 +1,4 @@
-// Where instances stand: as the application says and, where it is asked for, as updates have moved them since.
+// Where instances stand: as the application says and, if that is asked for, as updates have moved them since.
 #pragma once
 
 #include "crowd/batch_plan.h"
@@ -12,7 +12,7 @@ namespace throng {
 
 bool is_finite(const Affine& affine);
 
-// Nothing has moved it yet.
+// The root state of an instance that nothing has moved yet.
 io::RootState standing_at(const Affine& world_from_model);
 
 class PlacementStage : public Stage {
@@ -21,16 +21,16 @@ public:
     explicit PlacementStage(const StageContext& context);
 
     void set(const Instances& instances, const Each<Affine>& world_from_model);
-    // From now on known() has what updates do. Where the buffers `are_filled`, of groups that have been updated, it
-    // waits for updates that have been submitted and takes over what they have done.
+    // From now on known() includes what updates do. If the buffers `are_filled`, it waits for submitted updates and
+    // takes over what they have done to groups that have been updated.
     void follow(bool are_filled);
     bool is_followed() const { return followed_.has_value(); }
-    // [instance_count], as the CPU knows them: as last set or, where they are followed, as an update has left them of
-    // which it has heard since.
+    // [instance_count], as the CPU knows them: as last set or, if they are followed, as left by the newest update that
+    // it has heard of since.
     const std::vector<Affine>& known();
 
     void begin(const Update& update) override;
-    void end(VkCommandBuffer commands);  // behind the last kernel of an update
+    void end(VkCommandBuffer commands);  // after the last kernel of an update
     void discard() override;
     void exchange(StateArchive& archive) override;
     void exchange_group(StateArchive& archive, uint32_t group) override;
@@ -42,7 +42,8 @@ private:
                    uint64_t update);
 
     std::vector<Affine> placements_;
-    // [instance_count], number of the update that takes up what was set last: what comes back of earlier ones is older
+    // [instance_count], number of the update that takes up what was set last: placements copied from earlier updates
+    // are older
     std::vector<uint32_t> set_for_;
     DirtyRanges dirty_;
     uint32_t update_count_ = 0;

@@ -28,8 +28,8 @@ public:
     bool has_last_run() const { return under_way_.empty() || under_way_.back().is_set(); }
 
 private:
-    // Commands run in the order in which they were recorded: those before some that have run have run too, or never
-    // will. Nor will those before which so many have been recorded since, none of which has.
+    // Commands run in the order in which they were recorded: those recorded before some that have run have run too, or
+    // never will. If kMost are pending and none has run, the oldest is taken to never run.
     void give_back_known() {
         constexpr size_t kMost = 64;
         size_t known = under_way_.size();
@@ -42,7 +42,7 @@ private:
     }
 
     EventPool& events_;
-    std::deque<DeviceEvent> under_way_;  // of each update that is not known to have run, the last one's behind
+    std::deque<DeviceEvent> under_way_;  // of each update not known to have run, the newest last
 };
 
 }  // namespace throng

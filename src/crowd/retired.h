@@ -1,4 +1,4 @@
-// What a crowd does not have any more, and updates that are under way may still use.
+// What a crowd no longer has, but updates under way may still use.
 #pragma once
 
 #include "crowd/stage.h"
@@ -15,9 +15,9 @@ public:
         std::unique_ptr<StageTimer> timer{};
         Buffer buffer{};
     };
-    // They may go when so many later updates have run, after which nobody reads the outputs of earlier ones, and as
-    // many more have been recorded: with what the application waits for before that, validation layers too know that
-    // the commands have finished, which do not go by events.
+    // The things can be freed when `update_count` later updates have run, after which nobody reads the outputs of
+    // earlier ones, and as many more have been recorded. The latter is for validation layers, which ignore events: what
+    // the application waits for until then tells them, too, that the commands have finished.
     Retired(EventPool& events, uint32_t update_count)
         : have_run_(events.take()), left_(update_count), more_(update_count) {}
     void keep(Things things) { things_ = std::move(things); }

@@ -15,7 +15,7 @@ using SharedImages = std::vector<std::shared_ptr<const AssetImage>>;
 // A key for what is made from this image; callers append what else it depends on.
 SharedValues::Key image_key(SharedValue kind, const AssetImage& image);
 
-// Copies of those that no group of the device has yet.
+// The shared images; copies only those that no group of the device has yet.
 SharedImages shared_images(Gpu& gpu, const std::vector<AssetImage>& images);
 
 }  // namespace throng

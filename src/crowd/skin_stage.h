@@ -13,7 +13,7 @@ public:
     // Skins what is drawn where the crowd culls, else everything.
     explicit SkinStage(const StageContext& context);
 
-    // Behind all that writes skin matrices.
+    // Runs after everything that writes skin matrices.
     void record(const Update& update) override { record(update, false); }
     void record_disoccluded(const Update& update, const DepthImage&) override { record(update, true); }
     uint32_t end_count() const override { return 2; }

@@ -21,7 +21,7 @@ public:
     // One more than the highest that is taken.
     uint32_t end() const { return end_; }
 
-    // One that is free.
+    // `slot` must be free.
     void take(uint32_t slot) {
         free_[slot / kBits] &= ~bit_of(slot);
         --free_count_;

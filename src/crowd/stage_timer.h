@@ -16,7 +16,7 @@ public:
     void begin(VkCommandBuffer commands);
     // `name`: one of kStageNames.
     void end_stage(VkCommandBuffer commands, std::string_view name);
-    // What has come since the last stage is none of the update's.
+    // Leaves out the time since the last stage, which is not the update's.
     void leave_out(VkCommandBuffer commands) { end(commands, kStageNames.size()); }
     void publish(VkCommandBuffer commands) { stamps_.publish(commands); }
 

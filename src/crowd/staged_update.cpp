@@ -181,7 +181,7 @@ void StagedUpdate::record_wave(const Update& update, const Wave& wave) const {
     });
 }
 
-// Rank by rank; batches have theirs side by side.
+// Rank by rank; the batches run side by side in each.
 void StagedUpdate::record_procedural(const Update& update, std::span<const Member> members) const {
     uint32_t rank_count = 0;
     for (const Member& member : members) rank_count = std::max(rank_count, procedural_.rank_count(member.batch));

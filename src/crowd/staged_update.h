@@ -15,7 +15,7 @@
 
 namespace throng {
 
-// As large as a buffer of intermediates may be.
+// The largest that a buffer of intermediates may be.
 uint64_t arena_limit_bytes(const Gpu& gpu);
 
 class StagedUpdate : public Stage {

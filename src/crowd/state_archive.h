@@ -1,4 +1,4 @@
-// What a crowd goes on from, as bytes: each part is written and read by the same function.
+// The state that a crowd continues from, as bytes: each part is written and read by the same function.
 #pragma once
 
 #include "base/failure.h"
@@ -13,7 +13,7 @@
 
 namespace throng {
 
-// Whatever it reads may have been damaged: refuse() where a value cannot be.
+// The bytes that it reads may be damaged: callers refuse() impossible values.
 class StateArchive {
 public:
     StateArchive() = default;  // writes
@@ -35,7 +35,7 @@ public:
         if (!holds) refuse(why);
     }
 
-    // As many as there are.
+    // Exactly as many as there are; their number is not stored.
     template <class T>
     void values(std::span<T> all) {
         static_assert(std::is_trivially_copyable_v<T> && !std::is_same_v<T, bool>);
@@ -60,7 +60,7 @@ public:
         require(byte <= 1, "what is true or false is neither");
         one = byte != 0;
     }
-    // With their number, at most `most`.
+    // Stores their number too, which is at most `most`.
     template <class T>
     void list(std::vector<T>& all, uint64_t most) {
         auto count = static_cast<uint64_t>(all.size());
@@ -71,7 +71,7 @@ public:
         }
         values(std::span(all));
     }
-    // What has changed, of `count` things from `first` on.
+    // What has changed among `count` things from `first` on.
     void changes(DirtyRanges& changed, uint32_t first, uint32_t count) {
         std::vector<DirtyRanges::Range> ranges;
         for (const auto& [begin, length] : changed.pending()) {

@@ -18,7 +18,7 @@ public:
     // Serves the batches whose group has CrowdGroup::on_terrain.
     explicit TerrainStage(const StageContext& context);
 
-    // Behind all that moves placements; what follows sees where instances stand.
+    // Runs after everything that moves placements; later stages see where instances stand.
     void record(const Update& update) override;
 
 private:

@@ -1,5 +1,5 @@
-// The update_rate stage of crowds whose skin matrices outlive an update: of instances that are not animated in all of
-// them, and of those that are drawn anew where previous matrices are kept.
+// The update_rate stage of crowds whose skin matrices outlive an update. It writes the matrices of instances that
+// are not animated in every update and, if previous matrices are kept, the previous ones of those that are newly drawn.
 #pragma once
 
 #include "crowd/batch_plan.h"
@@ -12,7 +12,7 @@ public:
     // Serves the batches whose group is animated only where drawn.
     explicit UpdateRateStage(const StageContext& context);
 
-    // Behind the fused update.
+    // Runs after the fused update.
     void record(const Update& update) override;
     void record_disoccluded(const Update& update, const DepthImage&) override { record(update); }
     uint32_t end_count() const override { return 2; }

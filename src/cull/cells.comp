@@ -1,4 +1,4 @@
-// cells: the box around those of consecutive instances. One invocation for each cell; cost: 48 bytes an instance.
+// cells: the box around the boxes of consecutive instances. One invocation for each cell; cost: 48 bytes an instance.
 #include "gpu/buffers_io.h"
 #include "cull/cull_io.h"
 #include "gpu/affine.glsl"

@@ -1,12 +1,12 @@
-// How many instances of a workgroup have which verdict. A kernel calls count_begin(), then count() for each instance,
-// then count_end(), each by all invocations.
+// Counts a workgroup's instances by verdict. A kernel calls count_begin(), then count() for each instance, then
+// count_end(), each by all invocations.
 #include "gpu/buffers_io.h"
 
 WRITEONLY_BUFFER(kCountsBuffer, uint, counts);  // [workgroup][kCounters]
 
 #ifdef __cplusplus
 
-// Invocations run one after another, so that they count in the buffer itself.
+// Invocations run one after another here, so they count in the buffer itself.
 void count_begin() {
     if (gl_LocalInvocationID.x > 0) return;
     for (uint k = 0; k < kCounters; ++k) counts[gl_WorkGroupID.x * kCounters + k] = 0;

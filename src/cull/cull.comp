@@ -1,7 +1,7 @@
-// cull: which instances a view sees, each in which level of detail, and which of them are animated; and how many of
-// each a workgroup has found. Cells first, then the instances of those that are seen, an invocation for each. Cost: 32
-// bytes for a cell that is not seen, and 8 written for each of its instances; for the others 52 bytes read, 8 written,
-// some 100 operations.
+// cull: finds which instances a view sees, in which level of detail, and which of them are animated, and counts them
+// for each workgroup. Tests cells first, then the instances of the cells that are seen, one invocation each. Cost: 32
+// bytes for a cell that is not seen, and 8 written for each of its instances; for other instances 52 bytes read, 8
+// written, some 100 operations.
 #include "gpu/buffers_io.h"
 #include "control/births.glsl"
 #include "cull/cull.glsl"

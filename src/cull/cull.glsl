@@ -23,21 +23,21 @@ CullView load_view() {
     return view;
 }
 
-// No length grows by more: by the products of m's columns, of which each row's sum bounds it; where they are at right
-// angles it is the longest column.
+// An upper bound of how much m scales a length: the root of the largest row sum of the products of m's columns. If the
+// columns are at right angles it is the length of the longest one.
 float largest_scale(Affine m) {
     const vec3 x = affine_column(m, 0), y = affine_column(m, 1), z = affine_column(m, 2);
     const float xy = abs(dot(x, y)), xz = abs(dot(x, z)), yz = abs(dot(y, z));
     return sqrt(max(max(dot(x, x) + xy + xz, dot(y, y) + xy + yz), dot(z, z) + xz + yz));
 }
 
-// The way that the shadow of a box takes: of its highest point down to the ground.
+// The path of a box's shadow: from its highest point down to the ground.
 vec3 shadow_of(CullView view, Affine world_from_model, vec3 centre, vec3 half_extent) {
     const float top = dot(world_from_model.row1, vec4(centre, 1)) + dot(abs(world_from_model.row1.xyz), half_extent);
     return view.shadow.xyz * clamp((top - view.ground) / max(-view.shadow.y, 1e-30), 0, 1);
 }
 
-// The box, and the way that its shadow takes, are outside where they lie behind one plane.
+// The box and its shadow's path are outside if they lie behind one of the planes.
 bool is_seen(CullView view, Affine world_from_model, vec3 centre, vec3 half_extent) {
     const vec3 middle = affine_point(world_from_model, centre),
                shadow = shadow_of(view, world_from_model, centre, half_extent), x = affine_column(world_from_model, 0),
@@ -52,7 +52,7 @@ bool is_seen(CullView view, Affine world_from_model, vec3 centre, vec3 half_exte
     return seen;
 }
 
-// Distance of the eye from the ball around the box, in world space; not positive within it.
+// Distance of the eye from the box's bounding sphere, in world space; not positive inside it.
 float distance_to_box(CullView view, Affine world_from_model, vec3 centre, vec3 half_extent) {
     return distance(affine_point(world_from_model, centre), view.eye.xyz) -
            largest_scale(world_from_model) * length(half_extent);
@@ -66,8 +66,8 @@ uint lod_of(CullView view, float distance_to_it, float scale, vec4 lod_errors, u
     return lod;
 }
 
-// It is animated in one of so many updates, 1, 2, 4 or 8, so that it moves by about the same number of pixels between
-// two of them.
+// An instance is animated in one of every 1, 2, 4 or 8 updates, so that it moves by about the same number of pixels
+// between two of them.
 uint period_of(CullView view, float distance_to_it, float scale, vec3 half_extent) {
     const float size = 2 * scale * length(half_extent) * view.shadow.w;
     uint period_log2 = 0;

@@ -5,27 +5,27 @@
 THRONG_IO_BEGIN
 
 THRONG_IO_CONSTANT kCullWorkgroupSize = 64;
-// A workgroup goes through several cells, each of as many consecutive instances as it has invocations, where a batch
-// has so many instances that the offsets kernel would have to go through too many workgroups.
+// A cell is as many consecutive instances as a workgroup has invocations. In large batches a workgroup goes through
+// several cells, so that the offsets kernel does not have to go through too many workgroups.
 THRONG_IO_CONSTANT kMostCells = 64;      // of a workgroup
 THRONG_IO_CONSTANT kLodCount = 4;        // levels of detail of a character; 0 is the finest
-THRONG_IO_CONSTANT kMostPeriodLog2 = 3;  // what is smallest is animated in every eighth update
+THRONG_IO_CONSTANT kMostPeriodLog2 = 3;  // the smallest instances are animated in every eighth update
 
-// The list of a batch: how many instances are drawn; where those of each level begin behind kFirstListed; then the
+// The list of a batch: how many instances are drawn; where each level's begin, counted from kFirstListed; then the
 // instances, finest level first, each level's in ascending order.
 THRONG_IO_CONSTANT kListCount = 0;
 THRONG_IO_CONSTANT kListBegins = 1;
 THRONG_IO_CONSTANT kFirstListed = 5;
 
-// A verdict is given on each instance, sections of instances with the same are counted: those drawn of each level of
-// detail, then those of the work.
+// A workgroup counts the verdicts on its instances: those drawn, by level of detail, then those in each section of the
+// work.
 THRONG_IO_CONSTANT kCounters = 16;  // of a workgroup
 
 // The work of a batch: for each section where it begins, in words from the first, and how many instances it has; then
-// the instances, section by section, each one's in ascending order. A section of instances that are animated, for each
-// set of joints; of those animated towards a later update, likewise; of those whose matrices go on towards that; and of
-// those that are drawn anew. Before the instances stands how many rows of a skin pool the first half of the update has
-// given away, and how many both have.
+// the instances, section by section, in ascending order within each. The sections: instances that are animated, a
+// section for each set of joints; those animated ahead to a later update, likewise; those whose matrices move on
+// towards that pose; and those that are drawn anew. Before the instances: how many rows of a skin pool the first half
+// of the update has given out, and how many both halves have.
 THRONG_IO_CONSTANT kAnimated = 0;
 THRONG_IO_CONSTANT kAnimatedAhead = 4;
 THRONG_IO_CONSTANT kGoingOn = 8;
@@ -47,27 +47,28 @@ THRONG_IO_CONSTANT kVerdictGoesOn = 256u;
 THRONG_IO_CONSTANT kVerdictAppears = 512u;
 
 // What is kept of an instance from one update to the next.
-THRONG_IO_CONSTANT kStateDrawn = 1u;     // in the last one; its skin matrices are those of then
-THRONG_IO_CONSTANT kStateVisible = 2u;   // not hidden in the last one
-THRONG_IO_CONSTANT kStateLeftShift = 2;  // of the updates that its matrices still take to the next pose
+THRONG_IO_CONSTANT kStateDrawn = 1u;     // in the last update; its skin matrices are from then
+THRONG_IO_CONSTANT kStateVisible = 2u;   // not hidden in the last update
+THRONG_IO_CONSTANT kStateLeftShift = 2;  // updates that its matrices still take to the next pose
 THRONG_IO_CONSTANT kStateLeftMask = 15u;
-THRONG_IO_CONSTANT kStateStepShift = 6;  // of the part of the way that they take in this one: 1 / it; 0: none
+THRONG_IO_CONSTANT kStateStepShift = 6;  // in this update they go 1 / it of the remaining way; 0: none
 THRONG_IO_CONSTANT kStateStepMask = 15u;
-THRONG_IO_CONSTANT kStateSetShift = 10;  // of the set of joints that they have, or are going on to
+THRONG_IO_CONSTANT kStateSetShift = 10;  // the set of joints that they have, or are moving to
 
-// What is drawn; world space.
+// A view, in world space.
 struct CullView {
     vec4 planes[6];           // a point p is inside where dot(xyz, p) + w >= 0
     vec4 clip_from_world[4];  // rows
-    // w: the pixels that a length of 1 takes at a distance of 1, over those by which a level of detail may be off
+    // w: the pixels that a length of 1 covers at a distance of 1, divided by the error in pixels allowed to a level of
+    // detail
     vec4 eye;
-    // How far a point's shadow falls at most: what is drawn throws one. w: pixels of a length of 1 at a distance of 1,
-    // over those from which on characters are animated in every update; 0: all are
+    // How far a point's shadow falls at most, since what is drawn casts one. w: pixels of a length of 1 at a distance
+    // of 1, divided by the size in pixels from which on characters are animated in every update; 0: all are
     vec4 shadow;
     uint update_number;  // modulo 2^32
-    uint occlusion;      // whether what was hidden in the last update waits
+    uint occlusion;      // whether instances hidden in the last update wait for reveal
     float ground;        // y: no shadow falls below it
-    // Pixels of a length of 1 at a distance of 1, over those by which a shared pose may be off
+    // Pixels of a length of 1 at a distance of 1, divided by the error in pixels allowed to a shared pose
     float shared_pixels;
 };
 
@@ -76,10 +77,10 @@ struct SharedClip {
     uint first_row;  // of the skin matrices
     uint interval_count;
     float intervals_per_s;  // 0: the clip has no length
-    float error;            // model space: how far the nearest of them is off at most
+    float error;            // model space: the largest error of the nearest of them
 };
 
-// A box around those of a cell's instances.
+// A box around the boxes of a cell's instances.
 struct Cell {
     vec4 middle;  // world space; w: CullPush::placements_version that it was made of
     vec4 half_extent;
@@ -94,7 +95,7 @@ struct CullPush {
     uint lod_count;
     uint joint_set_count;  // level k has the joints of set min(k, joint_set_count - 1)
     uint keeps_previous;   // skin matrices of the update before
-    uint may_skip;         // not animated in every update
+    uint may_skip;         // instances need not be animated in every update
     // Of groups with a skin pool: rows that instances may have of their own; 0: there is no pool
     uint own_row_count;
     uint first_own_row;
@@ -102,16 +103,16 @@ struct CullPush {
     uint active_clip_limit;  // of groups with a controller; else 0
     float pose_spread;       // model space: how far two poses of clips are apart at most
     uint cells_of_workgroup;
-    // Another whenever placements have changed, above 0; 0: they always do, and there are no cells
+    // Changes whenever placements have, above 0; 0: they always change, and there are no cells
     float placements_version;
     uint birth;              // control/births.glsl
     uint animates_unlisted;  // instances that are not drawn are animated too, all of their joints
     uint unused0, unused1;
 };
 
-// The depth pyramid: depths of a picture, greater where nearer, half as fine level by level, down to one texel. A level
-// has half the texels of the one before it along x and y, rounded up; each is the farthest of those that it covers.
-// Level 0 is made of the picture itself. All lie one after the other, in rows.
+// The depth pyramid: depths of a picture, greater where nearer, each level half as fine as the one before, down to one
+// texel. A level has half the texels of the one before it along x and y, rounded up; each texel is the farthest of
+// those that it covers. Level 0 is made from the picture itself. Levels lie one after the other, row by row.
 struct PyramidPush {
     uint width, height;              // of what is read
     uint first_read, first_written;  // floats

@@ -12,15 +12,14 @@ struct CullBox {
     Vec3<double> centre, half_extent;
 };
 
-// The way that the box's shadow takes: as far as the view says, but from its highest point no farther than down to the
-// ground.
+// The path of the box's shadow: as far as the view says, but from the box's highest point no farther than the ground.
 Vec3<double> shadow_of(const io::CullView& view, const AffineT<double>& world_from_model, const CullBox& box);
 
-// The least of all planes' distances, in units of the plane's normal, by which the box with the way of its shadow
-// reaches inside: seen where that is not negative.
+// How far the box and its shadow's path reach inside, in units of the plane's normal: the least over all planes. The
+// box is seen if it is not negative.
 double seen_by(const io::CullView& view, const AffineT<double>& world_from_model, const CullBox& box);
 
-// By how much a level's error stays below what the view sees, in world space: it is fine enough where that is not
+// By how much a level's error stays below what the view sees, in world space: the level is fine enough if that is not
 // negative.
 double spare_of_lod(const io::CullView& view, const AffineT<double>& world_from_model, const CullBox& box,
                     double lod_error);

@@ -1,5 +1,5 @@
-// list: instances that are drawn, those of a level together, and those of each section of the work, in ascending order,
-// so that the same view has the same lists; and the rows of a skin pool that the animated ones have of their own. One
+// list: writes the instances that are drawn, grouped by level, and those of each section of the work, in ascending
+// order, so that the same view yields the same lists; and gives animated instances their own rows of a skin pool. One
 // invocation per instance of a cell.
 #include "gpu/buffers_io.h"
 #include "cull/cull_io.h"
@@ -12,7 +12,7 @@ BUFFER(kWorkBuffer, uint, work);
 WRITEONLY_BUFFER(kSkinRowsBuffer, uint, skin_rows);
 PUSH(CullPush);
 
-// `at`: of the work, where those that are animated come first.
+// `at`: an index into the work, in which animated instances come first.
 void list_animated(uint instance, uint at) {
     work[at] = instance;
     if (push.own_row_count == 0) return;
@@ -40,7 +40,7 @@ void main() {
 
 #else
 
-// A byte for each counter: how many invocations up to this one it counts; at most 64
+// A byte per counter: how many invocations up to and including this one it counts; at most 64
 shared uvec4 ranks[2][kCullWorkgroupSize];
 shared uint next[kCounters];  // where the next cell's begin
 

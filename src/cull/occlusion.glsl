@@ -8,8 +8,8 @@ vec4 to_clip(CullView view, vec4 point) {
 
 vec4 column_to_clip(CullView view, Affine m, uint k) { return to_clip(view, vec4(affine_column(m, k), 0)); }
 
-// The box, and the way that its shadow takes, cover a rectangle of the picture, and nothing of them is nearer than
-// `nearest`: hidden where all that has been drawn there is nearer still.
+// The box and its shadow's path cover a rectangle of the picture, and no part of them is nearer than `nearest`. They
+// are hidden if everything drawn there is nearer still.
 bool is_hidden(CullView view, Affine world_from_model, vec3 centre, vec3 half_extent) {
     const vec4 middle = to_clip(view, vec4(affine_point(world_from_model, centre), 1)),
                shadow = to_clip(view, vec4(shadow_of(view, world_from_model, centre, half_extent), 0));
@@ -30,11 +30,11 @@ bool is_hidden(CullView view, Affine world_from_model, vec3 centre, vec3 half_ex
         nearest = max(nearest, push.sign * seen.z);
     }
     if (!is_in_front) return false;
-    // In texels of the picture, and one more around them, since other roundings drew it.
+    // In texels of the picture, with one more on each side, since it was drawn with different rounding.
     const vec2 size = vec2(push.width, push.height);
     const ivec2 first = ivec2(clamp((low * 0.5 + 0.5) * size - 1, vec2(0), size - 1)),
                 last = ivec2(clamp((high * 0.5 + 0.5) * size + 1, vec2(0), size - 1));
-    // The finest level of which no more than 4 x 4 texels cover them.
+    // The finest level in which at most 4 x 4 texels cover them.
     uint width = (push.width + 1) / 2, height = (push.height + 1) / 2, begin = 0, level = 1;
     while (any(greaterThan((last >> level) - (first >> level), ivec2(3)))) {
         begin += width * height;

@@ -7,10 +7,10 @@
 
 namespace throng {
 
-// How much nearer than the farthest depth of the picture, in the rectangle that the box and the way of its shadow
-// cover, the nearest point of them is: hidden where that is negative. Infinite where a part of the box is behind the
-// eye. `depths`: [height][width], greater where nearer, as those of clip space are; pyramids look at a larger
-// rectangle, so they hide less.
+// How much nearer the nearest point of the box and its shadow's path is than the farthest depth of the picture in the
+// rectangle that they cover: hidden if that is negative. Infinite if a part of the box is behind the eye. `depths`:
+// [height][width], greater where nearer, as those of clip space are; pyramids look at a larger rectangle, so they hide
+// less.
 double shown_by(const io::CullView& view, const AffineT<double>& world_from_model, const CullBox& box,
                 std::span<const float> depths, uint32_t width, uint32_t height);
 

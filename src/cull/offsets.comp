@@ -4,7 +4,7 @@
 #include "cull/cull_io.h"
 
 WORKGROUP(kCullWorkgroupSize);
-// [workgroup][kCounters / 4]: before, how many; after, where they begin
+// [workgroup][kCounters / 4]: before, counts; after, where each one's instances begin
 BUFFER(kCountsBuffer, uvec4, counts);
 WRITEONLY_BUFFER(kListBuffer, uint, list);
 BUFFER(kWorkBuffer, uint, work);
@@ -23,7 +23,7 @@ void set_dispatch(uint command, uint workgroups) {
     dispatches[3 * command + 2] = 1;
 }
 
-// Of the instances of a section those that are animated: of a skin pool, as many as there are rows left for.
+// How many instances of a section are animated: with a skin pool, only as many as there are rows left for.
 uint count_of(uint section) {
     const uint total = totals[kLodCount + section];
     if (push.own_row_count == 0 || section >= kGoingOn) return total;

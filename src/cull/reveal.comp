@@ -1,4 +1,4 @@
-// reveal: which of the instances in view are hidden behind what has been drawn, by a depth pyramid; those that waited
+// reveal: finds which instances in view are hidden behind what has been drawn, by a depth pyramid; those that waited
 // and are not hidden are drawn too. Source: N. Greene, M. Kass and G. Miller, Hierarchical Z-Buffer Visibility,
 // SIGGRAPH 1993; two passes as S. Haar and U. Aaltonen, GPU-Driven Rendering Pipelines, SIGGRAPH 2015. One invocation
 // per instance of a cell. Cost: 56 bytes read, 8 written, 16 points projected, at most 16 depths read.

@@ -1,4 +1,4 @@
-// Which pose of those that are shared is an instance's, and whether it is near enough. The includer has cull/cull.glsl.
+// Which shared pose an instance gets, and whether it is near enough to its own. The includer includes cull/cull.glsl.
 #include "control/controller_io.h"
 
 TABLE_OF_WORDS(kTimelineBuffer, timelines);
@@ -10,10 +10,10 @@ WRITEONLY_BUFFER(kSkinRowsBuffer, uint, skin_rows);
 
 #include "control/control.glsl"
 
-// The clip that most of an instance's pose comes from; of a controller the first of its lowest layer.
+// The clip that most of an instance's pose comes from; with a controller, the first of its lowest layer.
 struct MainClip {
     SlotCursor cursor;
-    float others_weight;  // 0: there is no other; 1: not known, of controllers
+    float others_weight;  // 0: there is no other; 1: not known, with a controller
 };
 
 MainClip main_clip(CullPush push, uint instance) {
@@ -34,13 +34,13 @@ MainClip main_clip(CullPush push, uint instance) {
     return main;
 }
 
-// Of the rest pose, which has one row, there is no stride.
+// The rest pose has one row and thus no stride.
 float time_of_row(ClipTimeline timeline, uint row) {
     return time_at(timeline.first_time + (row - timeline.first_row) / max(timeline.row_stride, 1u));
 }
 
-// Gives an instance that is drawn the row of the shared pose that is nearest to its own. Where the view does not see
-// the difference, it is not animated.
+// Gives an instance that is drawn the row of the shared pose that is nearest to its own. If the view does not see the
+// difference, the instance is not animated.
 uint shared_verdict(CullView view, CullPush push, Affine world_from_model, uint instance, uint verdict) {
     if (push.own_row_count == 0 || (verdict & kVerdictDrawn) == 0) return verdict;
     const MainClip main = main_clip(push, instance);

@@ -7,22 +7,22 @@
 
 namespace throng {
 
-// What a camera sees through a picture of some aspect ratio. Depth is reversed and without end: 1 at the near plane, 0
-// infinitely far, so that one setting serves a hand and a landscape.
+// What a camera sees through a picture of some aspect ratio. Depth is reversed and has no far plane: 1 at the near
+// plane, 0 infinitely far, so that one setting serves a hand and a landscape.
 struct View {
     Vec3<float> right, up, forward;         // unit, world space
     float half_width = 1, half_height = 1;  // of the picture, at distance 1
     std::array<std::array<float, 4>, 4> clip_from_world{};
 };
 
-// Throws kInvalidArgument where the camera is not one.
+// Throws kInvalidArgument if the camera is invalid.
 View make_view(const Camera& camera, float aspect_ratio);
 
-// As view_of() of throng/draw.h. Throws kInvalidArgument where the camera is not one.
+// As view_of() of throng/draw.h. Throws kInvalidArgument if the camera is invalid.
 CrowdView crowd_view_of(const Camera& camera, uint32_t width, uint32_t height, const Bounds& bounds,
                         const DrawOptions& options);
 
-// Throws kInvalidArgument where they are none.
+// Throws kInvalidArgument if they are invalid.
 const DrawOptions& checked(const DrawOptions& options);
 
 inline constexpr float kLowestSun = 0.05f;  // the sine of its height above the horizon

@@ -11,7 +11,7 @@ CONSTANT(0, bool, kShadow, false);  // as the sun sees it, for the shadow map
 CONSTANT(1, uint, kSkinFormat, 0);  // throng::SkinFormat
 CONSTANT(2, bool, kListed, false);  // what is drawn lies in list
 CONSTANT(3, uint, kSkinBlend, kSkinLinear);
-// In place of skin matrices there are vertices that the skin stage has skinned
+// Reads vertices that the skin stage has skinned, in place of skin matrices
 CONSTANT(4, bool, kSkinned, false);
 CONSTANT(5, bool, kHasLooks, false);
 

@@ -1,9 +1,9 @@
-// What is transparent covers some of a pixel's samples: alpha to coverage, with levels between those of one pixel
-// spread over 4 x 4 of them in Bayer's order (B. E. Bayer, An optimum method for two-level rendition of continuous-tone
-// pictures, 1973). So characters need no order, what lies behind shows through, and depths, shadows and occlusion go as
-// with all else. C++ too.
+// Alpha to coverage: what is transparent covers some of a pixel's samples. Levels between those of one pixel are spread
+// over 4 x 4 pixels in Bayer's order (B. E. Bayer, An optimum method for two-level rendition of continuous-tone
+// pictures, 1973). So characters need not be sorted, what lies behind shows through, and depths, shadows and occlusion
+// work as for everything else. C++ too.
 
-// 0..15, another for each of 4 x 4 pixels.
+// 0..15, a different one for each of 4 x 4 pixels.
 uint bayer_rank(uint x, uint y) {
     const uint both = x ^ y;
     return (both & 1u) << 3 | (y & 1u) << 2 | (both & 2u) | (y & 2u) >> 1;
@@ -15,10 +15,11 @@ uint hash_of(uint number) {
     return (word >> 22) ^ word;
 }
 
-// Of one section of one instance, whose samples are covered alike.
+// The layer of one section of one instance, whose samples are covered alike.
 uint coverage_layer(uint instance, uint section) { return hash_of(instance ^ section << 24); }
 
-// Layers begin elsewhere in each 4 x 4 pixels, so that over some of them one is seen through another as it should be.
+// Each layer begins at a different rank in each 4 x 4 pixels, so that over several of them one layer shows through
+// another in the right proportion.
 bool covers(float alpha, uint x, uint y, uint sample_number, uint sample_count, uint layer) {
     const uint level_count = 16u * sample_count, first = hash_of(hash_of(layer + (x >> 2)) + (y >> 2));
     const uint rank = (16u * sample_number + bayer_rank(x, y) + first) % level_count;

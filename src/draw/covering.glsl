@@ -1,5 +1,5 @@
-// Leaves out the samples that a fragment does not cover. For fragment shaders alone: whoever may write gl_SampleMask is
-// not tested against the depth before it runs.
+// Leaves out the samples that a fragment does not cover. Only for fragment shaders that need it: one that may write
+// gl_SampleMask is not depth-tested before it runs.
 #include "gpu/shader_types.h"
 #include "draw/coverage.glsl"
 

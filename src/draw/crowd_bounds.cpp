@@ -28,7 +28,7 @@ bool holds(const Bounds& bounds, const Vec3<float>& p) {
            p.z >= bounds.min.z && p.z <= bounds.max.z;
 }
 
-// The middle half of so many values: from where to where.
+// Where the middle half of the values begins and ends.
 std::pair<float, float> middle_half(std::vector<float>& values) {
     const auto quarter = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 4),
                rest = values.end() - 1 - static_cast<std::ptrdiff_t>(values.size() / 4);
@@ -38,8 +38,8 @@ std::pair<float, float> middle_half(std::vector<float>& values) {
     return {low, *rest};
 }
 
-// Where all but strays stand: around the middle half, four times as far as that is wide, along the axis where it is
-// widest. (J. W. Tukey's fences, Exploratory Data Analysis, 1977, and a wider margin.)
+// Where all except strays stand: the middle half, and around it four times its width along the axis where it is widest.
+// (J. W. Tukey's fences, Exploratory Data Analysis, 1977, and a wider margin.)
 Bounds fence_of(Crowds crowds) {
     constexpr uint32_t kSample = 1024, kFewest = 5;
     constexpr float kWidths = 4;
@@ -96,7 +96,7 @@ private:
         const float reach = kSizes * length(group.shown_max - group.shown_min);
         return {group.shown_min - Vec3<float>{reach, reach, reach}, group.shown_max + Vec3<float>{reach, reach, reach}};
     }
-    // The box around a placed box, without its eight corners.
+    // The box around a placed box, found without transforming its eight corners.
     static Bounds placed(const Affine& placement, const Vec3<float>& min, const Vec3<float>& max) {
         const Vec3<float> half = (max - min) * 0.5f, middle = transform_point(placement, (min + max) * 0.5f);
         const auto reach_along = [&](size_t r) {

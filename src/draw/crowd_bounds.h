@@ -1,4 +1,4 @@
-// Where crowds are: what their picture's ground, fog and shadow map are fitted to, and cameras.
+// Where crowds are: the picture's ground, fog and shadow map are fitted to this, and so are cameras.
 #pragma once
 
 #include "crowd/crowd_state.h"
@@ -16,7 +16,7 @@ using Crowds = std::span<CrowdState* const>;
 // from all others that a picture which is fitted to them would show nobody else.
 enum class Strays { kIncluded, kLeftOut };
 
-// World space, by the instances' placements; all zero where nobody is there.
+// World space, by the instances' placements; all zero if nobody is there.
 struct CrowdBounds {
     Bounds rest;   // of their rest poses
     Bounds posed;  // of all their poses as far as culling knows them
@@ -26,7 +26,7 @@ struct CrowdBounds {
 };
 CrowdBounds bounds_of(Crowds crowds, Strays strays);
 
-// Diagonal of the largest character's box at rest, in world units: of each batch, as its first instance is scaled.
+// Diagonal of the largest character's box at rest, in world units. A batch counts with the scale of its first instance.
 float character_size(Crowds crowds);
 
 }  // namespace throng

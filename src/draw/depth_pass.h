@@ -8,11 +8,11 @@ namespace throng {
 class DepthPass {
 public:
     DepthPass() = default;
-    // `what` names the depths in messages; `after`: what they are used for behind the pass.
+    // `what` names the depths in messages; `after`: what they are used for after the pass.
     DepthPass(std::shared_ptr<Gpu> gpu, std::string_view what, VkExtent2D extent, VkSampleCountFlagBits samples,
               const ImageUse& after);
 
-    // 0 at first: infinitely far from a camera, lowest towards the sun. Waits for whoever uses the depths before.
+    // Clears depths to 0: infinitely far from a camera, lowest towards the sun. Waits for earlier uses of the depths.
     void begin(VkCommandBuffer commands) const;
     void end(VkCommandBuffer commands) const;
 

@@ -16,7 +16,7 @@ bool has_mirrored_instances(const CrowdState& crowd, const Batch& batch) {
 
 io::DrawPush push_of(const Group& group, const MeshSection& section, const TexturedMaterial<Image>& material) {
     const AssetMaterial& f = material.factors;
-    const float cutoff = f.alpha_mode == AlphaMode::kMask ? f.alpha_cutoff : 0;  // of mirrored ones too
+    const float cutoff = f.alpha_mode == AlphaMode::kMask ? f.alpha_cutoff : 0;  // 0 keeps all of mirrored opaque ones
     return {.first_vertex = section.first_vertex,
             .first_influences = section.first_influences,
             .influence_sets = section.influence_sets,
@@ -51,7 +51,7 @@ void CrowdDrawing::bind(VkCommandBuffer commands, uint32_t set_number, VkDescrip
 void CrowdDrawing::draw(VkCommandBuffer commands, DrawPass pass) const {
     for (const Batch& batch : crowd.batches) {
         const Group& group = crowd.groups[batch.group];
-        // Mirrored, a front face winds the other way: then the fragment shader culls.
+        // Front faces of mirrored instances wind the other way: then the fragment shader culls.
         const bool mirrors = has_mirrored_instances(crowd, batch);
         if (mirrors && pass == DrawPass::kOccluders) continue;  // it would take a shader that culls
         bind(commands, kBatchSet, groups[batch.group]->set_of(batch));
@@ -63,7 +63,7 @@ void CrowdDrawing::draw(VkCommandBuffer commands, DrawPass pass) const {
     }
 }
 
-// Instances that show it in other materials, or not at all, are left out by the vertex shader.
+// The vertex shader leaves out instances that show the section in another material, or not at all.
 void CrowdDrawing::draw_section(VkCommandBuffer commands, const Batch& batch, size_t section_index,
                                 uint32_t material_index, DrawPass pass, bool mirrors) const {
     const VolkDeviceTable& vk = crowd.gpu->vk;

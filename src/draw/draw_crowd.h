@@ -14,8 +14,8 @@ struct CrowdDrawing {
     std::vector<const GroupBindings*> groups;
     const ShaderLayout& layout;
     const CharacterPipelines& characters;
-    const CharacterPipelines* with_looks;  // of groups with CrowdGroup::outfits, where there are some
-    const LinePipelines* lines;            // where there are some
+    const CharacterPipelines* with_looks;  // for groups with CrowdGroup::outfits, if there are any
+    const LinePipelines* lines;            // if any are drawn
 
     void draw(VkCommandBuffer commands, DrawPass pass) const;
     // For all instances, or those that are listed. Skeletons need CrowdSettings::keep_model_matrices.

@@ -4,8 +4,8 @@
 #include "gpu/shader_types.h"
 THRONG_IO_BEGIN
 
-// One for the whole picture. World space; std140 and std430 agree on it. Light is linear; of the sun and the sky as a
-// white diffuse surface reflects it.
+// One for the whole picture, in world space. std140 and std430 give it the same layout. Light is linear; that of the
+// sun and the sky is what a white diffuse surface reflects of it.
 struct DrawScene {
     vec4 clip_from_world[4];  // rows
     vec4 map_from_world[3];   // rows, of the shadow map: place in it and height towards the sun, all 0..1
@@ -37,14 +37,14 @@ struct DrawPush {
     float alpha_cutoff;  // fragments below it are left out, in the pipeline that discards
     uint double_sided;
     uint first_morph, morph_count;  // of the section; count 0: none
-    uint lod;                       // the level of detail that is drawn, where instances are listed
+    uint lod;                       // the level of detail that is drawn, if instances are listed
     float metallic, roughness;
     float normal_scale;  // 0: there is no normal map
     uint vertex_count;   // of the character
     uint has_skin_pool;  // skin matrices lie where skin_rows says
     uint section, section_count;
     uint active_morph_limit;  // morph_io.h
-    uint material;            // SectionLook::material: others are not drawn
+    uint material;            // instances with another SectionLook::material are not drawn
     uint unused0, unused1;
 };
 

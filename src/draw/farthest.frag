@@ -1,5 +1,5 @@
-// farthest: of a pixel's samples, where nearer is greater. A device's own resolve need not know the least (lavapipe's
-// does not).
+// farthest: the farthest depth of a pixel's samples, which is the least, since nearer is greater. A device need not be
+// able to resolve to the least (lavapipe is not).
 layout(set = 0, binding = 0) uniform sampler2DMS depths;
 layout(location = 0) out float out_depth;
 

@@ -1,4 +1,4 @@
-// The ground and the sky; C++ too (gpu/glsl.h). The includer has light_model.glsl and sun_model.glsl.
+// The ground and the sky; C++ too (gpu/glsl.h). The includer also includes light_model.glsl and sun_model.glsl.
 
 // 1 on the lines of a grid across x, filtered over a pixel of some width.
 Real line_across(Real x, Real pixel) {

@@ -1,4 +1,4 @@
-// What drawing a group of a crowd needs beside the group: made once for each, and kept while it lives.
+// What drawing a group of a crowd needs besides the group itself: made once for each group, and kept while it lives.
 #pragma once
 
 #include "crowd/crowd_state.h"
@@ -10,8 +10,8 @@
 namespace throng {
 
 struct GroupBindings {
-    // Makes what `textures`, the renderer's, lack, and takes what all need from `room_bytes`. To be drawn with when the
-    // uploads have finished.
+    // Makes the textures that `textures`, the renderer's, does not have yet, and takes the size of all that the group
+    // needs from `room_bytes`. Draw with it only when the uploads have finished.
     GroupBindings(Uploads& uploads, const ShaderLayout& layout, const MaterialSampling& sampling,
                   const CrowdState& crowd, uint32_t group, uint64_t& room_bytes, SharedValues& textures);
 
@@ -21,7 +21,7 @@ struct GroupBindings {
     GroupMaterials materials;
 
 private:
-    Buffer joint_levels_;                         // where model matrices are kept
+    Buffer joint_levels_;                         // if model matrices are kept
     std::vector<std::vector<Bindings>> batches_;  // [batch of the group][frame slot]
 };
 

@@ -13,8 +13,8 @@ namespace throng {
 template <class Kept>
 class GroupCache {
 public:
-    // What is kept of a crowd's groups: [group], null where that is gone. make(groups) returns it for those that are
-    // new, in their order. Removes the entries of groups that live no more.
+    // Returns what is kept for a crowd's groups: [group], null if the group is gone. make(groups) returns it for the
+    // new groups, in their order. Removes the entries of groups that no longer live.
     template <class Make>
     std::vector<const Kept*> of(const CrowdState& crowd, const Make& make) {
         std::vector<uint32_t> missing;

@@ -37,7 +37,7 @@ struct ImageUse {
     VkImageLayout layout;
     Access access;
 };
-// What was in it is lost.
+// The image's content is lost.
 constexpr ImageUse discarded_after(const Access& access) { return {VK_IMAGE_LAYOUT_UNDEFINED, access}; }
 inline constexpr Access kNoAccess{VK_PIPELINE_STAGE_2_NONE, VK_ACCESS_2_NONE};
 inline constexpr ImageUse kColorTarget{VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL, kColorWrite},
@@ -47,14 +47,14 @@ inline constexpr ImageUse kColorTarget{VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL,
     kCopySource{VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, kTransferRead},
     kCopyTarget{VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, kTransferWrite};
 
-// The aspect is depth where one of the two is a use of depths, else colour.
+// The aspect is depth if either use is one of depths, else colour.
 void transition(const Gpu& gpu, VkCommandBuffer commands, VkImage image, const ImageUse& from, const ImageUse& to,
                 uint32_t first_mip = 0, uint32_t mip_count = VK_REMAINING_MIP_LEVELS);
 
 // An attachment of a render pass that draws to the image.
 VkRenderingAttachmentInfo attachment(const Image& image, const ImageUse& use, VkAttachmentLoadOp load,
                                      VkAttachmentStoreOp store);
-// Over all of the attachments, viewport and scissor set. One of the two may be null.
+// Renders to the whole extent, and sets viewport and scissor to it. One of the two attachments may be null.
 void begin_rendering(const Gpu& gpu, VkCommandBuffer commands, const VkExtent2D& extent,
                      const VkRenderingAttachmentInfo* color, const VkRenderingAttachmentInfo* depth);
 

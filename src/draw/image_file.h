@@ -12,16 +12,16 @@ namespace throng {
 
 inline constexpr uint32_t kTextureDimensionLimit = 16'384;
 
-// A PNG, JPEG or WebP file in memory; which of them, its content says.
+// A PNG, JPEG or WebP file in memory, recognized by its content.
 class ImageFile {
 public:
-    // Reads no more than the file's head. `image` must live as long as this. Throws kInvalidFile where it is no such
-    // file, and kLimit above 2 GiB; all failures name the image.
+    // Reads only the file's header. `image` must live as long as this. Throws kInvalidFile if it is no such file, and
+    // kLimit above 2 GiB; all failures name the image.
     explicit ImageFile(const AssetImage& image);
 
     uint32_t width() const { return width_; }
     uint32_t height() const { return height_; }
-    const std::string& place() const { return place_; }  // of messages
+    const std::string& place() const { return place_; }  // names the image in messages
     // Throws kInvalidFile.
     Picture decode() const;
 

@@ -1,5 +1,5 @@
-// What a surface reflects of the scene's light, and what of it arrives; docs/drawing.md names the sources. C++ too
-// (gpu/glsl.h). The includer declares `DrawScene scene` and xyz(), the first three of a vec4.
+// What a surface reflects of the scene's light, and what of that arrives at the eye; docs/drawing.md names the sources.
+// C++ too (gpu/glsl.h). The includer declares `DrawScene scene` and xyz(), the first three of a vec4.
 const Real kPi = 3.14159265;
 
 vec3 sky_color(vec3 direction) {

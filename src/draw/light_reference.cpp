@@ -6,7 +6,7 @@ namespace throng {
 namespace io {
 namespace {
 
-// The shaders' own text.
+// The shaders' own source, compiled as C++.
 struct LightText {
     using Real = double;
     using Whole = int;

@@ -21,7 +21,7 @@ struct LitSurface {
 
 // The light that leaves it towards the scene's eye; `sun` is the part of the sun that arrives.
 Vec3<double> reflected_light_reference(const io::DrawScene& scene, const LitSurface& surface, double sun);
-// What of it arrives, as the picture has it: through fog, tone-mapped, linear.
+// What the picture shows of that light: through fog, tone-mapped, linear.
 Vec3<double> pictured_reference(const io::DrawScene& scene, const Vec3<double>& place, const Vec3<double>& light);
 
 // Returns the height in a column and row of the shadow map.
@@ -29,8 +29,8 @@ using MapHeights = std::function<double(int column, int row)>;
 // The part of the sun that arrives at a surface.
 double sun_reference(const io::DrawScene& scene, const MapHeights& heights, const Vec3<double>& place,
                      const Vec3<double>& normal);
-// A pixel where no character is, as the picture has it, by the rays through its centre and that of the pixels beside
-// and below.
+// The colour of a pixel where no character is. `ray`, `beside`, `below`: through the centres of this pixel and of the
+// pixels beside and below it.
 Vec3<double> background_reference(const io::DrawScene& scene, const MapHeights& heights, const Vec3<double>& ray,
                                   const Vec3<double>& beside, const Vec3<double>& below);
 
@@ -45,8 +45,8 @@ struct MapsReference {
     Vec3<double> place_x{}, place_y{};  // steps to the right, and down
     std::array<double, 2> texcoord_x{}, texcoord_y{};
 };
-// A pixel of a character, as the picture has it. `surface`: without maps, as its front has it; what it sees of the sky
-// follows from its place.
+// The colour of a pixel of a character. `surface`: its front, without maps; its occlusion is not read, but follows from
+// its place.
 Vec3<double> character_reference(const io::DrawScene& scene, const MapHeights& heights, const LitSurface& surface,
                                  bool is_front, const MapsReference& maps = {});
 

@@ -13,14 +13,14 @@ vec4 to_clip(vec3 world) {
 
 struct WorldLine {
     vec3 from, to;
-    float width;  // at a distance of 1, in sizes of a character; but 1.5 to 3 pixels
+    float width;  // at a distance of 1, in sizes of a character; clamped to 1.5 to 3 pixels
     vec3 color;
 };
 
 // One of its four corners in clip coordinates, the first two at `from`.
 vec4 line_corner(WorldLine line, uint corner) {
     const vec4 from = to_clip(line.from), to = to_clip(line.to);
-    // In front of the eye: depth is reversed and without end, so that z is the distance of the near plane.
+    // Clips at the near plane. Its distance is clip-space z, since depth is reversed and has no far plane.
     const float near = scene.clip_from_world[2].w;
     const bool seen = max(from.w, to.w) > near;
     const vec4 low = from.w < near ? mix(from, to, clamp((near - from.w) / (to.w - from.w), 0, 1)) : from;
@@ -47,7 +47,7 @@ WorldLine box_edge(Affine world_from_model, vec3 centre, vec3 half_extent, uint 
                      affine_point(world_from_model, centre + high * half_extent), 0.006, vec3(1.0, 0.75, 0.1));
 }
 
-// From a joint to its parent, both `model_from_joint`: from red at the root by yellow, green and blue to violet at the
+// From a joint to its parent, both `model_from_joint`: from red at the root via yellow, green and blue to violet at the
 // last level.
 WorldLine bone_line(Affine world_from_model, Affine joint, Affine parent, uint level, uint level_count) {
     const float hue = 0.8 * float(level) / max(level_count - 1, 1);

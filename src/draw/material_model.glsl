@@ -1,4 +1,4 @@
-// What a character's material makes of the light; C++ too (gpu/glsl.h). The includer has light_model.glsl and
+// What a character's material makes of the light; C++ too (gpu/glsl.h). The includer also includes light_model.glsl and
 // sun_model.glsl.
 
 // The surface of a material without maps.
@@ -14,7 +14,7 @@ Surface plain_surface(vec3 color, Real metallic, Real roughness, vec3 emissive, 
     return surface;
 }
 
-// How a place, and that in textures, change from a pixel to the next one on the right, and to the next one below.
+// How a place and its texture coordinates change from a pixel to the next one on the right, and to the next one below.
 struct PixelSteps {
     vec3 world_x, world_y;
     vec2 texcoord_x, texcoord_y;

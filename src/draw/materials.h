@@ -25,8 +25,9 @@ private:
 
 class GroupMaterials {
 public:
-    // Only images of materials that some outfit shows are decoded; one that cannot be, or is too much, is white, with a
-    // warning, and leaves normals as they are. To be drawn with when the uploads have finished.
+    // Decodes only images of materials that some outfit shows. One that cannot be decoded, or for which there is no
+    // room, is white, with a warning; as a normal map it leaves normals as they are. Draw with them only when the
+    // uploads have finished.
     GroupMaterials(Uploads& uploads, const Group& group, const ShaderLayout::Set& set, const MaterialSampling& sampling,
                    TextureAccount& account);
 

@@ -24,7 +24,7 @@ static_assert(sizeof(raster::Scene) == sizeof(io::DrawScene));
 
 uint64_t rounded_up(uint64_t count, uint64_t to) { return (count + to - 1) / to * to; }
 
-// A sixteenth, so that threads have equal work; of large pictures no more than caches hold.
+// A sixteenth of the picture or map, so that threads have equal work, but no more than caches hold.
 VkExtent2D tile_of(const VkExtent2D& of, const VkExtent2D& largest) {
     static constexpr uint32_t kEachWay = 4, kLeast = 64;
     const auto side = [](uint32_t whole, uint32_t most) {
@@ -115,7 +115,7 @@ void NativeFrame::draw(Crowds crowds, std::span<const NativeGroups> native, cons
     times_.resolve_ms = clock.lap_ms();
 }
 
-// What lists hold of memory is kept from picture to picture.
+// The memory of lists is kept from picture to picture.
 void NativeFrame::set_drawn(Crowds crowds, std::span<const NativeGroups> native) {
     size_t count = 0;
     for (const CrowdState* crowd : crowds) count += crowd->batches.size();
@@ -268,7 +268,7 @@ void NativeFrame::give_memory() {
     }
 }
 
-// Into jobs of about equal work.
+// Divides the instances into jobs of about equal work.
 void NativeFrame::divide() {
     jobs_.clear();
     uint32_t first = 0;

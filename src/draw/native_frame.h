@@ -28,7 +28,8 @@ struct NativePixels {
     bool blue_first = false;  // else red, green, blue, 255
 };
 
-// Memory of pictures of one size, kept from one to the next. Results do not depend on the number of threads.
+// Draws pictures of one size, and keeps its memory from one to the next. Results do not depend on the number of
+// threads.
 class NativeFrame {
 public:
     // `samples`: 1 or 4.
@@ -36,7 +37,7 @@ public:
 
     const VkExtent2D& extent() const { return extent_; }
     uint32_t samples() const { return frame_.sample_count; }
-    // `native`: of each crowd. Nothing of the queue that writes the crowds' buffers may be under way.
+    // `native`: of each crowd. No work may be under way on the queue that writes the crowds' buffers.
     void draw(Crowds crowds, std::span<const NativeGroups> native, const Camera& camera, const DrawOptions& options,
               const NativePixels& pixels);
     const NativeTimes& times() const { return times_; }
@@ -74,7 +75,7 @@ private:
     void skin();
     void skin_instance(const Posed& posed, NativeScratch& scratch);
     void sort_by_distance();
-    // `are_clear`: [tile], what is known of them from the last picture; at first they are.
+    // `are_clear`: [tile], whether the last picture left them clear; at first they are.
     template <class Draw>
     void draw_tiles(VkExtent2D of, VkExtent2D largest, std::vector<uint8_t>& are_clear, const Draw& draw);
     void resolve();

@@ -14,7 +14,7 @@
 namespace throng {
 
 // Textures are shared by all native renderers of the device. Takes what they need from `room_bytes`, counting as the
-// renderer by shaders does, so that both draw the same ones white.
+// Vulkan renderer does, so that both draw the same ones white.
 TexturedMaterials<raster::OwnedTexture> native_materials(Gpu& gpu, const Group& group,
                                                          std::vector<std::string>& warnings, uint64_t& room_bytes);
 
@@ -33,7 +33,7 @@ private:
     std::vector<std::string> warnings_;
     std::vector<io::JointLevel> joint_levels_;
     TexturedMaterials<raster::OwnedTexture> textured_;
-    std::vector<raster::Material> materials_;  // as those
+    std::vector<raster::Material> materials_;  // in the same order
     NativeMesh mesh_;
 };
 

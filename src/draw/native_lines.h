@@ -11,10 +11,10 @@
 
 namespace throng {
 
-// Appends the edges of the box, but for those wholly beside the picture.
+// Appends the edges of the box, except those that lie wholly beside the picture.
 void add_box_lines(const io::DrawScene& scene, const Affine& world_from_model, const Bounds& box,
                    std::vector<raster::Line>& lines);
-// `model_from_joint`: of an instance, as long as `joints`.
+// `model_from_joint`: an instance's matrices, as many as `joints`.
 void add_skeleton_lines(const io::DrawScene& scene, const Affine& world_from_model,
                         std::span<const io::JointLevel> joints, uint32_t level_count, const Affine* model_from_joint,
                         std::vector<raster::Line>& lines);

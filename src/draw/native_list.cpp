@@ -42,7 +42,7 @@ void list_instances(const Batch& batch, NativeList& list) {
 
 NativeView::NativeView(const io::DrawScene& scene, bool shadows) : shadows_(shadows) {
     const io::vec4* const clip = scene.clip_from_world;
-    // In front of the near plane, whose distance all points have as z
+    // The last plane is the near one, whose distance all points have as clip-space z
     picture_ = {plane(clip[0], 1, clip[3]), plane(clip[0], -1, clip[3]), plane(clip[1], 1, clip[3]),
                 plane(clip[1], -1, clip[3]), plane(clip[2], -1, clip[3])};
     const io::vec4 none(0, 0, 0, 0), one(0, 0, 0, 1);

@@ -15,7 +15,7 @@ struct NativeList {
     std::array<uint32_t, io::kLodCount + 1> begins{};  // of the levels, and their end
 };
 
-// All instances that the crowd's culling has listed; where it does not cull, all, in the finest level.
+// Lists the instances that the crowd's culling has listed; if it does not cull, all instances, in the finest level.
 void list_instances(const Batch& batch, NativeList& list);
 
 // The part of space that the picture or, with shadows, the shadow map shows.
@@ -29,7 +29,7 @@ public:
 private:
     bool shows(const Affine& world_from_model, const Vec3<float>& centre, const Vec3<float>& half_extent) const;
 
-    std::vector<io::vec4> picture_, map_;  // a point p is inside where dot(xyz, p) + w >= 0, of all
+    std::vector<io::vec4> picture_, map_;  // a point p is inside if dot(xyz, p) + w >= 0 for all of them
     bool shadows_;
     std::vector<uint8_t> seen_;  // of the list
 };

@@ -1,4 +1,4 @@
-// How instances look, by the shaders' own text.
+// How instances look, computed by the shaders' own source.
 #pragma once
 
 #include "crowd/batch.h"
@@ -19,7 +19,7 @@ public:
         buffers_.buffers[io::kSectionLooksBuffer] = group[io::kSectionLooksBuffer].mapped();
     }
 
-    // Whether they differ.
+    // Whether instances look different.
     explicit operator bool() const { return buffers_.buffers[io::kInstanceLooksBuffer] != nullptr; }
     NativeLook of(uint32_t instance, uint32_t section) const;
 

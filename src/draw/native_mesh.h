@@ -11,7 +11,7 @@
 
 namespace throng {
 
-// Numbers of a vertex in raster::Section::bind
+// Floats of a vertex in raster::Section::bind
 inline constexpr size_t kBindFloats = 8;
 inline size_t whole_blocks(size_t count) { return (count + raster::kBlock - 1) / raster::kBlock * raster::kBlock; }
 
@@ -45,7 +45,7 @@ public:
     uint32_t vertex_count(uint32_t lod) const { return vertex_counts_[lod]; }
     // Palette entries that a level of detail refers to, ascending; raster::Section::entries are places among these.
     std::span<const uint32_t> entries(uint32_t lod) const { return entries_[lod]; }
-    // Null where the level has no triangles of it.
+    // Null if the level has no triangles of the section.
     const NativeSection* at(uint32_t lod, size_t section) const {
         return sections_[lod * section_count_ + section].get();
     }

@@ -67,7 +67,7 @@ std::vector<NativeGroups> NativeRenderer::kept_of(Crowds crowds) {
 
 void NativeRenderer::prepare(Crowds crowds) {
     accept(crowds);
-    // Else the first picture makes it, which waits for what has been recorded
+    // Otherwise the first picture makes the groups, and waits for what has been recorded
     if (std::ranges::none_of(crowds, [](const CrowdState* crowd) { return crowd->awaits_commands(); })) kept_of(crowds);
 }
 
@@ -90,7 +90,7 @@ RenderResult NativeRenderer::render(Crowds crowds, const Camera& camera) {
 
 RenderResult NativeRenderer::render_frame(Crowds crowds, float time_step_s, const Camera& camera) {
     accept(crowds);
-    make_view(camera, 1);  // what is refused is refused before time goes on
+    make_view(camera, 1);  // refuses an invalid camera before time advances
     kept_of(crowds);
     update(crowds, time_step_s, camera);
     return render(crowds, camera);

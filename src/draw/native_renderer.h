@@ -1,4 +1,4 @@
-// Drawing by this machine's processor: on native devices, which have no other, and on software devices.
+// Drawing by this machine's processor: on native devices, which have no other renderer, and on software devices.
 #pragma once
 
 #include "draw/group_cache.h"
@@ -9,7 +9,7 @@
 
 namespace throng {
 
-// Why a native renderer does not serve this device; empty where it does.
+// Why a native renderer does not serve this device; empty if it does.
 std::string natively_undrawable_reason(const Gpu& gpu);
 
 class NativeRenderer : public RendererState {
@@ -33,10 +33,10 @@ private:
     std::vector<NativeGroups> kept_of(Crowds crowds);
     RendererState& device_renderer();
 
-    RendererSettings settings_;  // with the size of now
+    RendererSettings settings_;  // with the current size
     NativeIsa isa_;
     std::unique_ptr<NativeFrame> frame_;
-    std::unique_ptr<StagedPicture> staged_;  // where the device has images
+    std::unique_ptr<StagedPicture> staged_;  // if the device has images
     GroupCache<const NativeGroup> groups_;
     // Draws updates that are recorded, on a software device; made when first needed
     std::unique_ptr<RendererState> device_;

@@ -10,12 +10,12 @@
 
 namespace throng {
 
-// Grows, and is kept.
+// Grows as needed, and is kept.
 class NativeScratch {
 public:
     enum Use { kColumns, kMatrices, kBind, kWorld, kKernel, kUseCount };
 
-    // Undefined, at a multiple of 64 bytes, until the next call for the same use.
+    // Uninitialized memory at a multiple of 64 bytes, valid until the next call for the same use.
     std::byte* bytes(Use use, size_t size) {
         Part& part = parts_[use];
         if (part.size < size) {
@@ -37,7 +37,7 @@ private:
     std::array<Part, kUseCount> parts_;
 };
 
-// One for each thread that works at a time.
+// Keeps one NativeScratch for each thread that works at the same time.
 class NativeScratchPool {
 public:
     template <class Body>

@@ -1,4 +1,5 @@
-// What the kernels of src/raster do not do with vertices (formats, morphs, dual quaternions), by the shaders' own text.
+// What the kernels of src/raster do not do with vertices (formats, morphs, dual quaternions), computed by the shaders'
+// own source.
 #pragma once
 
 #include "crowd/batch.h"
@@ -25,11 +26,11 @@ private:
     const Affine* placements() const { return reinterpret_cast<const Affine*>(batch[io::kPlacementsBuffer].mapped()); }
 };
 
-// Its skin matrices of these palette entries, from any format.
+// Converts the instance's skin matrices of these palette entries from any format.
 void unpack_skin_matrices(SkinFormat format, const PosedInstance& of, std::span<const uint32_t> entries,
                           Affine* matrices);
 inline constexpr size_t kSimilarity_bytes = 32;
-// All of them as Similarity of gpu/similarity.glsl, 32 bytes each.
+// Converts all its skin matrices to Similarity of gpu/similarity.glsl, 32 bytes each.
 void unpack_similarities(SkinFormat format, const PosedInstance& of, std::byte* similarities);
 
 // In bind space: section.bind, with what its morphs add.
@@ -38,7 +39,7 @@ void morph_vertices(const PosedInstance& of, const NativeSection& section, float
 // it.
 void blend_dual_quaternions(const PosedInstance& of, const NativeSection& section, std::byte* similarities,
                             const float* bind, float* world);
-// In world space: of vertices that the crowd's skin stage has skinned.
+// In world space: places the vertices that the crowd's skin stage has skinned.
 void place_skinned(const PosedInstance& of, const NativeSection& section, float* world);
 
 }  // namespace throng

@@ -10,13 +10,13 @@ namespace throng {
 
 class Occluders {
 public:
-    // Has as many samples as the picture: what shows at one of them alone hides nothing.
+    // Has as many samples as the picture, so that what covers only some of a pixel's samples hides nothing.
     Occluders(std::shared_ptr<Gpu> gpu, VkExtent2D extent, VkSampleCountFlagBits samples);
 
     // Begins and ends the pass that draws depths.
     void begin(VkCommandBuffer commands) const { pass_.begin(commands); }
     void end(VkCommandBuffer commands) const;
-    // Then the farthest depth of each pixel's samples.
+    // After end(): the farthest depth of each pixel's samples.
     DepthImage depths() const;
 
 private:
@@ -25,7 +25,7 @@ private:
 
     std::shared_ptr<Gpu> gpu_;
     DepthPass pass_;
-    // Where it has several samples:
+    // Only if there are several samples:
     Image farthest_;
     ShaderLayout layout_;
     OwnedPipeline pipeline_;

@@ -75,7 +75,7 @@ OwnedPipeline make_pipeline(const PipelineSettings& settings, const Program& pro
         .sType = VK_STRUCTURE_TYPE_PIPELINE_RASTERIZATION_STATE_CREATE_INFO,
         .polygonMode = VK_POLYGON_MODE_FILL,
         .frontFace = VK_FRONT_FACE_COUNTER_CLOCKWISE,
-        // What the sun grazes is put farther from it, so that it does not shadow itself between the texels of the map.
+        // Moves surfaces that the sun grazes farther from it, so that they do not shadow themselves between texels.
         .depthBiasEnable = is_shadow_map,
         .depthBiasSlopeFactor = -1.5f,
         .lineWidth = 1};

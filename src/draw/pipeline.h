@@ -13,8 +13,8 @@ inline VkFormat color_format(bool blue_first) { return blue_first ? VK_FORMAT_B8
 inline constexpr VkFormat kDepthFormat = VK_FORMAT_D32_SFLOAT;
 inline constexpr VkFormat kFarthestFormat = VK_FORMAT_R32_SFLOAT;  // draw/occluders.h
 
-// Descriptor sets, as the shaders have them: the buffers of a batch by their numbers, where kernels have them too; the
-// scene and the shadow map; the textures of a material.
+// Descriptor sets of the shaders: the buffers of a batch, at the same binding numbers as in kernels; the scene and the
+// shadow map; the textures of a material.
 enum DrawSet : uint32_t { kBatchSet, kSceneSet, kMaterialSet };
 
 // The layout of all shaders of the draw, so that a set stays bound when the pipeline changes.
@@ -39,7 +39,7 @@ OwnedPipeline make_farthest_pipeline(const std::shared_ptr<Gpu>& gpu, const Shad
 struct CharacterKind {
     SkinFormat format = SkinFormat::kAffine;
     SkinBlend blend = SkinBlend::kLinear;
-    bool listed = false;   // instances are
+    bool listed = false;   // instances are listed
     bool skinned = false;  // by the crowd
     bool has_looks = false;
     bool has_blends = false;  // some of its materials are blended
@@ -50,8 +50,8 @@ struct CharacterKind {
 struct CharacterPipelines {
     CharacterPipelines(const PipelineSettings& settings, const CharacterKind& kind);
 
-    // By AlphaMode; in the picture those of masks are also for batches with mirrored instances, whose front faces wind
-    // the other way. Of blended materials only where CharacterKind::has_blends.
+    // By AlphaMode. In the picture, those of masks also draw batches with mirrored instances, whose front faces wind
+    // the other way. Those of blended materials exist only with CharacterKind::has_blends.
     std::array<OwnedPipeline, 3> shadow;                       // into the shadow map
     std::array<OwnedPipeline, 3> occluder;                     // depths alone, of the camera
     std::array<std::array<OwnedPipeline, 2>, 3> into_picture;  // [alpha mode][has_maps]

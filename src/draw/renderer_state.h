@@ -28,8 +28,8 @@ struct RendererState {
     DrawOptions options;
 
 protected:
-    // Crowds that are to be drawn: what is fitted to them follows where their updates move instances. Throws
-    // kInvalidArgument where they cannot be drawn with these options.
+    // To be called with crowds that are to be drawn: follows where their updates have moved instances, since the scene
+    // and views are fitted to them. Throws kInvalidArgument if they cannot be drawn with these options.
     void accept(Crowds crowds) const;
     CrowdView view_of(Crowds crowds, const Camera& camera) const;  // without occlusion
 };

@@ -10,7 +10,7 @@
 namespace throng {
 
 // Everything is measured in the crowds' own size: a file's unit may be a metre or a centimetre. Throws kInvalidArgument
-// where the camera is not one.
+// if the camera is invalid.
 io::DrawScene make_scene(Crowds crowds, const Camera& camera, const VkExtent2D& picture, uint32_t map_size,
                          const DrawOptions& options);
 
@@ -19,7 +19,7 @@ class SceneBinding {
 public:
     SceneBinding(const std::shared_ptr<Gpu>& gpu, const ShaderLayout& layout, const DepthPass& shadow_map);
 
-    // Waits for the frames before that read it.
+    // Waits for earlier frames that read it.
     void record(VkCommandBuffer commands, const io::DrawScene& scene) const;
     VkDescriptorSet set() const { return bindings_.set(); }
 

@@ -1,4 +1,4 @@
-// shadow_covering: of what is blended, the samples that it covers.
+// shadow_covering: leaves out the samples that a blended material does not cover.
 #include "draw/covering.glsl"
 #include "draw/draw_io.h"
 

@@ -21,7 +21,7 @@ struct Interval {
 
 ShadowFit fit_shadow(const Camera& camera, const View& view, const Bounds& posed, const Vec3<float>& to_sun,
                      uint32_t map_size) {
-    // The map's axes hang on the sun alone: what does not move has its place on a fixed grid of texels.
+    // The map's axes depend only on the sun, so that what does not move keeps its place on a fixed grid of texels.
     const Vec3<double> sun = to_sun.as<double>(), eye = camera.eye.as<double>();
     const Vec3<double> across = normalized(std::abs(sun.y) > 0.9999 ? Vec3<double>{1, 0, 0}
                                                                     : cross(Vec3<double>{0, 1, 0}, sun));
@@ -55,7 +55,7 @@ ShadowFit fit_shadow(const Camera& camera, const View& view, const Bounds& posed
         const double from = std::max(of_crowd[k].low, seen[k].low),
                      to = std::max(std::min(of_crowd[k].high, seen[k].high), from);
         const double least = std::max((to - from) / (map_size - 2 * kMargin - 1), 1e-9 * std::max(reach, 1e-20));
-        // Grows in steps, so that a camera that moves on keeps the grid
+        // Grows in steps, so that a moving camera keeps the grid
         const double texel = std::exp2(std::ceil(4 * std::log2(least)) / 4);
         set_row(k, axes[k], (std::floor(from / texel) - kMargin) * texel, texel * map_size);
         fit.texel = std::max(fit.texel, static_cast<float>(texel));

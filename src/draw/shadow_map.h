@@ -14,7 +14,7 @@ struct ShadowFit {
 
 // Holds everything that the camera may see in shadow, and all that throws it: the bounds of the crowd, in all its
 // poses, as far as the picture reaches along the sun's rays. It depends on nothing else, and moves in whole texels, so
-// that shadows do not crawl while the camera does.
+// that shadows do not crawl while the camera moves.
 ShadowFit fit_shadow(const Camera& camera, const View& view, const Bounds& posed, const Vec3<float>& to_sun,
                      uint32_t map_size);
 

@@ -1,9 +1,9 @@
 // The part of the sun that arrives; C++ too (gpu/glsl.h). The includer declares what light_model.glsl asks for, and
-// vec4 heights_at(Whole column, Whole row), four neighbouring texels of the shadow map from that one on, of which those
-// outside are those at its edge; and Mask has_heights(Whole column, Whole row), false only where four such rows of four
+// vec4 heights_at(Whole column, Whole row), four neighbouring texels of a row of the shadow map from that one on,
+// clamped to the map's edge; and Mask has_heights(Whole column, Whole row), false only where four such rows of four
 // texels are all empty.
 
-// Nine neighbouring comparisons, each between four texels: a tent of sixteen.
+// The mean of nine neighbouring comparisons, each interpolated between four texels: a tent over sixteen texels.
 Real sun_at(vec3 world, vec3 normal) {
     if (scene.shadow.z == 0) return Real(1);
     const Real kShift = 1.5;  // texels: a surface does not shadow itself
@@ -12,7 +12,7 @@ Real sun_at(vec3 world, vec3 normal) {
     const Real x = dot(vec4(scene.map_from_world[0]), point) * scene.shadow.x - 0.5,
                y = dot(vec4(scene.map_from_world[1]), point) * scene.shadow.x - 0.5;
     const Mask inside = x >= 0 && y >= 0 && x <= scene.shadow.x - 1 && y <= scene.shadow.x - 1;
-    // Below all that throws a shadow there may be ground
+    // The ground may lie below everything that throws a shadow
     const Real height = max(dot(vec4(scene.map_from_world[2]), point), 0);
     const Real x_part = fract(x), y_part = fract(y);
     const Whole column = truncated(floor(x)) - 1, row = truncated(floor(y)) - 1, last = truncated(scene.shadow.x) - 1;

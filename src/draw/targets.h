@@ -1,4 +1,4 @@
-// What a picture is drawn into: colour and depth, of several samples where the device has them, and the picture that
+// What a picture is drawn into: colour and depth, with several samples if the device has them, and the picture that
 // they end as.
 #pragma once
 
@@ -15,8 +15,8 @@ public:
     // Throws kLimit where the device cannot draw so large a picture.
     Targets(std::shared_ptr<Gpu> gpu, VkExtent2D extent, VkSampleCountFlagBits samples, bool blue_first);
 
-    // Begins the render pass: color is undefined, depth infinitely far. Waits for whoever draws to the targets, or
-    // copies from them, before.
+    // Begins the render pass: color is undefined, depth infinitely far. Waits for earlier draws to the targets and
+    // copies from them.
     void begin(VkCommandBuffer commands) const;
     // Ends it. The picture is then in TRANSFER_SRC_OPTIMAL, visible to transfers.
     void end(VkCommandBuffer commands) const;

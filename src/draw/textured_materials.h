@@ -32,7 +32,7 @@ template <class Texture>
 class TexturedMaterials {
 public:
     // make(image, is_color) is called once for each image of a material that some outfit shows, and returns a shared
-    // pointer; what it has nothing for is drawn white, and leaves normals as they are.
+    // pointer. An image for which it returns null is drawn white; as a normal map it leaves normals as they are.
     template <class Make>
     TexturedMaterials(const Group& group, const Make& make) {
         std::vector<bool> used(group.materials.size());
@@ -61,7 +61,7 @@ public:
         }
     }
 
-    // As io::SectionLook has them: the group's, then the one of sections without.
+    // As io::SectionLook numbers them: the group's materials, then the one for sections without a material.
     const std::vector<TexturedMaterial<Texture>>& all() const { return all_; }
 
 private:

@@ -66,8 +66,8 @@ Image upload_texture(Uploads& uploads, std::string_view what, const Picture& pic
 
 namespace {
 
-// What `make` returns, a pointer; null, with a warning, where that is no more than a texture the less. Of an image that
-// could not be read a warning of the file has said so.
+// Returns the pointer that `make` returns; null, with a warning, if it fails in a way that costs only this texture. An
+// image without content has been warned about when its file was read.
 template <class Make>
 std::invoke_result_t<Make> or_white(const AssetImage& image, TextureAccount& account, const Make& make) {
     if (image.encoded.empty()) return nullptr;
@@ -106,7 +106,7 @@ std::shared_ptr<const Image> make_texture(Uploads& uploads, const AssetImage& im
         return found ? nullptr : decoded_picture(*uploads.gpu(), image);
     });
     if (!picture) return found;
-    uploads.make_room(picture->rgba.size());  // none of this texture's, where it fails
+    uploads.make_room(picture->rgba.size());  // if this fails, the failure is that of earlier uploads
     return or_white(image, account, [&] {
         return account.textures.get<Image>(key, [&] {
             return upload_texture(uploads, "image '" + image.name + "'", *picture,

@@ -18,10 +18,10 @@ inline constexpr uint64_t kTexturePixelLimit = uint64_t{1} << 26;  // 256 MiB de
 // Size of all textures of a crowd, with mipmaps: a small file may ask for a lot
 inline constexpr uint64_t kTexturesLimit_bytes = uint64_t{1} << 31;
 
-// Takes what an image needs with mipmaps from `room_bytes`. Throws kInvalidFile where that cannot be read, and kLimit
+// Takes what an image needs with mipmaps from `room_bytes`. Throws kInvalidFile if the image cannot be read, and kLimit
 // above the limits.
 void take_room(const AssetImage& image, uint64_t& room_bytes);
-// Decodes an image's file, unless somebody on the device holds the picture already. Throws kInvalidFile.
+// Decodes an image's file, unless something on the device holds the picture already. Throws kInvalidFile.
 std::shared_ptr<const Picture> decoded_picture(Gpu& gpu, const AssetImage& image);
 
 inline constexpr VkFormat kColorTexture = VK_FORMAT_R8G8B8A8_SRGB, kNumberTexture = VK_FORMAT_R8G8B8A8_UNORM;
@@ -32,15 +32,15 @@ Image upload_texture(Uploads& uploads, std::string_view what, const Picture& pic
 // What the textures of a group are made with.
 struct TextureAccount {
     std::vector<std::string>& warnings;
-    uint64_t& room_bytes;    // of kTexturesLimit_bytes
+    uint64_t& room_bytes;    // left of kTexturesLimit_bytes
     SharedValues& textures;  // where textures of the same images are found: the renderer's, natively the device's
 };
 
-// Null, with a warning that the image is drawn white, where it cannot be decoded or is too much.
+// Null, with a warning that the image is drawn white, if it cannot be decoded or there is no room for it.
 std::shared_ptr<const Picture> decode_or_none(Gpu& gpu, const AssetImage& image, TextureAccount& account);
-// The texture of an image; null, with a warning that it is drawn white, where it cannot be decoded or there is no room
-// for it. One that it finds in account.textures has been uploaded, or is among these uploads: it can be drawn with when
-// they have finished.
+// The texture of an image; null, with a warning that it is drawn white, if it cannot be decoded or there is no room for
+// it. One found in account.textures has been uploaded, or is among these uploads: draw with it only when they have
+// finished.
 std::shared_ptr<const Image> make_texture(Uploads& uploads, const AssetImage& image, bool is_color,
                                           TextureAccount& account);
 // For the native renderer.

@@ -142,7 +142,7 @@ void VulkanRenderer::record_update(VkCommandBuffer commands, Crowds crowds, floa
             CrowdState& crowd = *crowds[recorded_count];
             crowd.record(commands, time_step_s, culls(&crowd) ? &view : nullptr);
         }
-    } catch (...) {  // then time goes on for none
+    } catch (...) {  // then time advances for none
         for (CrowdState* crowd : crowds.first(recorded_count)) crowd->discard_last_record();
         throw;
     }
@@ -157,7 +157,7 @@ void VulkanRenderer::record_update(VkCommandBuffer commands, Crowds crowds, floa
         if (culls(crowd)) crowd->record_disoccluded(commands, occluders_->depths());
 }
 
-// Binds the scene; what the crowds' updates have written becomes visible to draws. Their time begins.
+// Binds the scene, makes what the crowds' updates have written visible to draws, and starts timing them.
 void VulkanRenderer::begin_draw(VkCommandBuffer commands, Frame& frame) {
     memory_barrier(*gpu, commands, kShaderWrite | kTransferWrite, kDrawRead);
     scene_.record(commands, frame.scene);

@@ -36,10 +36,10 @@ private:
         bool has_begun = false;  // its time is being taken
     };
     CrowdDrawing drawing_of(const CrowdState& crowd);
-    // Where there are new groups, it submits and waits.
+    // Submits and waits if there are new groups.
     std::vector<const GroupBindings*> bindings_of(const CrowdState& crowd);
     Frame frame_of(Crowds crowds, const Camera& camera);
-    // Of these crowds, which may be fewer than the frame shows.
+    // Records the update of these crowds, which may be fewer than the frame shows.
     void record_update(VkCommandBuffer commands, Crowds crowds, float time_step_s, CrowdView view, Frame& frame);
     void begin_draw(VkCommandBuffer commands, Frame& frame);
     void record_frame(VkCommandBuffer commands, Frame& frame);

@@ -1,5 +1,5 @@
-// 3x4 affine matrices as three rows, so that each is three 16-byte loads. Column vectors, as in throng/transform.h. C++
-// too (gpu/glsl.h).
+// 3x4 affine matrices as three rows, so that each is three 16-byte loads. Column vectors, as in throng/transform.h.
+// Also compiles as C++ (gpu/glsl.h).
 #ifndef THRONG_GPU_AFFINE_GLSL
 #define THRONG_GPU_AFFINE_GLSL
 #include "gpu/shader_types.h"

@@ -67,7 +67,7 @@ void Buffer::Content::create(VkDeviceSize size, VkBufferUsageFlags usage, Memory
     const VkMemoryPropertyFlags preferred = kind == MemoryKind::kDevice     ? VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT
                                             : kind == MemoryKind::kReadback ? VK_MEMORY_PROPERTY_HOST_CACHED_BIT
                                                                             : 0;
-    // What is mapped lies as a mapping of its own would, so that the CPU may read it as any type.
+    // Mapped memory is aligned as a mapping of its own would be, so that the CPU can read it as any type.
     constexpr VkDeviceSize kMapped = 64;  // the least that minMemoryMapAlignment may be
     const bool is_mapped = kind != MemoryKind::kDevice || gpu->native;
     const VkDeviceSize alignment = is_mapped ? std::max(needs.alignment, kMapped) : needs.alignment;

@@ -1,4 +1,4 @@
-// Buffers, and what is recorded of them.
+// Buffers, and the commands that write and copy them.
 #pragma once
 
 #include "gpu/gpu.h"
@@ -32,7 +32,7 @@ public:
     explicit operator bool() const { return content_ != nullptr; }
     // Null on a native device.
     VkBuffer handle() const { return content_ ? content_->buffer : VK_NULL_HANDLE; }
-    // This buffer where there is one, else another: a binding that a kernel does not use must have some.
+    // This buffer if there is one, else `other`: even a binding that a kernel does not use must have a buffer.
     const Buffer& or_else(const Buffer& other) const { return content_ ? *this : other; }
     VkDeviceSize size_bytes() const { return content_ ? content_->size_bytes : 0; }
     // Where the CPU sees it: what is mapped, and every buffer where kernels may run natively (Gpu::native).
@@ -44,7 +44,7 @@ public:
     // As long as this lives, so does the VkBuffer.
     std::shared_ptr<const void> keep_alive() const { return content_; }
 
-    // Another hold of the same buffer, of which nobody changes what is in it.
+    // Another reference to the same buffer, whose contents nobody changes.
     Buffer share() const {
         Buffer same;
         same.content_ = content_;
@@ -93,8 +93,8 @@ struct BufferRange {
     std::byte* bytes() const { return mapped ? mapped + offset_bytes : nullptr; }
 };
 
-// A table that kernels write, as a storage buffer, and later ones read by gpu/table.glsl, in words (4 bytes) or rows of
-// four (16). Its contents are undefined. Throws kLimit where the device cannot read so many.
+// A table that kernels write as a storage buffer and later kernels read by gpu/table.glsl, in words (4 bytes) or rows
+// of four (16). Its contents are undefined. Throws kLimit if the device cannot read that many.
 Buffer make_table_bytes(const std::shared_ptr<Gpu>& gpu, std::string_view what, uint64_t size_bytes,
                         uint32_t texel_bytes);
 
@@ -110,10 +110,11 @@ Buffer make_table(const std::shared_ptr<Gpu>& gpu, std::string_view what, uint64
     return make_table_bytes(gpu, what, count * sizeof(T), texel_bytes_of<T>());
 }
 
-// How shaders read a table (gpu/table.glsl): a software device as texels alone, since its storage buffers are smaller.
+// The usage for shaders to read a table (gpu/table.glsl): on a software device as texels only, since its storage
+// buffers are smaller.
 VkBufferUsageFlags table_usage(const Gpu& gpu, std::string_view what, uint64_t size_bytes, uint32_t texel_bytes);
 
-// In what follows a command buffer of VK_NULL_HANDLE means: now, by this machine's processor (Gpu::native).
+// Below, a command buffer of VK_NULL_HANDLE means: now, by this machine's processor (Gpu::native).
 
 // The data travels inside the command buffer, so that no staging memory has to outlive the call; offset and size are
 // multiples of four bytes.
@@ -129,7 +130,7 @@ void record_update(const Gpu& gpu, VkCommandBuffer commands, const BufferRange& 
 
 // Both of the same size.
 void record_copy(const Gpu& gpu, VkCommandBuffer commands, const BufferRange& from, const BufferRange& to);
-// Many copies into one buffer, by a command for each buffer that they are from.
+// Many copies into one buffer, by one command for each source buffer.
 struct CopyFrom {
     BufferRange from;
     VkDeviceSize to_bytes = 0;  // where it goes in the target

@@ -24,9 +24,9 @@ private:
     std::array<Buffer, io::kBufferCount> buffers_;
 };
 
-// What a kernel finds at each binding. A shader may declare buffers that its specialization constants leave unused;
-// for those that there are none of, `absent` is bound, which no kernel touches: one that no other dispatch writes
-// before the next barrier, since synchronization validation takes a binding for an access.
+// What a kernel finds at each binding. A shader may declare buffers that its specialization constants leave unused; if
+// such a buffer does not exist, `absent` is bound, which no kernel touches. It must be one that no other dispatch
+// writes before the next barrier, since synchronization validation treats a binding as an access.
 class BufferTable {
 public:
     struct Entry {
@@ -38,7 +38,7 @@ public:
 
     BufferTable& set(std::initializer_list<Entry> entries);
     BufferTable& add(const Buffers& buffers);
-    // In place of a storage buffer, and of a table (gpu/table.glsl).
+    // Sets what stands in for a missing storage buffer, and for a missing table (gpu/table.glsl).
     BufferTable& set_absent(const BufferRange& storage, const BufferRange& table);
     // The same, with some entries replaced or added.
     BufferTable with(std::initializer_list<Entry> entries) const { return BufferTable(*this).set(entries); }

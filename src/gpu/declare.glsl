@@ -2,7 +2,7 @@
 // (gpu/native_text.h).
 
 #define WORKGROUP(size) layout(local_size_x = size) in
-// Of invocations that share an item's elements: each takes those that lie kStride apart, from its own number on.
+// For invocations that share an item's elements: each takes every kStride-th one, starting at its own number.
 #define WORKGROUP_OF_STRIDE(size)   \
     layout(local_size_x = size) in; \
     const uint kStride = size

@@ -1,4 +1,5 @@
-// The devices of this machine, and which of them is meant. Callers hold the lock of volk's instance-level functions.
+// The devices of this machine, and which of them DeviceSettings::select means. Callers hold the lock of volk's
+// instance-level functions.
 #pragma once
 
 #include "gpu/vulkan.h"
@@ -13,7 +14,7 @@ inline constexpr uint32_t kApiVersion = VK_API_VERSION_1_3;  // the least that t
 inline constexpr const char* kNativeType = "native";         // DeviceInfo::type of the native device, and its name
 
 std::vector<VkQueueFamilyProperties> queue_families(VkPhysicalDevice physical);
-// The first family with compute, and with graphics too where the device has one such.
+// The first family with compute and graphics or, if there is none, the first with compute.
 std::optional<uint32_t> find_family(VkPhysicalDevice physical);
 
 std::vector<VkPhysicalDevice> physical_devices(VkInstance instance);
@@ -21,13 +22,13 @@ DeviceInfo describe(VkPhysicalDevice physical, uint32_t index);
 // With the native device, which is the last.
 std::vector<DeviceInfo> describe_all(const std::vector<VkPhysicalDevice>& devices);
 
-// Why nothing can run on it; empty where it can.
+// Why nothing can run on the device; empty if it is usable.
 std::string unusable_reason(const DeviceInfo& info);
 // Whether DeviceSettings::select names the native device and no other.
 bool is_native_name(const std::string& select);
-// Whether it means this device, maybe among others.
+// Whether `select` means this device, perhaps among others.
 bool is_selected(const DeviceInfo& info, const std::string& select);
-// The best of those that it means. Throws kNoDevice, and names all there are.
+// The best device that `select` means. If there is none, throws kNoDevice and names all devices.
 DeviceInfo select_device(const std::vector<DeviceInfo>& infos, const std::string& select);
 
 }  // namespace throng

@@ -30,7 +30,7 @@ void DeviceEvent::reset() {
 
 void DeviceEvent::record_set(VkCommandBuffer commands) {
     if (!commands) return set();
-    // An event's own barrier works only for who waits for it on the GPU, so the one for the CPU comes before.
+    // An event's own barrier works only for waits on the GPU, so the barrier for the CPU comes before it.
     memory_barrier(*gpu_, commands, kTransferWrite, kHostRead);
     record_set(commands, barrier_between(kTransferWrite, kHostRead));
 }

@@ -1,4 +1,4 @@
-// What tells the CPU that the device has come to a point.
+// Tells the CPU that the device has reached a point in its commands.
 #pragma once
 
 #include "gpu/owned.h"
@@ -15,9 +15,9 @@ public:
     bool is_set() const;
     void set();
     void reset();
-    // Sets it behind all copies so far, and makes what they wrote visible to a CPU that finds it set.
+    // Sets it after all copies so far, and makes what they wrote visible to a CPU that finds it set.
     void record_set(VkCommandBuffer commands);
-    // Sets it behind all commands so far.
+    // Sets it after all commands so far.
     void record_set_behind_all(VkCommandBuffer commands);
 
 private:
@@ -28,8 +28,8 @@ private:
     bool is_set_ = false;  // on a native device
 };
 
-// Events for one purpose after another. None is destroyed before the pool: commands that set it may still be under way
-// when it is found set.
+// Events to be used again and again. None is destroyed before the pool: the commands that set one may still be under
+// way when it is found set.
 class EventPool {
 public:
     explicit EventPool(std::shared_ptr<Gpu> gpu) : gpu_(std::move(gpu)) {}

@@ -11,7 +11,7 @@ class FreeRanges {
 public:
     explicit FreeRanges(uint64_t size);
 
-    // The offset of a part of `size` bytes, a multiple of `alignment`: the first that is free. None: there is no such.
+    // The offset, a multiple of `alignment`, of the first free part of `size` bytes; none if there is no such part.
     std::optional<uint64_t> take(uint64_t size, uint64_t alignment);
     // A part that take() gave.
     void give_back(uint64_t offset, uint64_t size);

@@ -1,7 +1,7 @@
-// GLSL's types and functions for C++, as far as the .glsl texts use them that compile as both. C++ includes such a text
-// into a class, whose members are what the text says that its includer declares. A text that counts in `Real` finds
-// there what that is, and vectors of it; one that counts in float computes what a device does, with -ffp-contract=off.
-// Whole kernels: gpu/native_text.h.
+// GLSL's types and functions for C++, as far as .glsl texts that compile as both use them. C++ includes such a text
+// into a class, whose members are what the text asks its includer to declare. For a text that computes in `Real`, the
+// class also defines that type and its vectors; a text that computes in float gives what a device does, with
+// -ffp-contract=off. Whole kernels: gpu/native_text.h.
 #pragma once
 
 #include "gpu/shader_types.h"
@@ -19,7 +19,7 @@ concept Vector = requires {
 template <class T>
 concept Number = std::is_arithmetic_v<T>;
 template <class T>
-using Scalar = std::type_identity_t<T>;  // whatever number it is given as
+using Scalar = std::type_identity_t<T>;  // not deduced, so that any number converts
 
 using std::abs;
 using std::exp;
@@ -42,7 +42,7 @@ T sign(T x) {
     return static_cast<T>((x > 0) - (x < 0));
 }
 
-// The second one where one of the two is NaN, as on devices.
+// The second argument if either is NaN, as on devices.
 template <Number T>
 T min(T a, Scalar<T> b) {
     return a < b ? a : b;
@@ -98,7 +98,7 @@ auto floatBitsToUint(const V& v) {
     return V::each([](float number) { return floatBitsToUint(number); }, v);
 }
 
-// To the nearest one, of two the even one.
+// Rounds to nearest, ties to even.
 inline uint half_of(float number) {
     const uint bits = floatBitsToUint(number), sign = bits >> 16 & 0x8000u, size = bits & 0x7FFFFFFFu;
     if (size > 0x7F800000u) return sign | 0x7E00u;

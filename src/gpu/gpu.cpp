@@ -49,7 +49,7 @@ bool has_extension(VkPhysicalDevice physical, std::string_view name) {
     return std::ranges::any_of(extensions, [&](const auto& extension) { return extension.extensionName == name; });
 }
 
-// 0 where the maker has no extension that says it.
+// 0 if the vendor has no extension that tells it.
 uint32_t count_simds(VkPhysicalDevice physical) {
     VkPhysicalDeviceShaderSMBuiltinsPropertiesNV nvidia{
         .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SHADER_SM_BUILTINS_PROPERTIES_NV};
@@ -244,7 +244,7 @@ void Gpu::create_device(const DeviceSettings& settings, VkPhysicalDevice physica
     has_int64 = available.features.shaderInt64 == VK_TRUE;
     has_full_subgroups = available13.computeFullSubgroups == VK_TRUE;
     can_choose_subgroup = can_choose_subgroup && available13.subgroupSizeControl == VK_TRUE;
-    // What must be there, and what is used where it is there.
+    // What is required, and what is used if the device has it.
     VkPhysicalDeviceVulkan13Features features13{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_FEATURES,
                                                 .subgroupSizeControl = available13.subgroupSizeControl,
                                                 .computeFullSubgroups = available13.computeFullSubgroups,
@@ -310,7 +310,7 @@ void Gpu::read_properties(VkPhysicalDevice physical) {
     timestamp_valid_bits = families[queue_family].timestampValidBits;
 }
 
-// Times are measured on any of the families that compute.
+// Timestamps may be taken on any of the families that compute, so they have the bits that all of these have.
 void Gpu::share_with(const std::vector<uint32_t>& more_families) {
     const std::vector<VkQueueFamilyProperties> families = queue_families(physical_device);
     std::set<uint32_t> all{queue_family};

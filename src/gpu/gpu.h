@@ -29,7 +29,7 @@ struct GpuCounts {
     std::atomic<uint64_t> cached_pipelines{0};  // of these, without compiling: says the driver
 };
 
-// What a device that compiles only has made.
+// A pipeline that a device that compiles only has made.
 struct MadePipeline {
     std::string_view name;
     uint32_t workgroup_size = 0;  // 0: a graphics pipeline
@@ -42,13 +42,13 @@ public:
     static std::shared_ptr<Gpu> create(const DeviceSettings& settings);
     static std::shared_ptr<Gpu> adopt(const AdoptedDevice& adopted);
     // The first device that compiles only (DeviceInfo::compiles_only); null where there is none. Its buffers lie in
-    // host memory, nothing is bound or submitted, and what the driver makes of each pipeline can be asked.
+    // host memory, nothing is bound or submitted, and the driver can be asked what it made of each pipeline.
     static std::shared_ptr<Gpu> create_compiler();
     ~Gpu();
     Gpu(const Gpu&) = delete;
     Gpu& operator=(const Gpu&) = delete;
 
-    // Does not keep the device: for what it keeps itself.
+    // A pointer that does not keep the device alive, for objects that the device itself keeps.
     std::shared_ptr<const Gpu> unowned() const { return {std::shared_ptr<const Gpu>(), this}; }
 
     // Whether it is a device without Vulkan, which has none of the handles.
@@ -60,10 +60,10 @@ public:
     // command buffer is null.
     void submit_and_wait(const std::function<void(VkCommandBuffer)>& body) const;
 
-    // Until the queue has done all that was submitted to it.
+    // Waits until the queue has done all that was submitted to it.
     void wait_idle() const;
 
-    // With the device's pipeline cache, where it has one.
+    // Uses the device's pipeline cache, if it has one.
     VkPipeline make_pipeline(const VkComputePipelineCreateInfo& create) const;
     VkPipeline make_pipeline(const VkGraphicsPipelineCreateInfo& create) const;
 
@@ -84,8 +84,8 @@ public:
     uint64_t largest_heap_bytes() const;
     bool has_timestamps() const { return timestamp_valid_bits != 0 && properties.limits.timestampPeriod > 0; }
 
-    // Native and software devices: runs kernels on this machine's processor, at once, where the command buffer that
-    // they are recorded into is null. Then nothing of the queue may be under way (wait_idle()).
+    // On native and software devices: runs kernels on this machine's processor, at once, if the command buffer that
+    // they are recorded into is null. The queue must then be idle (wait_idle()).
     std::unique_ptr<NativeDevice> native;
     VkPhysicalDevice physical_device = VK_NULL_HANDLE;
     VkDevice device = VK_NULL_HANDLE;
@@ -110,7 +110,7 @@ public:
     uint32_t validation_message_count() const { return validation_messages_; }
     VkPipelineCache pipeline_cache() const;
 
-    // Where it compiles only: what kernels are compiled for; 0: what the driver chooses.
+    // On a device that compiles only: the subgroup size to compile kernels for; 0: what the driver chooses.
     uint32_t compiled_subgroup_size = 0;
     // Likewise: called for each kernel, also for one that shares its pipeline, and each graphics pipeline.
     std::function<void(const MadePipeline&)> on_pipeline;
@@ -138,7 +138,7 @@ private:
     bool is_native_ = false;
     VkInstance instance_ = VK_NULL_HANDLE;  // null where adopted
     VkDebugUtilsMessengerEXT messenger_ = VK_NULL_HANDLE;
-    // Null in instances without the extension: volk's may be another's
+    // Null in instances without the extension: volk's pointers may be another instance's
     PFN_vkDestroyDebugUtilsMessengerEXT destroy_messenger_ = nullptr;
     PFN_vkSetDebugUtilsObjectNameEXT set_name_ = nullptr;
     std::unique_ptr<PipelineCache> own_cache_;

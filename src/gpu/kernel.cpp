@@ -14,8 +14,8 @@ public:
 
     // Throws where the device or the shader does not allow the settings.
     void check_settings(const Gpu& gpu, const KernelSettings& settings) const;
-    // Made when the kernel is where the device computes, and when first asked for where most updates are native, which
-    // need none. Thread-safe.
+    // Made along with the kernel if the device computes, or when first asked for if most updates are native, which need
+    // none. Thread-safe.
     VkPipeline pipeline(const Gpu& gpu) const;
 
     SpirvInfo info;

@@ -17,16 +17,17 @@ struct KernelSettings {
     const NativeKernel* native = nullptr;  // what Gpu::native runs; null: nothing
 };
 
-// Makes the pipelines of all kernels there are that have none yet. Thread-safe.
+// Makes the pipelines of all existing kernels that have none yet. Thread-safe.
 void make_pipelines(Gpu& gpu);
 
-// A handle: kernels of one device that are made of the same share one pipeline (gpu/shared_kernels.h).
+// A handle: kernels of one device that are made from the same code and settings share one pipeline
+// (gpu/shared_kernels.h).
 class Kernel {
 public:
     Kernel() = default;
     Kernel(std::shared_ptr<Gpu> gpu, const KernelSettings& settings);
     Kernel(Kernel&& other) noexcept { *this = std::move(other); }
-    Kernel& operator=(Kernel&& other) noexcept {  // swaps: what is compiled goes before its device
+    Kernel& operator=(Kernel&& other) noexcept {  // swaps: frees what is compiled before its device
         std::swap(gpu_, other.gpu_);
         std::swap(name_, other.name_);
         std::swap(compiled_, other.compiled_);
@@ -38,13 +39,13 @@ public:
 
     uint32_t workgroup_size() const { return workgroup_size_; }
 
-    // To the buffers that the shader names. Throws kInvalidArgument where the table has neither one of them nor what
-    // stands for it.
+    // Binds the buffers that the shader names. Throws kInvalidArgument if the table has neither one of them nor a
+    // stand-in.
     Bindings bind(const BufferTable& buffers) const;
 
     // One workgroup for each of `count` items, or one invocation for each. `push` is the shader's whole push-constant
-    // block. Throws kLimit where the device cannot dispatch that many, and kInvalidArgument where the block's size is
-    // another.
+    // block. Throws kLimit if the device cannot dispatch that many, and kInvalidArgument if the block's size differs
+    // from the shader's.
     template <class Push>
     void dispatch_workgroups(VkCommandBuffer commands, const Bindings& bindings, const Push& push,
                              uint32_t count) const {

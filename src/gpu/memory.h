@@ -29,8 +29,8 @@ public:
     static constexpr VkDeviceSize kSmallestBlock_bytes = VkDeviceSize{4} << 20,
                                   kLargestBlock_bytes = VkDeviceSize{64} << 20;
 
-    // `keeps_empty`: of each memory type one block that is shared stays when it is empty, so that who takes and gives
-    // back a little now and then does not ask the driver each time.
+    // `keeps_empty`: one shared block of each memory type stays when it is empty, so that taking and giving back a
+    // little now and then does not call the driver each time.
     MemoryBlocks(const Gpu& gpu, bool keeps_empty);
     ~MemoryBlocks();
 

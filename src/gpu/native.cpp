@@ -82,15 +82,15 @@ NativeMemory::NativeMemory(uint64_t size_bytes) {
     const uint64_t alignment_bytes = size_bytes >= kHugePage_bytes ? kHugePage_bytes : kAlignment_bytes;
     const uint64_t used_bytes = (std::max<uint64_t>(size_bytes, 1) + alignment_bytes - 1) / alignment_bytes *
                                 alignment_bytes;
-    // What nobody writes takes no memory: most of the room for events
+    // Pages that nobody writes take no memory, such as most of the room for events
     allocation_ = std::calloc(1, used_bytes + alignment_bytes);
     if (!allocation_) throw std::bad_alloc();
     void* start = allocation_;
     size_t room_bytes = used_bytes + alignment_bytes;
     bytes_ = static_cast<std::byte*>(std::align(alignment_bytes, used_bytes, start, room_bytes));
     if (alignment_bytes < kHugePage_bytes) return;
-    // Fewer misses of the page table where rows and matrices of a crowd are walked; only a wish. Written here, so that
-    // the first update does not wait for its pages
+    // Fewer TLB misses when rows and matrices of a crowd are walked; only a hint. Written here, so that the first
+    // update does not wait for its pages
     madvise(bytes_, used_bytes, MADV_HUGEPAGE);
     std::memset(bytes_, 0, used_bytes);
 }

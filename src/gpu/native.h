@@ -1,4 +1,4 @@
-// A device without Vulkan: this machine's processor, which runs kernels where they are recorded.
+// A device without Vulkan: this machine's processor, which runs kernels as they are recorded.
 #pragma once
 
 #include "base/thread_pool.h"

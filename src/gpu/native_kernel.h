@@ -11,7 +11,7 @@ namespace throng {
 
 struct NativeDispatch {
     std::array<std::byte*, io::kBufferCount> buffers{};  // by their numbers; null: the kernel does not use it
-    std::span<const uint32_t> constants;                 // constant_id 0, 1, …; of those missing, the shader's values
+    std::span<const uint32_t> constants;                 // constant_id 0, 1, …; missing ones have the shader's values
     const void* push = nullptr;
 };
 

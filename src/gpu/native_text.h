@@ -1,6 +1,6 @@
-// A kernel's text as C++: CMake includes it into a class `Text`, which begins as a NativeText does, and of which each
-// invocation has an object of its own. Included by the sources that cmake/shaders.cmake makes, and by those of
-// src/draw that compute with the text of shaders.
+// A kernel's text as C++: CMake includes it into a class `Text` that derives from NativeText, and each invocation has a
+// Text object of its own. Included by the sources that cmake/shaders.cmake makes, and by those of src/draw that compute
+// with the text of shaders.
 #pragma once
 
 #include "gpu/glsl.h"
@@ -11,7 +11,7 @@
 
 // As gpu/declare.glsl.
 #define WORKGROUP(size) static constexpr uint kWorkgroupSize = size
-// One invocation takes them all: a loop, instead of as many objects.
+// One invocation takes all elements in a loop, instead of one object for each of `size` invocations.
 #define WORKGROUP_OF_STRIDE(size) static constexpr uint kWorkgroupSize = 1, kStride = 1
 #define WORKGROUP_OF_CONSTANT static constexpr uint kWorkgroupSize = 0
 #define CONSTANT(number, type, name, value) const type name = constant<type>(number, value)
@@ -58,7 +58,7 @@ struct NativeText {
         std::byte* const bytes = dispatch.buffers[number];
         return bytes ? reinterpret_cast<T*>(bytes + first_byte) : nullptr;
     }
-    // Where there is no buffer, nobody looks at it.
+    // If there is no buffer, nothing uses the head.
     template <class T>
     T& head_of(uint number) const {
         static T none;
@@ -77,7 +77,7 @@ inline void atomicMax(uint& word, uint at_least) {
     while (known < at_least &&
            !std::atomic_ref(word).compare_exchange_weak(known, at_least, std::memory_order_relaxed)) {}
 }
-// What was there before.
+// Returns what was there before.
 inline uint atomicCompSwap(uint& word, uint expected, uint then) {
     std::atomic_ref(word).compare_exchange_strong(expected, then, std::memory_order_relaxed);
     return expected;
@@ -85,7 +85,8 @@ inline uint atomicCompSwap(uint& word, uint expected, uint then) {
 
 namespace {
 
-// What a text may include once more: as constants of the namespace, no object of a text has them.
+// Texts may include these again. Included here, their constants belong to the namespace, so that no Text object has
+// them.
 using Real = float;
 #include "gpu/angles.glsl"
 #include "gpu/stored.glsl"

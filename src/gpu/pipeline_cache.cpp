@@ -78,7 +78,7 @@ PipelineCache::PipelineCache(const Gpu& gpu, std::filesystem::path file) : gpu_(
         [&] { return pipeline_cache_data(read_file(file_), gpu.properties); });
     if (loaded) loaded_ = std::move(*loaded);
     if (!create() && !loaded_.empty()) {
-        loaded_.clear();  // the driver does not want it: begun anew, it is replaced
+        loaded_.clear();  // the driver rejects it: begins anew and replaces it
         create();
     }
 }
@@ -93,7 +93,7 @@ bool PipelineCache::create() {
 }
 
 PipelineCache::~PipelineCache() {
-    // Nobody is there to be told
+    // There is nobody to report a failure to
     const Result<void> saved = as_result([this] { save(); });
     static_cast<void>(saved);
     gpu_.vk.vkDestroyPipelineCache(gpu_.device, cache_, nullptr);
@@ -105,7 +105,7 @@ void PipelineCache::save() const {
     std::vector<std::byte> data(size_bytes);
     if (gpu_.vk.vkGetPipelineCacheData(gpu_.device, cache_, &size_bytes, data.data()) != VK_SUCCESS) return;
     data.resize(size_bytes);
-    // Drivers that remember elsewhere, as Mesa's do, say no more than who they are.
+    // Drivers that cache elsewhere, as Mesa's do, return only a head that identifies them.
     if (data.size() <= kDriverHead_bytes || data == loaded_) return;
     std::error_code error;
     std::filesystem::create_directories(file_.parent_path(), error);

@@ -13,12 +13,12 @@ namespace throng {
 
 class Gpu;
 
-// No failure of it is one of throng's: where the file is missing, damaged or another driver's, the cache begins empty,
-// and where it cannot be written, it is not kept.
+// No failure of it is an error of throng: if the file is missing, damaged or another driver's, the cache begins empty,
+// and if it cannot be written, it is not kept.
 class PipelineCache {
 public:
     PipelineCache(const Gpu& gpu, std::filesystem::path file);
-    // Writes the file as a whole, where the driver remembers something that it did not say.
+    // Writes the file as a whole, if the driver remembers something that the file did not hold.
     ~PipelineCache();
     PipelineCache(const PipelineCache&) = delete;
     PipelineCache& operator=(const PipelineCache&) = delete;
@@ -36,12 +36,12 @@ private:
     VkPipelineCache cache_ = VK_NULL_HANDLE;
 };
 
-// In throng's cache folder, a file a device and driver; empty where there is no folder.
+// One file for each device and driver, in throng's cache folder; empty if there is no folder.
 std::filesystem::path pipeline_cache_file(const VkPhysicalDeviceProperties& device);
 
-// The file: a head that finds damage, for drivers trust what they are given, then the driver's data.
+// The contents of the file: a head to detect damage, since drivers trust what they are given, then the driver's data.
 std::vector<std::byte> pipeline_cache_bytes(std::span<const std::byte> data);
-// The data of a file that is whole, and this device's and driver's; else none.
+// The data of the file if it is intact and of this device and driver, else none.
 std::vector<std::byte> pipeline_cache_data(std::span<const std::byte> file, const VkPhysicalDeviceProperties& device);
 
 }  // namespace throng

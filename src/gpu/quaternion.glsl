@@ -1,4 +1,4 @@
-// Quaternions x, y, z, w. C++ too (gpu/glsl.h).
+// Quaternions x, y, z, w. Also compiles as C++ (gpu/glsl.h).
 #ifndef THRONG_GPU_QUATERNION_GLSL
 #define THRONG_GPU_QUATERNION_GLSL
 #include "gpu/shader_types.h"

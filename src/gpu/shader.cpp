@@ -149,7 +149,7 @@ Bindings::Bindings(const std::shared_ptr<const Gpu>& gpu, std::string_view what,
     gpu->vk.vkUpdateDescriptorSets(gpu->device, static_cast<uint32_t>(writes.size()), writes.data(), 0, nullptr);
 }
 
-// Where there is no buffer a text may yet read what stands for a table, and throw it away.
+// If a buffer is missing, a text may still read the stand-in for a table and throw the value away.
 void Bindings::add_native(const BufferTable& buffers) {
     std::array<std::byte*, io::kBufferCount> bytes;
     for (uint32_t number = 0; number < io::kBufferCount; ++number) bytes[number] = buffers.table(number).bytes();

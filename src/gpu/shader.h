@@ -37,10 +37,10 @@ private:
     OwnedPipelineLayout layout_;
 };
 
-// Throws kLimit where a stage of the device, which `place` needs, has fewer storage buffers than these.
+// Throws kLimit if these are more storage buffers than the device allows a shader stage. `place`: what needs them.
 void check_storage_buffers(const Gpu& gpu, std::string_view place, std::span<const BindingInfo> bindings);
 
-// A stage of a pipeline; needed only while that is made.
+// A stage of a pipeline; needed only while the pipeline is made.
 class ShaderStage {
 public:
     // `constants`: those of constant_id 0, 1, …
@@ -56,12 +56,13 @@ private:
     VkPipelineShaderStageCreateInfo info_{};
 };
 
-// A descriptor set: of a table those buffers that the shaders use, and images. Movable; outlives its recorded commands.
+// A descriptor set: the buffers of a table that the shaders use, and images. Movable; must outlive its recorded
+// commands.
 class Bindings {
 public:
     Bindings() = default;
-    // `what` names the shaders in messages; `images` are by their bindings. Throws kInvalidArgument where there is
-    // neither a buffer of the table nor what stands for it.
+    // `what` names the shaders in messages; `images` are by their bindings. Throws kInvalidArgument if the table has
+    // neither one of the buffers nor a stand-in.
     Bindings(const std::shared_ptr<const Gpu>& gpu, std::string_view what, const ShaderLayout::Set& set,
              const BufferTable& buffers, std::span<const VkDescriptorImageInfo> images = {});
 

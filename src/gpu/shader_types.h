@@ -16,7 +16,7 @@
 #define THRONG_IO_FLOAT const float
 #define INOUT(type) inout type
 #include "gpu/declare.glsl"
-// Texts that C++ computes in other types, some of many lanes (gpu/glsl.h), say these
+// Names for texts that C++ computes in other types, some of many lanes (gpu/glsl.h)
 #define Real float
 #define Whole int
 #define Mask bool

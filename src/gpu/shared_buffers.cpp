@@ -7,7 +7,7 @@
 
 namespace throng {
 
-// Two checksums that have nothing in common: contents that differ and agree in both will not be met by chance.
+// Two unrelated checksums: different contents will not agree in both by chance.
 SharedBuffers::Key SharedBuffers::key_of(std::span<const std::byte> contents, VkBufferUsageFlags usage,
                                          uint32_t texel_bytes) {
     const std::string_view text(reinterpret_cast<const char*>(contents.data()), contents.size());

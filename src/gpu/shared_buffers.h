@@ -1,4 +1,4 @@
-// Buffers whose contents never change, made once a device and shared by all that have the same contents.
+// Buffers whose contents never change, made once per device and shared by all that need the same contents.
 #pragma once
 
 #include "gpu/buffer.h"
@@ -9,7 +9,7 @@
 
 namespace throng {
 
-// Finds a buffer that is in use by what is in it. Thread-safe.
+// Looks up buffers in use by their contents. Thread-safe.
 class SharedBuffers {
 public:
     struct Key {
@@ -20,9 +20,9 @@ public:
     };
     static Key key_of(std::span<const std::byte> contents, VkBufferUsageFlags usage, uint32_t texel_bytes);
 
-    // None where there is no such.
+    // Empty if there is none.
     Buffer find(const Key& key);
-    // Of a buffer whose contents are there, so that anyone may read them without waiting. It is not kept alive.
+    // The buffer's contents must be there, so that anyone can read them without waiting. The buffer is not kept alive.
     void add(const Key& key, const Buffer& buffer);
 
 private:

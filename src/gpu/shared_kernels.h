@@ -1,4 +1,4 @@
-// Compute pipelines that are made once a device and shared.
+// Compute pipelines that are made once per device and shared.
 #pragma once
 
 #include <cstddef>
@@ -13,7 +13,7 @@ namespace throng {
 
 class CompiledKernel;  // gpu/kernel.cpp
 
-// Finds a pipeline that is in use by the code and the settings that it was made of. Thread-safe.
+// Looks up pipelines in use by the code and settings that they were made from. Thread-safe.
 class SharedKernels {
 public:
     // Everything that the pipeline depends on.
@@ -28,7 +28,7 @@ public:
 
     // Null where there is none.
     Shared find(const Key& key);
-    // Returns the one to use: that of another thread, where it was faster.
+    // Returns the one to use: that of another thread if it was faster.
     Shared add(Key key, const Shared& made);
     // All that are in use or kept.
     std::vector<Shared> all();
@@ -40,7 +40,7 @@ private:
     std::mutex mutex_;
     std::map<Key, std::weak_ptr<const CompiledKernel>> by_key_;
     size_t kept_count_;
-    std::deque<Shared> kept_;  // the one asked for last is the last
+    std::deque<Shared> kept_;  // most recently used last
 };
 
 }  // namespace throng

@@ -12,7 +12,7 @@ namespace throng {
 
 enum class SharedValue : uint64_t { kNativeRig, kGroupRows, kImage, kPicture, kTexture, kNativeTexture };
 
-// Finds a value that is in use by what it was computed from. Thread-safe.
+// Looks up values in use by what they were computed from. Thread-safe.
 class SharedValues {
 public:
     // A SharedValue, and all that it depends on.
@@ -31,7 +31,7 @@ public:
         const auto found = by_key_.find(key);
         return found == by_key_.end() ? nullptr : std::static_pointer_cast<const T>(found->second.lock());
     }
-    // Returns the one to use: that of another thread, where it was faster. It is not kept alive.
+    // Returns the one to use: that of another thread if it was faster. It is not kept alive.
     template <class T>
     std::shared_ptr<const T> add(Key key, std::shared_ptr<const T> made) {
         const std::lock_guard lock(mutex_);

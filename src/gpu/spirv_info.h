@@ -27,7 +27,7 @@ struct SpirvInfo {
     bool local_size_is_specialized = false;  // by constant_id 0
 };
 
-// Throws kInvalidArgument where the module is none or uses what throng's shaders do not.
+// Throws kInvalidArgument if this is not a SPIR-V module, or uses what throng's shaders do not.
 SpirvInfo read_spirv(std::span<const uint32_t> words);
 
 }  // namespace throng

@@ -14,8 +14,8 @@ class Gpu;
 
 class Submissions {
 public:
-    // `keeps_idle`: command pools and fences are made once, as many as there are submissions at a time. NVIDIA's driver
-    // takes longer to make a pool than an H100 for a small update.
+    // `keeps_idle`: command pools and fences are kept for reuse, as many as there are submissions at a time. NVIDIA's
+    // driver takes longer to make a pool than an H100 takes for a small update.
     Submissions(const Gpu& gpu, bool keeps_idle);
     ~Submissions();
 

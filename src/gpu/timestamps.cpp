@@ -50,7 +50,8 @@ void Timestamps::write(VkCommandBuffer commands) {
         gpu_->vk.vkCmdWriteTimestamp2(commands, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, slot.queries.get(), index);
 }
 
-// The number of the publication comes last: with it the stamps are complete, and none of an earlier frame in the slot.
+// The number of the publication is written last: once it is there, the stamps are complete and none is of an earlier
+// frame in the slot.
 void Timestamps::publish(VkCommandBuffer commands) {
     if (!gpu_->has_timestamps()) return;
     Slot& slot = slots_[frame_count_ % kFrames];

@@ -1,6 +1,6 @@
-// Timestamps of a few frames in turn. The GPU copies them to memory that the CPU sees, and behind them the number by
-// which the CPU knows that they are there and whose they are, so reading never waits; vkGetQueryPoolResults() does on
-// lavapipe, until the queue is idle. No event tells: it could be set again only behind a barrier after all commands.
+// Timestamps of a few frames in turn. The GPU copies them to memory that the CPU sees, then a number that tells the CPU
+// that they are there and whose they are, so reading never waits; on lavapipe vkGetQueryPoolResults() waits until the
+// queue is idle. An event would not do: setting it again would need a barrier after all commands.
 #pragma once
 
 #include "gpu/buffer.h"
@@ -15,7 +15,7 @@ namespace throng {
 // On a device without timestamps nothing is recorded, and no frame is ever finished.
 class Timestamps {
 public:
-    // Whose times are kept; a frame's are lost when the fourth one after it begins
+    // How many frames' times are kept; a frame's are lost when the fourth one after it begins
     static constexpr uint32_t kFrames = 4;
 
     Timestamps(std::shared_ptr<Gpu> gpu, uint32_t stamps_per_frame);

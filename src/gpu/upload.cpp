@@ -14,8 +14,8 @@ VkDeviceSize aligned(VkDeviceSize size_bytes) {
     return (size_bytes + kAlignment_bytes - 1) / kAlignment_bytes * kAlignment_bytes;
 }
 
-// What is zero anyway needs no staging memory: data of a single copy ends with its last word that is not zero, and
-// copies of zeros are no data.
+// Zeros need no staging memory: data of a single copy is cut after its last nonzero word; data that is all zero, of one
+// copy or many, becomes empty.
 std::span<const std::byte> without_zeros(std::span<const std::byte> data, uint64_t count) {
     constexpr size_t kWord_bytes = 4;
     size_t end = data.size();

@@ -10,9 +10,9 @@
 
 namespace throng {
 
-// Collects uploads. finish() submits them and waits; or record() records them, and complete() says that they have run.
-// Only then are the contents in their buffers. If neither is called, since an error came first, nothing is submitted.
-// On a native device they are there at once. Not thread-safe.
+// Collects uploads. Either finish() submits them and waits, or record() records them and complete() notes that they
+// have run. Only then are the contents in their buffers. If neither is called, because an error came first, nothing is
+// submitted. On a native device they are there at once. Not thread-safe.
 class Uploads {
 public:
     // The most staging memory in use: before an upload would exceed it, those added so far are submitted. A single
@@ -32,22 +32,22 @@ public:
     void add(const Buffer& target, std::span<const std::byte> data, uint64_t count = 1);
     // `record` is called when all is submitted, with the data in staging memory, at a multiple of 16 bytes.
     void add(std::span<const std::byte> data, std::function<void(VkCommandBuffer, const BufferRange&)> record);
-    // Submits what has been added so far if so much more would exceed the limit. add() does it too, but who wants to
-    // know whether its own upload failed calls this before: what fails here is that of others.
+    // Submits what has been added so far if this much more would exceed the limit. add() does so too, but a caller that
+    // wants to know whether its own upload failed calls this first: what fails here are the uploads of others.
     void make_room(VkDeviceSize size_bytes);
 
-    // Whether upload() and upload_table() may find a buffer with the same contents that is there already, of these
-    // uploads or of others of the device: for contents that nobody changes.
+    // Whether upload() and upload_table() may return an existing buffer with the same contents, of these uploads or of
+    // others on the device. For contents that nobody changes.
     bool shares = false;
-    // One that is there, or `make`s one.
+    // Returns an existing buffer, or `make`s one.
     Buffer share(const SharedBuffers::Key& key, const std::function<Buffer()>& make);
 
     // Submits and waits.
     void finish();
-    // Into commands that come before all others that use the buffers, on any queue that may copy. It may be called
-    // again, where these are never submitted.
+    // Records into commands that come before all others that use the buffers, on any queue that can copy. Can be called
+    // again if those commands are never submitted.
     void record(VkCommandBuffer commands) const;
-    // What has been recorded has run: the staging memory goes, and others may share the buffers.
+    // Called when what has been recorded has run: frees the staging memory and lets others share the buffers.
     void complete();
 
 private:
@@ -79,8 +79,8 @@ Buffer upload(Uploads& uploads, std::string_view what, const std::vector<T>& dat
     return upload_bytes(uploads, what, std::as_bytes(std::span(data)), usage);
 }
 
-// A table that shaders declare by gpu/table.glsl, of words (4 bytes) or rows of four (16); only such may read it: on a
-// software device it is no storage buffer. Throws kLimit where the device cannot read so many.
+// A table that shaders declare by gpu/table.glsl, of words (4 bytes) or rows of four (16); only these can read it,
+// since on a software device it is no storage buffer. Throws kLimit if the device cannot read that many.
 template <class T>
 Buffer upload_table(Uploads& uploads, std::string_view what, const std::vector<T>& data) {
     const std::span<const std::byte> bytes = std::as_bytes(std::span(data));

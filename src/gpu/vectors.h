@@ -1,5 +1,5 @@
 // GLSL's vectors for C++, as shaders have them in memory, with the swizzles that texts use (gpu/glsl.h). A swizzle of
-// neighbours is a vector of its own in the same place; others are read as one.
+// adjacent members is itself a vector at the same address; others are converted to one when read.
 #pragma once
 
 #include <cstdint>
@@ -12,7 +12,7 @@ using uint = uint32_t;
 // Members kFrom of a vector of T, in this order, as a V.
 template <class V, class T, uint... kFrom>
 struct Swizzle {
-    T all[(0 | ... | kFrom) + 1];  // at least as many as the last one's place
+    T all[(0 | ... | kFrom) + 1];  // reaches at least to the largest index
     constexpr operator V() const { return V(all[kFrom]...); }
 };
 

@@ -21,7 +21,8 @@ ComponentType component_type_of(const JsonView& json) {
     return ComponentType(type);
 }
 
-// Elements of `element_bytes` from the `byteOffset` of `json` in its buffer view on, with the stride of that.
+// Elements of `element_bytes` each, from the `byteOffset` of `json` in its buffer view on, with the stride of that
+// view.
 struct Strided {
     const std::byte* data = nullptr;
     uint64_t stride_bytes = 0;
@@ -47,7 +48,7 @@ template <class... Parts>
               " do not fit into its buffer view of ", view.bytes.size(), " bytes", more...);
 }
 
-// `count` of them.
+// `count` such elements; fails if the view holds fewer.
 AccessorView whole(const JsonView& json, const Buffers::View& view, uint64_t count, uint64_t element_bytes) {
     const Strided found = strided(json, view, element_bytes);
     if (found.count < count) fail_to_fit(json, view, count, element_bytes);
@@ -95,7 +96,7 @@ AccessorFormat Accessors::format(const JsonView& user, std::string_view key) con
 
 AccessorView Accessors::open(const AccessorFormat& format) {
     const JsonView json = accessors_[format.index];
-    // Without a view zeros by the specification: one element, seen at stride 0.
+    // By the specification an accessor without a view is all zeros: one element, seen at stride 0.
     AccessorView out{.data = kZeros.data()};
     if (json.has("bufferView")) out = in_view(json, format);
     out.format = format;
@@ -107,7 +108,7 @@ AccessorView Accessors::open(const AccessorFormat& format) {
     return out;
 }
 
-// Exporters count a little too far now and then: what is not there is 0, where it is a tenth at most.
+// Exporters count a little too far now and then: missing elements are 0, if they are at most a tenth of all.
 AccessorView Accessors::in_view(const JsonView& json, const AccessorFormat& format) {
     const Buffers::View view = buffers_.view_of(json);
     const uint64_t element_bytes = format.element_bytes(), count = format.count;

@@ -27,7 +27,7 @@ inline uint32_t size_of(ComponentType type) {
     return visit_component(type, [](auto zero) { return uint32_t(sizeof(zero)); });
 }
 
-// What an accessor says of itself, its data aside.
+// What an accessor declares, without its data.
 struct AccessorFormat {
     uint32_t index = 0;  // into the file's accessors
     std::string type;    // "SCALAR", "VEC2", …
@@ -52,7 +52,7 @@ struct AccessorView {
     AccessorFormat format;
     const std::byte* data = nullptr;
     uint64_t stride_bytes = 0;
-    std::shared_ptr<const std::vector<std::byte>> owner;  // where the data are not the buffer's own
+    std::shared_ptr<const std::vector<std::byte>> owner;  // set if the data are not in the buffer itself
 
     uint32_t count() const { return format.count; }
     // Normalised integers are mapped to [0, 1] or [-1, 1], others are converted.

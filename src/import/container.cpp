@@ -64,7 +64,7 @@ Container open_glb(std::span<const std::byte> file, Warnings& warnings) {
     return out;
 }
 
-// What the application has under a name.
+// What the application's resolver returns for a name.
 std::vector<std::byte> resolved(const AssetResolver& resolver, const std::string& name, const std::string& place) {
     if (!resolver)
         throw Failure(ErrorCode::kFile, place, "'", printable(name),

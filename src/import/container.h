@@ -22,7 +22,8 @@ struct Container {
     std::optional<std::span<const std::byte>> bin;
 };
 
-// A GLB by its magic, and otherwise JSON as a whole. Fails with kInvalidFile, and kUnsupported for GLB 1 (glTF 1.0).
+// A GLB if the file begins with its magic, otherwise JSON as a whole. Fails with kInvalidFile, and kUnsupported for GLB
+// 1 (glTF 1.0).
 Container open_container(std::span<const std::byte> file, Warnings& warnings);
 
 // Where side files are: in a folder, or where the application has them.
@@ -51,7 +52,7 @@ private:
     std::span<const std::byte> range(const JsonView& json);
 
     struct Loaded {
-        std::shared_ptr<const std::vector<std::byte>> owner;  // none of the BIN chunk
+        std::shared_ptr<const std::vector<std::byte>> owner;  // none for the BIN chunk
         std::span<const std::byte> bytes;
     };
 

@@ -28,7 +28,8 @@ protected:
                    ahead.Decode(&seam_count);
         else
             read = draco::DecodeVarint(&face_count, &ahead) && draco::DecodeVarint(&vertex_count, &ahead);
-        // A corner table has two 32-bit numbers for each of a face's three corners; as much again for the way there.
+        // A corner table has two 32-bit numbers for each of a face's three corners; as much again is needed on the way
+        // there.
         return read && charge(face_count, 48 * (1 + uint64_t(seam_count))) && charge(vertex_count, 32) &&
                Base::DecodeConnectivity();
     }
@@ -38,7 +39,7 @@ protected:
         for (int i = 0; i < points.num_attributes(); ++i) {
             const draco::PointAttribute& attribute = *points.attribute(i);
             const uint64_t component_bytes = uint64_t(draco::DataTypeLength(attribute.data_type()));
-            // As stored, as 32-bit integers on the way, and the map from points to values.
+            // The values as stored, the same as 32-bit integers while decoding, and the map from points to values.
             if (!charge(points.num_points(), uint64_t(attribute.num_components()) * (component_bytes + 8) + 4))
                 return false;
         }

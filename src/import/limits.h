@@ -1,5 +1,5 @@
-// The limits of the importer, and what a reading has used of them. A hostile file of a few kilobytes may claim
-// gigabytes (accessors without data, many accessors over one buffer, compressed views): whatever is decoded is
+// The limits of the importer, and how much of them a read has used. A hostile file of a few kilobytes can claim
+// gigabytes (accessors without data, many accessors over one buffer, compressed views), so whatever is decoded is
 // charged here before it is allocated.
 #pragma once
 
@@ -16,7 +16,7 @@ inline constexpr uint64_t kMemoryLimitBytes = uint64_t(384) << 20;  // JSON as r
 inline constexpr uint64_t kJsonLimitBytes = uint64_t(256) << 20;    // JSON text, data: URIs included
 inline constexpr uint32_t kWarningLimit = 100;
 
-// All work on a file's content is charged here, so this is also where it asks whether it is to go on.
+// All work on a file's content is charged here, so this is also where it polls whether it should go on.
 class Budget {
 public:
     explicit Budget(const Progress& progress = {}) : progress_(progress.between(0, 0)) {}
@@ -34,9 +34,9 @@ public:
         charge(count > kMemoryLimitBytes ? count : count * element_bytes, place);
     }
 
-    // At each step of a loop over what is decoded.
+    // Polls; to be called at each step of a loop over decoded data.
     void poll_at(uint64_t step) const { progress_.poll_at(step); }
-    // Only asked: what it is told is not reported.
+    // Only for polling: progress that is reported to it does not count.
     const Progress& progress() const { return progress_; }
 
 private:

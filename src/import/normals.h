@@ -7,7 +7,7 @@
 
 namespace throng {
 
-// Smooth: of the triangles at each vertex, weighted by their area; of length 0 where these have none.
+// Smooth normals: those of the triangles at each vertex, weighted by area and summed; of length 0 if the sum is.
 std::vector<Vec3<float>> smooth_normals(const AssetPrimitive& primitive);
 
 }  // namespace throng

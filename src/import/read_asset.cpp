@@ -9,7 +9,7 @@
 namespace throng::gltf {
 namespace {
 
-// How much of the work is done, about, once a file is read, and, of its content, once each part is.
+// Roughly how much of the work is done once a file is read, and, of the work on its content, once each part is.
 constexpr double kFileRead = 0.3, kParsed = 0.2, kClipsRead = 0.5, kMaterialsRead = 0.6;
 
 // "2.0": two numbers of up to five digits.
@@ -79,8 +79,8 @@ bool check_extensions(const JsonView& root) {
     return quantized;
 }
 
-// What the parsed text will take, before it is parsed: nlohmann's values are 16 bytes, and each member of an object has
-// its key beside it. Measured: not below what is really taken, at most twice it.
+// The memory that the text will take once parsed: nlohmann's values are 16 bytes, and each member of an object has its
+// key beside it. Measured: never below what is really taken, at most twice it.
 uint64_t parsed_bytes(std::string_view text, const Budget& budget) {
     uint64_t size_bytes = text.size();
     bool in_string = false;
@@ -136,7 +136,7 @@ Asset read_parts(std::span<const std::byte> bytes, const SideFiles& side_files, 
 
 std::string message_name(std::string_view name) { return name.empty() ? "(no name)" : printable(name, 120); }
 
-// Runs `body`; a Failure's place is given the file's name in front.
+// Runs `body`; puts the file's name in front of a Failure's place.
 template <class Body>
 auto in_file(const std::string& name, Body&& body) {
     try {

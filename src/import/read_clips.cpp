@@ -14,7 +14,7 @@ struct Keys {
     std::vector<float> times_s;  // strictly increasing
     std::vector<uint32_t> kept;  // which keys of the file these are
     uint32_t file_count = 0;
-    uint32_t back_count = 0, doubled_count = 0;  // of the file's, what was mended
+    uint32_t back_count = 0, doubled_count = 0;  // keys of the file that were mended
 };
 
 Interpolation read_interpolation(const JsonView& sampler) {
@@ -79,10 +79,10 @@ Keys read_times(Reading& reading, const JsonView& sampler, Interpolation interpo
 // What a channel animates: a property of a node, or the weights of its morph targets.
 struct Animated {
     std::string_view type;  // of its accessor: "VEC4" is a rotation, "SCALAR" are weights
-    uint32_t count = 1;     // of elements at a time
+    uint32_t count = 1;     // elements per key
 };
 
-// [key][element], of cubic splines [key][3][element].
+// [key][element]; for cubic splines [key][3][element].
 std::vector<float> read_values(Reading& reading, const JsonView& sampler, const Keys& keys, const Animated& animated,
                                Interpolation interpolation) {
     const AccessorView output = reading.accessors.open(sampler, "output");

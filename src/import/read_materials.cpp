@@ -10,7 +10,7 @@ namespace throng::gltf {
 namespace {
 
 constexpr double kMostOfTransform = 1e6;  // beyond which floats have hardly any fractions
-constexpr double kBrightest = 65504;      // of what shines by itself: the largest half float
+constexpr double kBrightest = 65504;      // of emissive colours: the largest half float
 
 // Reads each image once, at its first use.
 class Images {
@@ -38,7 +38,7 @@ public:
         return known->second;
     }
 
-    // A character whose texture is read in another way is still a character.
+    // Only warns if the sampler is wrong: a character whose texture is read in another way is still a character.
     void read_sampler(const JsonView& texture_info, AssetMaterial& material) {
         try {
             read_sampler_of(texture_info, material);
@@ -68,7 +68,7 @@ private:
         return wrap == kClamp ? TextureWrap::kClamp : wrap == kMirror ? TextureWrap::kMirror : TextureWrap::kRepeat;
     }
 
-    // That of the image which another extension has in place of `source`.
+    // Warns about the format of the image that another extension has in place of `source`.
     void warn_of_format(const JsonView& texture) {
         constexpr std::pair<const char*, const char*> kFormats[] = {{"KHR_texture_basisu", "a KTX2 image"},
                                                                     {"EXT_texture_avif", "an AVIF image"},
@@ -191,7 +191,8 @@ void read_metallic_roughness(const JsonView& pbr, Textures& textures, AssetMater
     material.metallic_roughness_image = textures.read(pbr, "metallicRoughnessTexture");
 }
 
-// KHR_materials_pbrSpecularGlossiness, of materials that have nothing else: its colours, without what reflects.
+// KHR_materials_pbrSpecularGlossiness, for materials that have nothing else: its diffuse colours and glossiness,
+// without its specular colours.
 void read_specular_glossiness(const JsonView& json, Textures& textures, AssetMaterial& material) {
     std::array<double, 4> color{};
     if (json.optional_numbers("diffuseFactor", color))

@@ -20,7 +20,8 @@ std::vector<uint8_t> nodes_of_scene(Reading& reading, const Asset& asset) {
         if (asset.nodes[node].parent != kNone) reading.warnings.add(root.place(), "is not a root");
         state[node] = kInside;
     }
-    // Up to the first node that is known, or to the root: each node is passed once. No recursion: chains may be deep.
+    // Goes up to the first node that is known, or to the root: each node is passed once. No recursion: chains can be
+    // deep.
     std::vector<uint32_t> way;
     for (uint32_t start = 0; start < asset.nodes.size(); ++start) {
         way.clear();

@@ -69,7 +69,7 @@ private:
         return reading_.accessors.open(format);
     }
 
-    // As many elements as vertices.
+    // Fails unless there are as many elements as vertices.
     void require_count(const JsonView& attributes, const std::string& name, const AccessorFormat& format) const {
         if (format.count != out_.positions.size())
             attributes.fail_at(name, "has ", format.count, " elements, but POSITION has ", out_.positions.size());
@@ -109,8 +109,8 @@ private:
         out_.positions = finite_vectors(*attributes_, "POSITION", view);
     }
 
-    // An attribute on which only looks depend: what is not finite is not worth refusing the file. What the file lacks
-    // of an element is 1.
+    // Reads an attribute that only affects looks, so the file is not refused for values that are not finite. Components
+    // that the file lacks are 1.
     template <class Element, class MayBeIntegers>
     void read_looks(const std::string& name, std::initializer_list<const char*> types,
                     const MayBeIntegers& may_be_integers, std::vector<Element>& out) {
@@ -139,7 +139,7 @@ private:
         read_looks("NORMAL", {"VEC3"}, may_be_integers, out_.normals);
     }
 
-    // Of vertices for which the file has none, or one of length 0.
+    // Makes normals for vertices that have none in the file, or one of length 0.
     void make_normals() {
         const size_t vertex_count = out_.positions.size();
         const bool has_some = !out_.normals.empty();
@@ -195,7 +195,7 @@ private:
         }
     }
 
-    // Quantised ones are signed, those of normals normalised (KHR_mesh_quantization).
+    // Quantised normals and differences are signed, those of normals also normalised (KHR_mesh_quantization).
     bool is_quantized_signed(const AccessorFormat& format) const {
         return reading_.quantized && is_short(format) && !format.is_unsigned();
     }
@@ -263,8 +263,8 @@ private:
         if (count > 0) reading_.warnings.add(place_of(name), count, " of ", out_.positions.size(), " vertices ", what);
     }
 
-    // Where the weight is 0 the joint means nothing, and files have anything there. But a vertex without any weight
-    // follows its first joint (compile/mesh/mesh.cpp).
+    // A joint of weight 0 means nothing, and files have anything there, so it becomes 0. But a vertex without any
+    // weight follows its first joint (compile/mesh/mesh.cpp), which stays.
     void forget_unused_joints() {
         const size_t count = out_.influence_count;
         for (size_t v = 0; v < out_.influence_weights.size(); v += count) {

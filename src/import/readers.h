@@ -46,10 +46,10 @@ std::vector<TextureCoordinates> read_materials(Reading& reading, Asset& asset);
 void read_meshes(Reading& reading, std::span<const TextureCoordinates> of_materials, Asset& asset);
 void read_mesh_instances(Reading& reading, Asset& asset);
 
-// The morph targets of `mesh`, an object of the file: those of its first primitive, to which read_meshes() holds the
-// others.
+// The number of morph targets of `mesh`, an object of the file: that of its first primitive; read_meshes() requires the
+// same of the others.
 uint32_t morph_target_count(const JsonView& mesh);
-// The member `weights` of a mesh or a node; empty where absent. Fails where there are not `target_count` of them.
+// The member `weights` of a mesh or a node; empty if absent. Fails unless there are `target_count` of them.
 std::vector<float> read_morph_weights(Reading& reading, const JsonView& json, uint32_t target_count);
 
 // The member `name`, or an empty name and a warning where it is not a string.

@@ -71,7 +71,7 @@ bool has_scheme(std::string_view uri) {
     return end != uri.npos && uri[end] == ':';
 }
 
-// Whatever the system, since an application may have file systems of its own.
+// Both separators count on every system, since an application can have file systems of its own.
 constexpr std::string_view kSeparators = "/\\";
 bool is_absolute(std::string_view path) {
     return kSeparators.find(path[0]) != kSeparators.npos || (path.size() > 1 && path[1] == ':');

@@ -10,7 +10,7 @@
 
 namespace throng::gltf {
 
-// Each line is kept once, and the first kWarningLimit of them; the rest are counted.
+// Keeps each line once, up to kWarningLimit of them, and counts the rest.
 class Warnings {
 public:
     explicit Warnings(std::string file_name) : file_name_(std::move(file_name)) {}

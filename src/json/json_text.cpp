@@ -13,8 +13,8 @@ namespace {
 
 std::string at_line(const std::string& file, uint32_t line) { return joined(file, ":", line); }
 
-// nlohmann's parser knows lines, but tells them only with its own errors. So it reads through this, which counts them,
-// and says how far it has come.
+// nlohmann's parser counts lines, but tells them only in its own errors. So it reads through this iterator, which
+// counts lines too, and reports progress.
 class LineCounter {
 public:
     using iterator_category = std::input_iterator_tag;
@@ -23,12 +23,13 @@ public:
     using pointer = const char*;
     using reference = const char&;
 
-    // `line` and `progress` are of the begin; the end has none.
+    // Only the begin has `line` and `progress`; the end has none.
     LineCounter(std::string_view text, size_t at, uint32_t* line = nullptr, const Progress* progress = nullptr)
         : text_(text), at_(text.data() + at), line_(line), progress_(progress) {}
     const char& operator*() const { return *at_; }
     LineCounter& operator++() {
-        // A number is read up to the character behind it, which may end the line
+        // A number is read up to the character behind it, which can end the line, so a line ends only with the next
+        // step
         *line_ += std::exchange(ends_line_, *at_ == '\n');
         ++at_;
         if (const auto read = static_cast<size_t>(at_ - text_.data()); read % kCharactersBetweenReports == 0)
@@ -47,8 +48,9 @@ private:
     bool ends_line_ = false;
 };
 
-// What nlohmann's own builder does; but lines are kept, limits hold, and no object is searched for each of its keys.
-// Members are collected aside until their object ends, since an object of nlohmann's copies them whenever it grows.
+// Does what nlohmann's own builder does, but also keeps lines and enforces limits, and does not search an object for
+// each of its keys. Members are collected aside until their object ends, since an object of nlohmann's copies them
+// whenever it grows.
 class TreeBuilder final : public nlohmann::json_sax<Json> {
 public:
     TreeBuilder(JsonAuthor author, const std::string& file, const uint32_t& line, Json& root,

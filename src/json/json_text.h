@@ -12,20 +12,20 @@ namespace throng {
 inline constexpr size_t kJsonTextLimit_bytes = size_t{4} << 20;
 inline constexpr size_t kJsonNestingLimit = 32;
 inline constexpr size_t kJsonValueLimit = 500'000;
-// How deep what programs write is nested. Who reads it bounds its size (import/limits.h).
+// The deepest nesting of files that programs write. Their readers bound the size (import/limits.h).
 inline constexpr size_t kProgramNestingLimit = 64;
 
 class JsonText {
 public:
-    // Throws kInvalidFile and kLimit. Of what people write, no key may stand twice in an object, and the place of a
-    // failure is `file` and line; else the last of several counts, and the place is empty.
+    // Throws kInvalidFile and kLimit. If a person wrote the text, no key may stand twice in an object, and the place of
+    // a failure is `file` and line; else the last of several equal keys counts, and the place is empty.
     JsonText(std::string_view text, JsonAuthor author, const std::string& file = {}, const Progress& progress = {});
     ~JsonText();
 
     JsonView view() const { return JsonView(*root_, author_); }
 
-    // "guard.json:12: layers[0].name": a place within the file, or of the innermost value around it that is there. A
-    // member's line is that of its key.
+    // "guard.json:12: layers[0].name": a place within the file, with its line or that of the innermost value around it
+    // that exists. A member's line is that of its key.
     std::string located(const std::string& file, const std::string& place) const;
 
 private:

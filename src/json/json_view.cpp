@@ -52,7 +52,7 @@ const JsonView& JsonView::expect(bool is, const char* what) const {
 
 const Json* JsonView::member(std::string_view key) const {
     const auto& members = json_->get_ref<const Json::object_t&>();
-    // What programs write may have any number of members, which JsonText has sorted.
+    // Objects that programs write can have any number of members; JsonText has sorted them.
     const auto found = author_ == JsonAuthor::kProgram
                            ? std::ranges::lower_bound(members, key, {},
                                                       [](const auto& m) { return std::string_view(m.first); })

@@ -14,14 +14,14 @@ namespace throng {
 
 using Json = nlohmann::ordered_json;  // members in the order of the text
 
-// Who wrote a file. A person is told the line, and so not the value that stands there.
+// Who wrote a file. Messages to a person give the line, so they need not quote the value there.
 enum class JsonAuthor : uint8_t { kProgram, kPerson };
 
 // The place of a member or an element of `place`: `layers`, `layers[0].states.move`, `masks["left arm"]`.
 std::string place_of(const std::string& place, std::string_view key);
 std::string place_of(const std::string& place, size_t index);
 
-// The place of what is further below.
+// The place of something further below: several keys or indices, from the outside in.
 template <class Key, class... Keys>
 requires(sizeof...(Keys) > 0) std::string place_of(const std::string& place, const Key& key, const Keys&... below) {
     return place_of(place_of(place, key), below...);

@@ -20,7 +20,8 @@ bool contains(std::string_view whole, std::string_view part) {
     return !std::ranges::search(whole, part, is_same_letter).empty();
 }
 
-// Letters to insert, to remove, to replace, and neighbours to swap (F. Damerau, 1964; each place changed once).
+// The number of letters to insert, to remove or to replace, and of neighbours to swap (F. Damerau, 1964; each place
+// changed once).
 size_t edit_distance(std::string_view a, std::string_view b) {
     // row[j]: from the first i letters of a to the first j of b
     std::vector<size_t> row(b.size() + 1), above(b.size() + 1), above_that(b.size() + 1);
@@ -72,7 +73,7 @@ std::string_view KnownNames::nearest(std::string_view name) const {
 }
 
 std::string KnownNames::unknown(std::string_view name) const {
-    constexpr size_t kShown = 12, kWord = 3;  // letters, of what may be part of a name by more than chance
+    constexpr size_t kShown = 12, kWord = 3;  // letters; a shorter word can be part of a name by chance
     std::string text = "there is no " + kind_ + " '" + printable(name) + "'";
     if (names_.empty()) return text + ", nor any other";
     std::vector<std::string_view> listed = names_;

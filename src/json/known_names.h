@@ -1,5 +1,5 @@
-// Names of one kind (states, parameters, clips, …), to look up what refers to them, and to say what there is where
-// nothing does.
+// Names of one kind (states, parameters, clips, …): looks up references to them, and lists the names when a reference
+// matches none.
 #pragma once
 
 #include "base/failure.h"
@@ -19,21 +19,21 @@ class KnownNames {
 public:
     explicit KnownNames(std::string kind) : kind_(std::move(kind)) {}
 
-    // The name's index is how many were added before. Where it was added already, it keeps that index, and false is
+    // The name's index is the number of names added before. If it was added already, it keeps its index, and false is
     // returned. The string must outlive this.
     bool add(std::string_view name);
 
     // Index, or kNone.
     uint32_t find(std::string_view name) const;
 
-    // Index. Throws at `place` where there is none, with unknown().
+    // The name's index. Throws at `place`, with unknown() as the message, if there is none.
     uint32_t require(std::string_view name, const std::string& place) const;
 
-    // "there is no state 'mvoe'; did you mean 'move'? There are: idle, move, jump". Of many, some; those that contain
-    // the name first, where none is written much like it.
+    // "there is no state 'mvoe'; did you mean 'move'? There are: idle, move, jump". If there are many, it lists some;
+    // if none is spelled much like the name, those that contain it come first.
     std::string unknown(std::string_view name) const;
 
-    // That which is most likely meant; empty where none is written much like it.
+    // The name that was most likely meant; empty if none is spelled much like it.
     std::string_view nearest(std::string_view name) const;
 
 private:
@@ -42,7 +42,7 @@ private:
     std::unordered_map<std::string_view, uint32_t> indices_;
 };
 
-// The index of the first of a thing's items that has this name, or is it. Errors: kInvalidArgument (unknown()).
+// The index of the first item that has this name, or is it. Errors: kInvalidArgument (unknown()).
 template <class T>
 Result<uint32_t> index_named(const std::string& place, const char* kind, const std::vector<T>& items,
                              std::string_view name) {

@@ -9,7 +9,7 @@ struct MorphSum {
 // first_delta: of the vertex; first_morph, morph_count: of its section. Without morphs there is nothing to read.
 MorphSum sum_of_morphs(uint first_delta, uint first_morph, uint morph_count, uint instance, uint active_morph_limit) {
     MorphSum sum = MorphSum(vec3(0), vec3(0));
-    // A loop that a software device does not enter, as it would a branch
+    // No `if`: a software device would enter a branch, but does not enter a loop without rounds
     const uint count = first_delta > 0 && morph_count > 0 ? active_morph_limit : 0;
     for (uint i = 0; i < count; ++i) {
         const ActiveMorph shown = active_morphs[instance * active_morph_limit + i];

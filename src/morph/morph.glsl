@@ -1,8 +1,8 @@
 // Clips and their times -> weights of morphs -> those that are shown; defined by morph_reference.h. The includer
 // declares `ActiveMorph active_morphs[]` ([instance][push.active_morph_limit]), the tables `timelines`, `times`,
 // `tracks` (rows: four morphs each, [clip][quad]) and `values` (the default weights first), and for layers
-// `active_clips` and `active_clip_times` ([instance][push.active_clip_limit]). Morphs go by fours, a quad; layers look
-// a clip's rows up once for each.
+// `active_clips` and `active_clip_times` ([instance][push.active_clip_limit]). Morphs are handled in quads of four;
+// layers look up a clip's rows once for each quad.
 #include "control/control.glsl"
 #include "control/controller_io.h"
 #include "morph/morph_io.h"
@@ -36,7 +36,7 @@ uvec4 quad_tracks_of(uint clip, uint quad) { return ROW_AT(tracks, clip * quad_c
 
 // ---- Two clips
 
-// The rows of both; those of the second where it is not seen are of no meaning.
+// The rows of both clips; those of the second are meaningless if it is not seen.
 struct RowsOfTwo {
     SlotCursor first, second;
 };
@@ -86,10 +86,10 @@ vec4 weights_of_active_clips(uint instance, uint quad) {
     return result;
 }
 
-// ---- Those that are shown
+// ---- Active morphs
 
-// Adds one to an instance's active morphs, of which there are so many so far, and returns how many there are then.
-// Morphs come in the order of their indices. Where not all may be shown they are sorted, the largest first.
+// Adds one to an instance's active morphs, `count` so far, and returns the new count. Morphs come in the order of their
+// indices. If not all can be shown, they are sorted, the largest first.
 uint with_active(uint first, uint count, ActiveMorph added) {
     const float size = abs(added.weight);
     if (!(size > uintBitsToFloat(kLeastMorphWeightBits))) return count;

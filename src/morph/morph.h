@@ -11,7 +11,7 @@
 
 namespace throng {
 
-// The character has a morph at least. Rows of tracks and values are rounded up to fours.
+// The character must have at least one morph. Rows of tracks and values are rounded up to fours.
 struct MorphTables {
     std::vector<uint32_t> timelines;              // words of io::ClipTimeline
     std::vector<std::array<uint32_t, 4>> tracks;  // [clip][quad]

@@ -6,11 +6,11 @@ THRONG_IO_BEGIN
 
 THRONG_IO_CONSTANT kMorphWorkgroupSize = 64;
 
-// As floats, kMorphNormalStep and kLeastMorphWeight of throng/character.h.
+// kMorphNormalStep and kLeastMorphWeight of throng/character.h, as the bits of floats.
 THRONG_IO_CONSTANT kMorphNormalStepBits = 0x3B804020u;
 THRONG_IO_CONSTANT kLeastMorphWeightBits = 0x358637BDu;
 
-// A morph that an instance shows; weight 0: none, and none behind it.
+// A morph that an instance shows; weight 0: none, and none after it.
 struct ActiveMorph {
     uint morph;
     float weight;
@@ -25,7 +25,7 @@ THRONG_IO_CONSTANT kMorphPositionMask = 0x3FFFFFFFu;
 struct MorphPush {
     uint instance_count;
     uint morph_count;
-    uint joint_count;         // of layers: an active clip's clip is its first track by this
+    uint joint_count;         // of layers: an active clip's clip is its first track divided by this
     uint active_clip_limit;   // of layers: active clips kept for each instance
     uint active_morph_limit;  // entries of active_morphs for each instance; morph_count: all that have weight
 };

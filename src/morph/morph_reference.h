@@ -28,8 +28,8 @@ std::optional<double> morph_weight_reference(const Character& character, uint32_
 
 // The weight of every morph, [morph]. Layers lie on the default weights, the lowest first. A clip that does not animate
 // a morph counts with its default weight. An override layer goes from what lies below to the weighted sum of its
-// active clips, by its weight; of morphs that none of its active clips animates it leaves what lies below. An additive
-// layer adds, by its weight, the weighted sum of the differences from the clips' first rows.
+// active clips, by its weight; morphs that none of its active clips animates keep what lies below. An additive layer
+// adds, by its weight, the weighted sum of the differences from the clips' first rows.
 std::vector<double> morphs_reference(const Character& character, std::span<const MorphLayer> layers);
 
 // A morph with its weight.
@@ -38,7 +38,7 @@ struct WeightedMorph {
     double weight = 0;
 };
 
-// Of all weights, [morph], the `limit` largest by magnitude, largest first, equals by index; none that is not above
+// The `limit` largest by magnitude of all weights, [morph], largest first, equals by index; only those above
 // kLeastMorphWeight.
 std::vector<WeightedMorph> active_morphs_reference(std::span<const double> weights, size_t limit = SIZE_MAX);
 

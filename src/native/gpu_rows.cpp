@@ -35,7 +35,7 @@ double value_of_half(uint32_t half) {
     return (half >> 10 & 0x1F) == 0 ? 0 : half & 0x8000 ? -size : size;
 }
 
-// The nearest but for denormal ones, which devices may take for 0, as this does.
+// The nearest half float. Denormal ones become 0, since devices may take them for 0.
 uint32_t nearest_half(double value) {
     const uint32_t sign = value < 0 ? 0x8000 : 0;
     if (std::abs(value) < kLeastStep) return 0;
@@ -44,7 +44,7 @@ uint32_t nearest_half(double value) {
     return sign | (value_of_half(above) - std::abs(value) < std::abs(value) - value_of_half(below) ? above : below);
 }
 
-// What words are parts of.
+// The range that words are fractions of.
 struct WordRange {
     Four middle{}, half{};
 
@@ -52,7 +52,7 @@ struct WordRange {
         const double part = half[c] > 0 ? (value[c] - middle[c]) / half[c] : 0;
         return std::llround(std::clamp(part, -1.0, 1.0) * kMostWord * kFiner);
     }
-    // How far one of these components is off at most.
+    // The largest error of any of these components.
     double error(size_t first, size_t end) const {
         double error = 0;
         for (size_t c = first; c < end; ++c) error = std::max(error, half[c] / kMostWord / 2);
@@ -97,7 +97,7 @@ private:
                 turns.half[c] = value_of_half(
                     half_up(rotation.half[c] + std::abs(rotation.middle[c] - turns.middle[c])));
             }
-            // As floats, which is what words will be parts of
+            // The middle is rounded to a float first, since words are relative to that
             WordRange& moves = motions_.emplace_back();
             for (size_t c = 0; c < 4; ++c) {
                 moves.middle[c] = static_cast<float>(motion.middle[c]);

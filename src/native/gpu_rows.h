@@ -1,5 +1,5 @@
-// The rows of a character as GPUs read them: lane beside lane, and no floats. The same values as the native engine's
-// (rows.h), in the same spaces; where 16 bits would be seen, a column of its own has the next 16.
+// The rows of a character as GPUs read them: lane beside lane, and no floats. They hold the same values as the native
+// engine's (rows.h), in the same spaces. Where the error of 16 bits would be visible, another column has the next 16.
 #pragma once
 
 #include "native/row_spaces.h"
@@ -22,8 +22,8 @@ struct GpuRows {
     uint32_t motion_count = 0, fine_rotation_count = 0, fine_motion_count = 0;
 };
 
-// `joints` of RowSpaces::of_joints, in the order of columns; they have uniform scales. None where the rows would exceed
-// so many bytes.
+// `joints`: some of RowSpaces::of_joints, in the order of columns, with uniform scales. Returns nothing if the rows
+// would exceed `most_bytes`.
 std::optional<GpuRows> make_gpu_rows(const Character& character, std::span<const native::RowJoint> joints,
                                      uint64_t most_bytes);
 

@@ -1,7 +1,7 @@
-// Sample, blend, scan and bind of as many characters as there are lanes, in one pass over the joints of the walk, 16 at
-// a time: decoded with joints as lanes, so that a character's clips are the same for all of them; turned; then walked
-// with characters as lanes, so that parents and constants are. A <native/lanes_*.h> is included before. For each joint
-// and character, two clips, bytes: 4 rows of 8 read, from caches; 48 written, past them.
+// Samples, blends, scans and binds as many characters as there are lanes, in one pass over the joints of the walk, 16
+// at a time. They are decoded with joints as lanes, which then share a character's clips; turned; and walked with
+// characters as lanes, which then share parents and constants. Include a <native/lanes_*.h> first. Bytes for each joint
+// and character with two clips: 4 rows of 8 read, from caches; 48 written, past them.
 #pragma once
 
 #include "native/kernel_emit.h"
@@ -23,7 +23,7 @@ INLINE void decode_layers(const KernelRig& rig, const KernelUpdate& update, cons
         mix_parts<kWhat>(rig, group.parts + c * update.active_clip_limit, group.part_count[c], block, out, c);
 }
 
-// What lies on the animated poses.
+// Applies what comes on top of the animated poses: inertial offsets and pose overrides.
 template <Decoded kWhat>
 [[gnu::noinline]] void adjust(const KernelRig& rig, const KernelUpdate& update, const Group& group, uint32_t block,
                               DecodedBlock& decoded) {
@@ -125,7 +125,8 @@ void update_group(const KernelRig& rig, const KernelUpdate& update, const uint32
         }
         const Quad q{Lanes::load(rotations.of[0][at]), Lanes::load(rotations.of[1][at]),
                      Lanes::load(rotations.of[2][at]), Lanes::load(rotations.of[3][at])};
-        // In memory from joint to joint, where a product reads it: registers would be spilled around calls
+        // The matrix goes from joint to joint in memory, where a product reads it: registers would be spilled around
+        // calls
         const float* parent = step.parent == kLast ? last : slot_of(step.parent);
         float* own = slot_of(step.keep == kNoIndex ? rig.slot_count : step.keep);
         const Matrix s = product(load_matrix(parent), matrix_of(q, scale, centre, step.pivot, !rig.three_scales));

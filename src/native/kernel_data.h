@@ -7,8 +7,8 @@
 
 namespace throng::native {
 
-inline constexpr uint32_t kBlockJoints = 16;    // whose rows lie together
-inline constexpr uint32_t kInertiaFloats = 14;  // of a place of a joint, from update to update
+inline constexpr uint32_t kBlockJoints = 16;    // joints of a block, whose rows lie together
+inline constexpr uint32_t kInertiaFloats = 14;  // kept for each place of a joint, from update to update
 inline constexpr uint32_t kNoIndex = 0xFFFFFFFFu;
 
 // The rows between two keys of a clip, evenly spaced.
@@ -23,24 +23,25 @@ struct RowClip {
     double span_from_key = 0;        // 1 / Clip::row_stride
 };
 
-// Four components of 16 joints in each row, at a place of its own. 16 bits: of four joints x, y, of the next four x, y,
-// …; then z, w likewise; so that the interleaved words of two rows are pairs of one component. Floats: 16 x, 16 y, ….
+// Four components of 16 joints, at the same offset in each row. 16 bits: x of four joints, then their y, x of the next
+// four, …; then z and w likewise; so that the interleaved words of two rows are pairs of one component. Floats: 16 x,
+// 16 y, ….
 struct RowBlock {
     uint32_t offset = 0;  // bytes, from where a row begins
     bool is_float = false;
 };
 
-// Where a step finds the matrix that it begins with, and where that of a joint is kept.
+// Where a step finds the matrix that it begins with, and where it keeps its joint's matrix.
 inline constexpr uint32_t kRoot = 0;  // slot 0 has the identity
 inline constexpr uint32_t kLast = kNoIndex;
 
 // A joint of the walk: L' = linear * (p - pivot) + centre, in the spaces that its rows have been brought into
 // (native_rig.h).
 struct WalkStep {
-    float centre[3] = {}, pivot[3] = {}, scale[3] = {1, 1, 1};  // centre and scale: of those that stand still
+    float centre[3] = {}, pivot[3] = {}, scale[3] = {1, 1, 1};  // centre and scale: if they stand still
     uint32_t parent = kLast, keep = kNoIndex;                   // slots
     uint32_t motion = kNoIndex;                                 // place among the joints that do not only turn
-    uint32_t scales = kNoIndex;                                 // and that have three scales
+    uint32_t scales = kNoIndex;                                 // place among the joints whose three scales change
     uint32_t emission_count = 0;
 };
 
@@ -51,19 +52,19 @@ struct Emission {
     EmissionKind kind = EmissionKind::kSkin;
     uint32_t source = kLast;
     uint32_t constant = kNoIndex;
-    uint32_t target = 0;  // palette entry, joint of the rig, socket; of kSkin, the next entry
+    uint32_t target = 0;  // palette entry, joint of the rig, or socket; for kSkin, the next entry
 };
 
 struct KernelRig {
     const std::byte* rows = nullptr;
     size_t row_bytes = 0;
-    bool prefetches = false;  // the rows of all clips are more than a core's second cache holds
+    bool prefetches = false;  // the rows of all clips exceed a core's second-level cache
     const RowClip* clips = nullptr;
     double clip_from_track = 0;  // 1 / joints of the rig
-    // Blocks of rotations, of motions (translation and, where it is one, scale), of three scales
+    // Blocks of rotations, of motions (translation, with the scale if it is uniform), of three scales
     const RowBlock* blocks = nullptr;
     const float* ranges = nullptr;  // [block][8][16]: middles of four components, then their steps
-    uint32_t joint_count = 0;       // that are walked
+    uint32_t joint_count = 0;       // joints that are walked
     uint32_t motion_count = 0, scales_count = 0;
     bool three_scales = false;
     const WalkStep* steps = nullptr;
@@ -71,7 +72,7 @@ struct KernelRig {
     const float* constants = nullptr;  // [constant][12]
     uint32_t slot_count = 1;
     uint32_t place_count = 0;  // of joints in all blocks
-    uint32_t mask_stride = 0;  // floats of a mask: one a place, then one a block, 0 where it has none above
+    uint32_t mask_stride = 0;  // floats of a mask: one a place, then the largest of each block
     uint32_t rig_joint_count = 0, palette_count = 0, socket_count = 0;
 };
 

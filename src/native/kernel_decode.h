@@ -13,10 +13,10 @@ using namespace throng;
 struct RowPair {
     const std::byte *earlier, *later;
     float fraction;
-    int weights;  // of 16-bit words: two of 15 bits that sum to 32767, that of the later row above
+    int weights;  // for 16-bit words: two of 15 bits that sum to 32767, the later row's in the high half
 };
 
-// As one of a crowd plays it.
+// The two places that one character plays, and their blend weight.
 struct Played {
     RowPair first, second;
     float weight;
@@ -56,7 +56,7 @@ INLINE Played played(const KernelRig& rig, const KernelUpdate& update, uint32_t 
     return p;
 }
 
-// The lines of a block that is decoded next.
+// Prefetches the cache lines of the block that is decoded next.
 INLINE void prefetch(const RowPair& rows, size_t offset) {
     for (size_t line = 0; line < 128; line += 64) {
         __builtin_prefetch(rows.earlier + offset + line);
@@ -102,7 +102,8 @@ INLINE void turn(const DecodedBlock& in, TurnedBlock& out) {
         }
 }
 
-// The blend of two rotations, as blend_rotation() of blend/blend.glsl, but for its length, which the matrix divides by.
+// The blend of two rotations, as blend_rotation() of blend/blend.glsl, but not normalized: the matrix divides by its
+// length.
 INLINE Quad blend_of_any_length(const Quad& a, const Quad& b, V weight) {
     const V of_a = weight * Lanes::inverse_sqrt(dot(a, a));
     const V of_b = Lanes::flip_where_negative((Lanes::set(1) - weight) * Lanes::inverse_sqrt(dot(b, b)), dot(a, b));
@@ -111,7 +112,7 @@ INLINE Quad blend_of_any_length(const Quad& a, const Quad& b, V weight) {
 
 enum class Decoded { kRotations, kMotions, kScales };
 
-// All characters of the group.
+// Decodes a block for all characters of the group.
 template <Decoded kWhat>
 INLINE void decode_two_clips(const KernelRig& rig, const Played* all, uint32_t count, uint32_t block_index,
                              DecodedBlock& out) {

@@ -9,24 +9,25 @@ namespace {
 
 inline constexpr uint32_t kLine = 16;  // words of a line of the cache, which is written at once
 inline constexpr uint32_t kBatch = 3 * kLine;
-inline constexpr uint32_t kRing = 4 * kLine;  // a batch, and what there is already of the next
+inline constexpr uint32_t kRing = 4 * kLine;  // a batch, and the words of the next one that are already there
 
 // Skin matrices on their way to memory: [word of the ring][character].
 struct alignas(64) Ring {
     float of[kRing][Lanes::kCount];
 };
 
-// Where they go. All characters begin equally far into a line, so that each line is complete for all at the same time.
+// Where skin matrices go. Those of all characters begin equally far into a cache line, so that each line is complete
+// for all characters at the same time.
 struct SkinTarget {
-    std::byte* line[Lanes::kCount];  // in which the character's first matrix begins
+    std::byte* line[Lanes::kCount];  // the one in which the character's first matrix begins
     uint32_t begin;                  // words, from there
-    uint32_t written, position;      // whole batches, and the next matrix
+    uint32_t written, position;      // words: end of the written batches, place of the next matrix
     uint32_t count;                  // of characters
 };
 
 inline constexpr uint32_t kOfLine = kLine / Lanes::kCount;  // vectors
 
-// A line of four characters from c on: [vector of the line][character].
+// Transposes a line of four characters, from c on: [vector of the line][character].
 INLINE void turn_line(const Ring& ring, uint32_t word, uint32_t c, V (&r)[kOfLine][4]) {
     const float* in = ring.of[word % kRing];
     for (uint32_t v = 0; v < kOfLine; ++v) {
@@ -36,8 +37,8 @@ INLINE void turn_line(const Ring& ring, uint32_t word, uint32_t c, V (&r)[kOfLin
     }
 }
 
-// Parts of lines, at both ends of a character; and those of fewer characters than there are lanes. Words come in pairs
-// at least.
+// Writes parts of lines, at both ends of a character's matrices, and all lines if there are fewer characters than
+// lanes. Words come at least in pairs.
 [[gnu::noinline]] void flush_part(const Ring& ring, const SkinTarget& target, uint32_t from, uint32_t to) {
     for (uint32_t line = from / kLine * kLine; line < to; line += kLine) {
         alignas(64) float turned[Lanes::kCount][kLine];
@@ -54,7 +55,7 @@ INLINE void turn_line(const Ring& ring, uint32_t word, uint32_t c, V (&r)[kOfLin
     }
 }
 
-// Whole lines, past the caches.
+// Writes whole lines, past the caches.
 INLINE void flush_lines(const Ring& ring, const SkinTarget& target, uint32_t from, uint32_t to) {
     for (uint32_t c = 0; c < Lanes::kCount; c += 4)
         for (uint32_t line = from; line < to; line += kLine) {
@@ -76,7 +77,7 @@ INLINE void flush_batch(const Ring& ring, SkinTarget& target) {
     flush_lines(ring, target, kLine, to);
 }
 
-// kUnit: words that lie together wherever a matrix begins, since matrices begin at multiples of them.
+// kUnit: words that lie together in the ring wherever a matrix begins, since matrices begin at multiples of kUnit.
 template <uint32_t kWords, uint32_t kUnit>
 INLINE void put_words(Ring& ring, SkinTarget& target, const V* words) {
     for (uint32_t i = 0; i < kWords; i += kUnit)
@@ -101,7 +102,7 @@ INLINE void finish(const Ring& ring, const SkinTarget& target) {
     if (from < target.position) flush_part(ring, target, from, target.position);
 }
 
-// A skin matrix as it lies in memory (bind/skin_format.glsl): how many words.
+// Sets the words of a skin matrix as it lies in memory (bind/skin_format.glsl). Returns how many there are.
 INLINE uint32_t skin_words(uint32_t format, const Matrix& m, V (&words)[12]) {
     if (format == io::kSkinHalfAffine) {
         for (uint32_t i = 0; i < 6; ++i) words[i] = Lanes::halves(m.of[i / 2][i % 2 * 2], m.of[i / 2][i % 2 * 2 + 1]);
@@ -115,7 +116,7 @@ INLINE uint32_t skin_words(uint32_t format, const Matrix& m, V (&words)[12]) {
     return 12;
 }
 
-// The same words of each character, to place_of(c).
+// Writes the words of each character to place_of(c).
 template <class PlaceOf>
 INLINE void scatter(const V* words, uint32_t count, uint32_t character_count, const PlaceOf& place_of) {
     alignas(64) float at[12][Lanes::kCount];
@@ -131,7 +132,7 @@ struct Outputs {
     SkinTarget target;
 };
 
-// Any matrix but a plain skin matrix of 48 bytes in its turn.
+// Writes any matrix except a plain skin matrix of 48 bytes in its turn, for which put_affine() is enough.
 [[gnu::noinline]] void emit(const KernelRig& rig, const KernelUpdate& update, const Emission& emission,
                             const float* source, const Played* all, Outputs& out) {
     Matrix m = load_matrix(source);

@@ -1,6 +1,6 @@
-// Lanes are joints: offsets that inertial transitions left, and poses that were set, on what the clips give.
-// blend/inertia.glsl and blend/inertial.glsl, whose thread branches where lanes choose. In the spaces of the rows turns
-// have the same angles, and lengths the same ratios, so that offsets decay as those of poses do.
+// Lanes are joints: applies the offsets that inertial transitions left, and pose overrides, to what the clips give. As
+// blend/inertia.glsl and blend/inertial.glsl, but lanes select where a shader thread branches. In the spaces of the
+// rows, turns have the same angles and lengths the same ratios, so offsets decay as those of poses do.
 #pragma once
 
 #include "native/kernel_layers.h"
@@ -72,7 +72,7 @@ INLINE V angle_about(const Quad& q, const Three& axis) {
     return Lanes::set(4) * atan_unit(divided(sine, size + cosine));
 }
 
-// Where `begins`, new offsets from the poses shown to the target; then the pose that is shown now.
+// If inertia.begins, sets new offsets of the shown poses from the target. Returns the pose that is shown now.
 template <Decoded kWhat>
 INLINE Quad inertial(const io::InstanceInertia& inertia, const Quad& target, float* state) {
     constexpr uint32_t kStride = kBlockJoints;

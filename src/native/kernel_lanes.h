@@ -1,4 +1,4 @@
-// Arithmetic of lanes, of whatever instruction set: Lanes is included before.
+// Arithmetic on lanes, for any instruction set. Include a native/lanes_*.h, which defines Lanes, first.
 #pragma once
 
 #include <cstdint>

@@ -1,6 +1,6 @@
-// Lanes are joints: the active clips of a character, in layers -> one block. blend/active_clips.glsl, whose thread
-// branches where here all lanes take the same way, but for masks, which are weights; in the spaces of the rows, in
-// which differences and their products are those of poses.
+// Lanes are joints: the active clips of a character, in layers -> one block. As blend/active_clips.glsl, but all lanes
+// take the same branch where a shader thread takes its own; masks are weights, not branches. Works in the spaces of the
+// rows, in which differences and their products are those of poses.
 #pragma once
 
 #include "native/kernel_decode.h"
@@ -48,7 +48,7 @@ INLINE V ratio(V to, V from) {
     return Lanes::select(has_none, one, to / Lanes::select(has_none, one, from));
 }
 
-// Of rotations, times both lengths.
+// For rotations, the result has both lengths as a factor.
 template <Decoded kWhat>
 INLINE Quad difference(const Quad& to, const Quad& from) {
     if (kWhat == Decoded::kRotations) {
@@ -90,7 +90,7 @@ INLINE Quad load_quad(const float* of_first, size_t stride) {
             Lanes::load(of_first + 3 * stride)};
 }
 
-// Clip by clip, so that what a clip decides is decided once a block.
+// Goes clip by clip, so that a clip's branches are taken once a block.
 template <Decoded kWhat>
 INLINE void mix_parts(const KernelRig& rig, const Part* parts, uint32_t count, uint32_t block_index, DecodedBlock& out,
                       uint32_t character) {
@@ -131,7 +131,7 @@ INLINE void mix_parts(const KernelRig& rig, const Part* parts, uint32_t count, u
                 continue;
             }
             if (kTurns && !begins) sum = mean_of(sum, pose);
-            if (!is_lowest) {  // which covers
+            if (!is_lowest) {  // the lowest covers everything
                 V of_layer = Lanes::set(part.layer_weight);
                 if (part.mask) of_layer = of_layer * Lanes::load(part.mask + block_index * kBlockJoints + lane);
                 const Quad below = load_quad(&out.of[0][character][lane], Lanes::kCount * kBlockJoints);

@@ -1,4 +1,4 @@
-// similarity_from_affine() of gpu/similarity.glsl for lanes, which choose where a thread of the text branches.
+// similarity_from_affine() of gpu/similarity.glsl for lanes, which select where a shader thread branches.
 #pragma once
 
 #include "native/kernel_lanes.h"

@@ -1,4 +1,4 @@
-// What a kernel is asked to do, beside its rig: the buffers of src/fused/fused.glsl.
+// What a kernel is given besides its rig: the buffers of src/fused/fused.glsl.
 #pragma once
 
 #include "blend/inertia_io.h"
@@ -13,13 +13,13 @@ struct KernelUpdate {
     const io::ActiveClip* active_clips = nullptr;  // [instance][active_clip_limit]
     uint32_t active_clip_limit = 0;
     const float* masks = nullptr;                      // NativeRig::masks_in_order()
-    const io::InstanceInertia* inertias = nullptr;     // [instance], of layers
+    const io::InstanceInertia* inertias = nullptr;     // [instance], for layers
     float* inertia_states = nullptr;                   // [instance][NativeRig::inertia_floats()]
     const io::InstancePose* pose_overrides = nullptr;  // [instance]
     const float* set_poses = nullptr;                  // [slot][NativeRig::pose_floats()]
     uint32_t skin_format = 0;                          // bind/bind_io.h
     std::byte* skin = nullptr;                         // [instance][palette entry], at a multiple of 16 bytes
-    const uint32_t* skin_rows = nullptr;               // [instance]: which of them it has instead of its own number
+    const uint32_t* skin_rows = nullptr;               // [instance]: its row in skin; null: its own number
     float* model = nullptr;                            // [instance][joint of the rig][12], or none
     float* sockets = nullptr;                          // [instance][socket][12]
     std::byte* scratch = nullptr;                      // scratch_bytes() of the kernel, at a multiple of 64
@@ -27,14 +27,14 @@ struct KernelUpdate {
 
 struct Kernel {
     size_t (*scratch_bytes)(const KernelRig& rig, const KernelUpdate& update);
-    // Characters whose skin matrices begin equally far from a line of the cache are walked together: instances
-    // [count], in groups of as many as there are lanes.
+    // Walks instances [count] in groups of as many as there are lanes. Their skin matrices must all begin equally far
+    // into a cache line.
     void (*update)(const KernelRig& rig, const KernelUpdate& update, const uint32_t* instances, uint32_t count);
     // Only what comes before the walk, for benchmarks.
     void (*decode)(const KernelRig& rig, const KernelUpdate& update, const uint32_t* instances, uint32_t count);
-    // Streams as many bytes, a multiple of 64 at a multiple of 64: what memory alone costs.
+    // Streams `size` bytes, a multiple of 64, to a multiple of 64: what memory alone costs.
     void (*fill)(std::byte* to, size_t size);
-    void (*fence)();  // what was streamed is seen by others
+    void (*fence)();  // makes what was streamed visible to others
 };
 
 }  // namespace throng::native

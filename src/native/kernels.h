@@ -1,4 +1,4 @@
-// One for each instruction set that this was compiled for.
+// The kernels of the instruction sets that this program was compiled for.
 #pragma once
 
 #include "native/kernel_update.h"

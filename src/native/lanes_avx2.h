@@ -21,7 +21,7 @@ struct Lanes {
     static V set(float f) { return _mm256_set1_ps(f); }
     static I load_words(const void* p) { return _mm256_load_si256(static_cast<const __m256i*>(p)); }
 
-    static V inverse_sqrt(V x) {  // 12 bits, and a step of Newton's
+    static V inverse_sqrt(V x) {  // 12 bits, then a Newton step
         const V r = _mm256_rsqrt_ps(x);
         return r * (set(1.5f) - set(0.5f) * x * r * r);
     }
@@ -56,7 +56,7 @@ struct Lanes {
         c = _mm256_castpd_ps(_mm256_unpacklo_pd(ab1, cd1));
         d = _mm256_castpd_ps(_mm256_unpackhi_pd(ab1, cd1));
     }
-    // Half floats of both, those of the first below.
+    // Half floats of both, `low` in the low 16 bits.
     static V halves(V low, V high) {
         const I l = _mm256_cvtepu16_epi32(_mm256_cvtps_ph(low, _MM_FROUND_TO_NEAREST_INT | _MM_FROUND_NO_EXC));
         const I h = _mm256_cvtepu16_epi32(_mm256_cvtps_ph(high, _MM_FROUND_TO_NEAREST_INT | _MM_FROUND_NO_EXC));
@@ -83,7 +83,7 @@ struct Lanes {
         store(p, _mm256_permute2f128_ps(low, high, 0x20));
         store(p + 8, _mm256_permute2f128_ps(low, high, 0x31));
     }
-    // Loads one by one are faster than gathers of 64 bits on processors that have slow ones.
+    // Loads one by one are faster than gathers of 64 bits on processors with slow gathers.
     static void gather_pairs(const float* p, const uint32_t* i, V& x, V& y) {
         const auto two = [p](uint32_t a, uint32_t b) {
             const auto pair = [p](uint32_t of) { return p + 2 * size_t{of}; };

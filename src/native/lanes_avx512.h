@@ -22,7 +22,7 @@ struct Lanes {
     static I load_words(const void* p) { return _mm512_load_si512(p); }
     static V bits(I i) { return _mm512_castsi512_ps(i); }
 
-    // Both to the last bit or two: 14 bits, and a step of Newton's.
+    // Both are exact to the last bit or two: 14 bits, then a Newton step.
     static V inverse_sqrt(V x) {
         const V r = _mm512_rsqrt14_ps(x);
         return r * (set(1.5f) - set(0.5f) * x * r * r);
@@ -64,7 +64,7 @@ struct Lanes {
         c = _mm512_castpd_ps(_mm512_unpacklo_pd(ab1, cd1));
         d = _mm512_castpd_ps(_mm512_unpackhi_pd(ab1, cd1));
     }
-    // Half floats of both, those of the first below.
+    // Half floats of both, `low` in the low 16 bits.
     static V halves(V low, V high) {
         const I l = _mm512_cvtepu16_epi32(_mm512_cvtps_ph(low, _MM_FROUND_TO_NEAREST_INT | _MM_FROUND_NO_EXC));
         const I h = _mm512_cvtepu16_epi32(_mm512_cvtps_ph(high, _MM_FROUND_TO_NEAREST_INT | _MM_FROUND_NO_EXC));

@@ -21,7 +21,7 @@ struct Lanes {
     static V set(float f) { return vdupq_n_f32(f); }
     static I load_words(const void* p) { return vld1q_s16(static_cast<const int16_t*>(p)); }
 
-    static V inverse_sqrt(V x) {  // 8 bits, and two steps of Newton's
+    static V inverse_sqrt(V x) {  // 8 bits, then two Newton steps
         V r = vrsqrteq_f32(x);
         r = vmulq_f32(r, vrsqrtsq_f32(vmulq_f32(x, r), r));
         return vmulq_f32(r, vrsqrtsq_f32(vmulq_f32(x, r), r));
@@ -55,7 +55,7 @@ struct Lanes {
         c = vcombine_f32(vget_high_f32(ab.val[0]), vget_high_f32(cd.val[0]));
         d = vcombine_f32(vget_high_f32(ab.val[1]), vget_high_f32(cd.val[1]));
     }
-    // Half floats of both, those of the first below.
+    // Half floats of both, `low` in the low 16 bits.
     static V halves(V low, V high) {
         const auto half = [](V v) { return vmovl_u16(vreinterpret_u16_f16(vcvt_f16_f32(v))); };
         return vreinterpretq_f32_u32(vorrq_u32(half(low), vshlq_n_u32(half(high), 16)));
@@ -68,7 +68,7 @@ struct Lanes {
     static void store_fours(float* p, size_t, V v) { store(p, v); }
     static V load_any(const float* p) { return vld1q_f32(p); }
     static void store_any(float* p, V v) { vst1q_f32(p, v); }
-    // As on x86: the second one where one of the two is NaN
+    // As on x86: the second operand if either is NaN
     static V min(V a, V b) { return select(less(a, b), a, b); }
     static V max(V a, V b) { return select(less(b, a), a, b); }
     static V floor(V v) { return vrndmq_f32(v); }

@@ -21,7 +21,7 @@ struct Lanes {
     static V set(float f) { return _mm_set1_ps(f); }
     static I load_words(const void* p) { return _mm_load_si128(static_cast<const __m128i*>(p)); }
 
-    static V inverse_sqrt(V x) {  // 12 bits, and a step of Newton's
+    static V inverse_sqrt(V x) {  // 12 bits, then a Newton step
         const V r = _mm_rsqrt_ps(x);
         return r * (set(1.5f) - set(0.5f) * x * r * r);
     }
@@ -44,9 +44,9 @@ struct Lanes {
     static V fours(const float* p, size_t) { return _mm_load_ps(p); }
     static void transpose(V& a, V& b, V& c, V& d) { _MM_TRANSPOSE4_PS(a, b, c, d); }
 
-    // Half floats of both, those of the first below; to the nearest, ties to even. Source: F. Giesen,
-    // float_to_half_fast3_rtne, https://gist.github.com/rygorous/2156668: small ones are rounded by an addition to what
-    // has a half's last bit as its own.
+    // Half floats of both, `low` in the low 16 bits; to the nearest, ties to even. Source: F. Giesen,
+    // float_to_half_fast3_rtne, https://gist.github.com/rygorous/2156668: small ones are rounded by adding a number
+    // whose last bit is a half's.
     static I half(V v) {
         const I sign = _mm_and_si128(_mm_castps_si128(v), _mm_set1_epi32(static_cast<int>(0x80000000u)));
         const V magnitude = _mm_xor_ps(v, _mm_castsi128_ps(sign));
@@ -76,7 +76,7 @@ struct Lanes {
     static void store_any(float* p, V v) { _mm_storeu_ps(p, v); }
     static V min(V a, V b) { return _mm_min_ps(a, b); }
     static V max(V a, V b) { return _mm_max_ps(a, b); }
-    // Of what 32 bits hold; what is larger has no fraction, but for its sign.
+    // `rounded` where |v| is below 2^23, which 32 bits hold; larger numbers have no fraction.
     static V whole(V v, V rounded) { return select(less(_mm_andnot_ps(set(-0.0f), v), set(0x1p23f)), rounded, v); }
     static V floor(V v) {
         const V cut = _mm_cvtepi32_ps(_mm_cvttps_epi32(v));

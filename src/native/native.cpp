@@ -46,7 +46,7 @@ std::vector<NativeIsa> find_isas() {
 #endif
 }
 
-// What a thread's walks keep.
+// The scratch memory of a thread's walks.
 std::byte* scratch(size_t size) {
     thread_local native::AlignedBytes bytes;
     thread_local size_t has = 0;

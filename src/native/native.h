@@ -14,8 +14,8 @@ namespace throng {
 enum class NativeIsa : uint8_t { kSse2, kAvx2, kAvx512, kNeon };
 
 std::string_view name_of(NativeIsa isa);
-// Those that this program was compiled for and that the machine has, the slowest first. Never empty on x86-64 and
-// AArch64.
+// The instruction sets that this program was compiled for and that the machine has, slowest first. Never empty on
+// x86-64 and AArch64.
 std::span<const NativeIsa> native_isas();
 
 // What a group of characters asks of its updates.
@@ -24,36 +24,36 @@ struct NativeNeeds {
     bool model_rotations = false;  // a layer blends rotations in model space
     bool procedural_rules = false;
 };
-// Why its updates cannot be these; empty where they can.
+// Why the native engine cannot update the character with these needs; empty if it can.
 std::string native_unsupported(const Character& character, const NativeNeeds& needs);
 
-// Where an update reads and writes; what each buffer has is in docs/buffers.md, and as there cursors and active clips
-// are those of the control stage. Masks, states of inertia and set poses begin at a multiple of 64 bytes.
+// Where an update reads and writes. docs/buffers.md describes the buffers; as there, cursors and active clips are those
+// of the control stage. Masks, inertia states and set poses begin at a multiple of 64 bytes.
 struct NativeUpdate {
-    const io::InstanceCursor* cursors = nullptr;   // two clips each; or
-    const io::ActiveClip* active_clips = nullptr;  // layers of them; the lowest covers (docs/controller.md, step 9)
+    const io::InstanceCursor* cursors = nullptr;   // two clips each; or else
+    const io::ActiveClip* active_clips = nullptr;  // in layers; the lowest covers all (docs/controller.md, step 9)
     uint32_t active_clip_limit = 0;
     const float* masks = nullptr;                   // NativeRig::masks_in_order()
-    const io::InstanceInertia* inertias = nullptr;  // of layers with inertial transitions
+    const io::InstanceInertia* inertias = nullptr;  // for layers with inertial transitions
     float* inertia_states = nullptr;                // [instance][NativeRig::inertia_floats()], zeros at first
     const io::InstancePose* pose_overrides = nullptr;
     const float* set_poses = nullptr;  // [slot][NativeRig::pose_floats()], by put_pose()
     SkinFormat skin_format = SkinFormat::kAffine;
     std::byte* skin = nullptr;            // at a multiple of 64 bytes
-    const uint32_t* skin_rows = nullptr;  // where an instance's matrices lie; none: in the order of the instances
-    Affine* model = nullptr;              // of rigs that keep them
-    Affine* sockets = nullptr;            // of rigs that have any; model_from_joint
-    const uint32_t* listed = nullptr;     // instances; none: all
+    const uint32_t* skin_rows = nullptr;  // each instance's row in skin; null: in the order of the instances
+    Affine* model = nullptr;              // if the rig keeps them
+    Affine* sockets = nullptr;            // if the rig has any; model_from_joint
+    const uint32_t* listed = nullptr;     // instances to update; null: all
 };
 
-// Instances first..end - 1, or those that `listed` has there. Threads may update different instances of the same
-// buffers at a time. An instance's result does not depend on the others updated with it. Allocates nothing but, at a
-// thread's first updates, what the walk of the largest rig keeps.
+// Updates instances first..end - 1, or those at these places of `listed`. Threads may update different instances of the
+// same buffers at the same time. An instance's result does not depend on which others are updated with it. Allocates
+// only in a thread's first updates: the scratch memory that the largest rig's walk needs.
 void update(const NativeRig& rig, const NativeUpdate& update, uint32_t first, uint32_t end, NativeIsa isa);
 void update(const NativeRig& rig, const NativeUpdate& update, uint32_t first, uint32_t end);
 
-// What an update is compared with (bench/cpu_bench.h): its first half alone, and the least that memory takes for bytes
-// that begin and end at a multiple of 64.
+// What an update is compared with (bench/cpu_bench.h): its first half alone, and the least time that writing memory
+// takes. `bytes` begin and end at a multiple of 64.
 void decode_only(const NativeRig& rig, const NativeUpdate& update, uint32_t first, uint32_t end, NativeIsa isa);
 void stream_fill(std::span<std::byte> bytes, NativeIsa isa);
 

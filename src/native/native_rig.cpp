@@ -109,7 +109,7 @@ void NativeRig::put_pose(std::span<const Trs<float>> parent_from_joint, std::spa
                     place % native::kBlockJoints;
         for (size_t c = 0; c < 4; ++c) at[c * native::kBlockJoints] = static_cast<float>(value[c]);
     };
-    for (size_t place = 0; place < kernel_.place_count; ++place) put(place, {0, 0, 0, 1});  // what no joint has
+    for (size_t place = 0; place < kernel_.place_count; ++place) put(place, {0, 0, 0, 1});  // places without a joint
     for (size_t i = 0; i < joints_.size(); ++i) {
         const Trs<double> local = parent_from_joint[joints_[i].joint].as<double>();
         const native::StillJoint& still = rows_.still[i];

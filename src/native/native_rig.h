@@ -3,9 +3,9 @@
 // With B the bind pose of a joint (model_from_bind joint, a similarity), S = M B^-1 obeys S = S_parent L', where L' =
 // B_parent L B^-1: the walk then yields skin matrices with one product a joint. As conjugating by constants is linear,
 // interpolating and blending commute with it, and so do hemispheres and differences of poses: the rows are conjugated
-// once, here. A joint that is not bound, or not by a similarity, has another space for B; palette entries for which S
-// is not the skin matrix, model matrices and sockets are S times a constant. Where joints are scaled differently along
-// x, y and z all B are the identity.
+// once, here. A joint that is not bound, or not by a similarity, uses another space as B. Model matrices, sockets, and
+// those skin matrices that differ from S are S times a constant. If joints are scaled differently along x, y and z,
+// every B is the identity.
 #pragma once
 
 #include "native/aligned.h"
@@ -21,11 +21,11 @@
 namespace throng {
 
 struct NativeRigSettings {
-    uint32_t lod = 0;                 // of Character::lods: joints that do not move in it are left out
+    uint32_t lod = 0;                 // level of detail (Character::lods): joints that do not move in it are left out
     bool keeps_model = false;         // model matrices are written
     std::vector<uint32_t> sockets{};  // joints
-    bool sockets_only = false;        // nothing else is written, and no joint walked that none of them hangs on
-    bool all_move = false;            // poses may be set, in which any joint may be anywhere
+    bool sockets_only = false;        // only sockets are written, and only joints that they depend on are walked
+    bool all_move = false;            // pose overrides may put any joint anywhere
 
     bool operator==(const NativeRigSettings&) const = default;
 };
@@ -38,9 +38,9 @@ public:
 
     uint64_t size_bytes() const;
     uint64_t row_bytes() const { return rows_.size_bytes(); }
-    // masks[mask][joint of the rig], 0..1, in the order that updates read: made once for all of them.
+    // Returns masks[mask][joint of the rig], 0..1, in the order in which updates read them; made once for all updates.
     native::AlignedBytes masks_in_order(std::span<const float> masks) const;
-    // A pose from outside, likewise; of a rig whose joints all move.
+    // Likewise for a pose from outside. The rig must have been made with all_move.
     size_t pose_floats() const { return size_t{kernel_.place_count} * 4; }
     void put_pose(std::span<const Trs<float>> parent_from_joint, std::span<float> pose) const;
     size_t inertia_floats() const { return size_t{kernel_.place_count} * native::kInertiaFloats; }
@@ -52,7 +52,7 @@ private:
     std::vector<native::Emission> emissions_;
     std::vector<float> constants_;
     std::vector<native::RowJoint> joints_;    // in the order of the walk
-    std::vector<uint32_t> joints_of_places_;  // kNone: of none
+    std::vector<uint32_t> joints_of_places_;  // [place]; kNone: no joint
     native::KernelRig kernel_;
 };
 

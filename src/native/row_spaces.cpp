@@ -25,7 +25,7 @@ double unevenness(const Character& character, size_t joint) {
     return worst;
 }
 
-// Whether one scale a joint displaces nothing that could be seen; what joints do adds up from the root down.
+// Whether using one scale a joint displaces nothing visibly; displacements add up from the root down.
 bool has_uniform_scale(const Character& character, std::span<const double> reach) {
     std::vector<double> displaced(reach.size());
     for (size_t joint = 0; joint < reach.size(); ++joint) {
@@ -41,7 +41,7 @@ Similarity rest_of(const Trs<float>& rest) {
     return {normalized(trs.rotation), trs.translation, trs.scale.x != 0 ? trs.scale.x : 1};
 }
 
-// model_from_joint of the rest pose, as far as that is a similarity.
+// model_from_joint of the rest pose, as if all its scales were uniform.
 std::vector<Similarity> rest_poses(const Rig& rig) {
     std::vector<Similarity> poses;
     for (size_t joint = 0; joint < rig.joint_count(); ++joint) {
@@ -72,9 +72,10 @@ std::vector<Similarity> joint_spaces(const Character& character, const std::vect
     return spaces;
 }
 
-// How far from the joint what moves with it may be in any pose: the bones on the way, and the vertices at the end.
+// How far from a joint anything that moves with it may be in any pose: the bones on the way, and the vertices at the
+// end.
 std::vector<double> reaches(const Character& character, const std::vector<Similarity>& rest) {
-    std::vector<double> reach(rest.size(), 0.1 * character.size);  // where nothing hangs on it: an attachment
+    std::vector<double> reach(rest.size(), 0.1 * character.size);  // if nothing hangs on it: an attachment
     for (const MeshSection& section : character.sections)
         for (uint32_t v = 0; v < section.vertex_count; ++v)
             for (uint32_t set = 0; set < section.influence_sets; ++set) {

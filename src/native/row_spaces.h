@@ -14,7 +14,7 @@ struct RowSpaces {
     std::vector<RowJoint> of_joints;  // [joint_count]
 };
 
-// A matrix that makes no difference to be seen.
+// Whether a matrix differs too little from the identity to be seen; `size` is the character's.
 bool is_identity(const AffineT<double>& m, double size);
 
 }  // namespace throng::native

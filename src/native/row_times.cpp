@@ -13,7 +13,7 @@ constexpr uint32_t kMostPieces = 256;
 // How the joints go from one row of keys to the next.
 struct Interval {
     double pieces = 1;     // into which the longest arc must be cut
-    bool is_left = false;  // a track steps: it does not arrive where it goes on
+    bool is_left = false;  // a track steps: it does not end where the next interval begins
 };
 
 bool differ(TrackTarget target, const TrackValue& a, const TrackValue& b) {

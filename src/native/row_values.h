@@ -12,9 +12,9 @@ namespace throng::native {
 
 using Four = std::array<double, 4>;
 
-inline constexpr double kMostWord = 32767;  // of 16 bits
+inline constexpr double kMostWord = 32767;  // the largest word of 16 bits
 
-// What a joint has in all rows of all clips: rotations; translations and, where it is one, scales; three scales.
+// A joint's values in all rows of all clips: rotations; translations, with the scale if it is uniform; three scales.
 struct JointValues {
     std::vector<Four> rotation, motion, scales;
 };
@@ -38,7 +38,7 @@ public:
 
 private:
     const Character& character_;
-    bool uniform_scale_ = false;  // of each joint one: the mean of x, y and z, which are nearly the same
+    bool uniform_scale_ = false;  // one scale a joint: the mean of x, y and z, which are nearly the same
     std::vector<ClipRowTimes> times_;
     std::vector<uint32_t> first_rows_;  // [clip_count + 1]
     size_t row_count_ = 0;

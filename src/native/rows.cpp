@@ -14,7 +14,7 @@ constexpr double kStill = 1e-7;          // parts of the character's size below 
 constexpr double kFineError = 2e-6;      // and above which a joint's words are floats
 constexpr double kPart = 1 / kMostWord;  // a fraction between two rows is off by half of it
 
-// How far one of these components is off at most.
+// The largest error of any of these components.
 double error_of(const RowRange& range, size_t first, size_t end) {
     double error = 0;
     for (size_t c = first; c < end; ++c)
@@ -136,7 +136,7 @@ private:
         check_size(size);
         rows_.bytes = aligned_bytes(size);
         std::memset(rows_.bytes.get(), 0, size);
-        // What no joint has turns nothing: words of 0 are the middle
+        // Places without a joint turn nothing: words of 0 are the middle
         for (uint32_t place = 0; place < rows_.place_count(); ++place)
             for (size_t row = 0; rows_.blocks[place / kBlockJoints].is_float && row < rows_.row_count; ++row)
                 put(row, place, ranges_[place].middle);

@@ -1,5 +1,5 @@
-// The clips of a character as rows of 16-bit words (or floats, where those would be seen) that are interpolated
-// linearly. Of no instruction set; the order of words is in kernel_data.h.
+// The clips of a character as rows that are interpolated linearly: 16-bit words, or floats where the error of words
+// would be visible. Independent of the instruction set; kernel_data.h describes the order of words.
 #pragma once
 
 #include "native/aligned.h"
@@ -17,19 +17,18 @@ namespace throng::native {
 struct RowJoint {
     uint32_t joint = 0;
     Similarity parent_space{}, joint_space{};
-    double reach = 0;  // how far what moves with it may lie away from it, model space
+    double reach = 0;  // how far from it anything that moves with it may lie, model space
 };
 
-// What a joint has where it stands still.
+// The constant values of a joint that stands still.
 struct StillJoint {
     Vec3<double> centre{};                          // of parent_space * parent_from_joint
-    Vec3<double> scale{1, 1, 1};                    // a single one of these spaces: x
-    uint32_t motion = kNoIndex, scales = kNoIndex;  // where it does not: its place among those that move
+    Vec3<double> scale{1, 1, 1};                    // if uniform: one scale of these spaces, three times
+    uint32_t motion = kNoIndex, scales = kNoIndex;  // if it moves: its place among those that do
 };
 
-// Lie at the rows that the character's keys have, so that a cursor (control_io.h) finds its place in them: between two
-// keys there are more of them where an arc differs from its chord, and a row of its own ends the span of keys in which
-// a track steps.
+// Rows lie at the character's rows of keys, so that a cursor (control_io.h) finds its place in them. There are more
+// rows between two keys if an arc differs from its chord, and an extra row ends a span of keys in which a track steps.
 struct Rows {
     AlignedBytes bytes;  // [row_count][row_bytes]
     size_t row_bytes = 0;
@@ -41,7 +40,7 @@ struct Rows {
     std::vector<StillJoint> still;  // [joint]
     uint32_t motion_count = 0, scales_count = 0;
 
-    // Places, of which a block has 16: those of rotations come first.
+    // A block has 16 places. Those of rotations come first.
     static uint32_t rounded_up(size_t count) {
         return static_cast<uint32_t>((count + kBlockJoints - 1) / kBlockJoints * kBlockJoints);
     }
@@ -56,10 +55,10 @@ std::array<double, 4> rotation_row(const RowJoint& joint, const Quaternion<doubl
 std::array<double, 4> motion_row(const RowJoint& joint, const Trs<double>& parent_from_joint, bool uniform_scale);
 
 struct RowSettings {
-    bool uniform_scale = false;  // of each joint one: the mean of x, y and z, which are nearly the same
+    bool uniform_scale = false;  // one scale a joint: the mean of x, y and z, which are nearly the same
     bool all_move = false;       // as if no joint stood still
 };
-// Has the joints given, in their order.
+// Makes rows of the joints given, in their order.
 Rows make_rows(const Character& character, std::span<const RowJoint> joints, const RowSettings& settings);
 
 }  // namespace throng::native

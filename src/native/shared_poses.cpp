@@ -19,7 +19,7 @@ uint64_t interval_count(const Clip& clip, float poses_per_s) {
     return static_cast<uint64_t>(std::ceil(double{clip.duration_s} * poses_per_s));
 }
 
-// A clip's pose by itself.
+// Makes single poses of clips.
 class Poser {
 public:
     Poser(const Character& character, const NativeRig& rig) : character_(character), rig_(rig) {}
@@ -54,7 +54,7 @@ double largest_displacement(const std::vector<Affine>& a, const std::vector<Affi
     return most;
 }
 
-// How far the corners of boxes go, which bound what they hold.
+// How far the corners of boxes go, which bounds how far their content goes.
 class Spread {
 public:
     explicit Spread(const std::vector<Box>& boxes) : boxes_(boxes), places_(boxes.size()) {}

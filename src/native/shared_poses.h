@@ -1,5 +1,5 @@
-// Poses that characters far away may share: of each clip one at equal intervals of time, as skin matrices, and how far
-// off the nearest of them is. They are what baked animation is, but chosen by what a picture shows of the difference.
+// Poses that distant characters may share, as skin matrices: each clip sampled at equal intervals of time, and how far
+// off the nearest sample is. This is baked animation, but chosen by how much of the difference a picture shows.
 #pragma once
 
 #include "cull/cull_io.h"
@@ -18,12 +18,12 @@ struct SharedPoses {
     std::vector<std::byte> skin;  // [row_count][palette_count], in the format that was asked for
 };
 
-// How many there will be, from the lengths of clips alone.
+// How many poses there will be, computed from the lengths of clips alone.
 uint64_t shared_pose_count(const Character& character, float poses_per_s);
 
-// At least `poses_per_s` of each clip, its first and its last moment among them; of the rest pose one. A clip's error
-// is the largest displacement of a vertex, blended linearly, in the middle of each interval and at the clip's keys. The
-// rig is of all joints.
+// Makes at least `poses_per_s` of each clip, including its first and last moment, and one of the rest pose. A clip's
+// error is the largest displacement of a linearly blended vertex in the middle of each interval and at the clip's keys.
+// The rig must have all joints.
 SharedPoses make_shared_poses(const Character& character, const NativeRig& rig, SkinFormat format, float poses_per_s);
 
 }  // namespace throng

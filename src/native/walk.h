@@ -26,8 +26,8 @@ struct Walk {
     uint32_t slot_count = 1;
 };
 
-// Where all palette entries are written, that happens in their order, so that whole lines of the cache are: a joint is
-// walked as late as that allows, and kept where its entry comes later.
+// If all palette entries are written, they are written in order, so that whole cache lines are filled: a joint is
+// walked as late as that order allows, and its matrix is kept if its entry comes later.
 Walk plan_walk(const WalkRequest& request);
 
 }  // namespace throng::native

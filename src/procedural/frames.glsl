@@ -9,10 +9,10 @@ const Real kParallel = 1e-6;  // sine of an angle below which two directions spa
 
 vec3 origin_of(Affine m) { return vec3(m.row0.w, m.row1.w, m.row2.w); }
 
-// The instance's, in the true world.
+// The instance's origin, in the true world.
 vec3 instance_origin() { return origin_of(placement()); }
 
-// Where a joint's parent is: all joints above it, and the placement.
+// The transform of a joint's parent: the placement times all joints above.
 Affine world_from_parent_of(uint joint) {
     Affine model_from_parent = kIdentity;
     for (uint above = parent_of(joint); above != kNone; above = parent_of(above))
@@ -24,7 +24,7 @@ Affine world_from_parent_of(uint joint) {
 
 Affine world_from_joint_of(uint joint) { return affine_multiply(world_from_parent_of(joint), load_local(joint)); }
 
-// A turn of the world as one of a space that lies turned in it: its axis seen from there. Skewed axes are made
+// A turn in world space, expressed in a space that is itself turned: its axis as seen from there. Skewed axes are made
 // orthogonal, x first; a flat space has no turns.
 vec4 turn_within(Affine world_from_space, vec4 turn) {
     const vec3 a = affine_column(world_from_space, 0), b = affine_column(world_from_space, 1),
@@ -36,7 +36,7 @@ vec4 turn_within(Affine world_from_space, vec4 turn) {
     return vec4(dot(x, turn.xyz) * side, dot(y, turn.xyz) * side, dot(z, turn.xyz), turn.w);
 }
 
-// parent_from_joint after a turn of the world about the joint's origin; stored.
+// Turns a joint about its origin, in world space; stores and returns its new parent_from_joint.
 Affine turn_joint(uint joint, Affine world_from_parent, Affine parent_from_joint, vec4 turn) {
     const vec4 q = turn_within(world_from_parent, turn);
     const Affine rotation = affine_from_trs(q, vec3(0), vec3(1)), m = parent_from_joint;
@@ -55,14 +55,14 @@ vec4 arc(vec3 from, vec3 to) {
     return q.w < kParallel ? vec4(normalize(across), 0) : q * inversesqrt(dot(q, q));
 }
 
-// 0..pi, of its sine (not negative) and cosine.
+// The angle, 0..pi, from its sine (not negative) and cosine.
 Real angle_of(Real sine, Real cosine) {
     const Real across = atan_unit(min(sine, abs(cosine)) / max(max(sine, abs(cosine)), 1e-30));
     const Real acute = abs(cosine) < sine ? kHalfPi - across : across;
     return cosine < 0 ? kPi - acute : acute;
 }
 
-// About an axis of length 1, by -pi..pi.
+// A turn about an axis of length 1, by -pi..pi.
 vec4 turn_about(vec3 axis, Real angle_rad) {
     const Real half_rad = min(0.5 * abs(angle_rad), kHalfPi);
     return vec4(axis * (angle_rad < 0 ? -sin_quarter(half_rad) : sin_quarter(half_rad)),

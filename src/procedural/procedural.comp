@@ -1,5 +1,5 @@
 // procedural: rules that move joints after the blend and before the scan; defined in docs/procedural.md.
-// One invocation per instance and chain; the chains of a dispatch touch nothing of each other. Reads 48 bytes a joint
+// One invocation per instance and chain; the chains of a dispatch are independent of each other. Reads 48 bytes a joint
 // of the chain and of all above it, writes 48 a joint (32 each as similarities), and reads and writes 48 a spring.
 #include "gpu/buffers_io.h"
 #include "control/births.glsl"
@@ -17,7 +17,7 @@ BUFFER(kSpringsBuffer, StoredRow, springs);
 // [instance][joint], parent_from_joint
 BUFFER(kLocalBuffer, StoredRow, local);
 CONSTANT(1, bool, kSimilarity, false);
-CONSTANT(2, uint, kKind, 0);  // of the chains: a software device would run the code of all
+CONSTANT(2, uint, kKind, 0);  // of the chains: else a software device would run the code of all kinds
 PUSH(ProceduralPush);
 
 uint instance;
@@ -45,7 +45,7 @@ Affine load_local(uint joint) {
     return Affine(unpack(local[3 * index]), unpack(local[3 * index + 1]), unpack(local[3 * index + 2]));
 }
 
-// `turned` is what comes of a turn of the joint in its parent's space.
+// `turned`: the joint's transform after `turn`, in its parent's space.
 void store_turned(uint joint, vec4 turn, Affine turned) {
     const uint index = instance * push.joint_count + joint;
     if (kSimilarity) {

@@ -172,7 +172,7 @@ private:
         plan_.chains.push_back(std::move(chain));
     }
 
-    // Zero where it is so short that rounding, and whatever an exporter made of no length at all, says where it points.
+    // Zero if it is so short that only rounding, or what an exporter made of a zero length, decides where it points.
     Vec3<float> bone_of(const PlannedChain& chain, size_t k) const {
         constexpr double kShortest = 1e-5;  // of the character's size
         const Vec3<float> bone = any_bone_of(chain, k);
@@ -180,7 +180,7 @@ private:
         return size > kShortest * double{character_.size} ? bone : Vec3<float>();
     }
 
-    // To the next joint; on in the direction of the one before where there is none.
+    // To the next joint; if there is none, onwards in the direction of the bone before.
     Vec3<float> any_bone_of(const PlannedChain& chain, size_t k) const {
         if (k + 1 < chain.joints.size()) return rig_.rest[chain.joints[k + 1]].translation;
         const Trs<float>& rest = rig_.rest[chain.joints[k]];
@@ -192,8 +192,8 @@ private:
     const Character& character_;
     const Rig& rig_;
     uint32_t rule_ = 0;
-    std::vector<double> scales_;            // [joint], at most, of its space in the rest pose
-    std::vector<uint32_t> read_, written_;  // [joint], the first rank behind the last that does
+    std::vector<double> scales_;            // [joint], the largest of its space in the rest pose
+    std::vector<uint32_t> read_, written_;  // [joint], 1 + the last rank that reads or writes it
     std::vector<uint32_t> chain_below_;     // [joint], the child that its chain goes on with
     ProceduralPlan plan_;
 };

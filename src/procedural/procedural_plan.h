@@ -1,4 +1,4 @@
-// Rules as chains of joints, in ranks: chains of one rank touch nothing of each other and may be moved side by side.
+// Rules as chains of joints, in ranks: chains of one rank are independent of each other and can be moved side by side.
 #pragma once
 
 #include "base/error_place.h"
@@ -32,7 +32,7 @@ struct ProceduralPlan {
 // colliders of a rule.
 ProceduralPlan plan_procedural(const ProceduralRules& rules, const Character& character);
 
-// What Crowd::set_target() is given. Throws kInvalidArgument at `place`.
+// Checks what Crowd::set_target() is given. Throws kInvalidArgument at `place`.
 void check_target(uint32_t target, uint32_t target_count, const TargetPlace& value, const ErrorPlace& place);
 
 }  // namespace throng

@@ -16,7 +16,7 @@ struct ProceduralTables {
     std::vector<uint32_t> words;
     std::vector<Dispatch> dispatches;
     uint32_t spring_count = 0, target_count = 0;  // of an instance
-    uint64_t most_steps = 0;                      // of the chain that has most: rounds of loops
+    uint64_t most_steps = 0;                      // rounds of loops, of the chain that has the most
 };
 
 // Throws what plan_procedural() does.

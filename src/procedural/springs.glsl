@@ -2,7 +2,7 @@
 // Difference from it: the step is the backward Euler of a damped oscillator, which no time step makes unstable, and its
 // numbers do not depend on the frame rate.
 
-// A capsule in the world, with the springs' own radius in its own.
+// A capsule in the world; its radius includes the springs' own.
 struct Capsule {
     vec3 a, along;
     Real radius;

@@ -10,17 +10,17 @@
 
 namespace throng {
 
-// Rules sway in multiples of its inverse, so that floats keep their digits at any time
+// Rules sway at multiples of 1 / this, so that floats keep their digits at any time
 inline constexpr double kSwayPeriod_s = 64;
 inline double rounded_sway_hz(double sway_hz) { return std::round(sway_hz * kSwayPeriod_s) / kSwayPeriod_s; }
 
 class WindClock {
 public:
-    // Throws kInvalidArgument for numbers that are not finite or out of range. Gusts go on where they are, unless
-    // direction or wavelength change.
+    // Throws kInvalidArgument for numbers that are not finite or out of range. Gusts continue from where they are,
+    // unless direction or wavelength change.
     void set(const Wind& wind);
     void advance(double time_step_s);
-    // Takes the last advance() back.
+    // Undoes the last advance().
     void step_back();
 
     struct Moment {
@@ -35,7 +35,7 @@ public:
     };
     const Moment& moment() const { return moment_; }
 
-    // Writes or reads what it goes on from.
+    // Writes or reads the state that it continues from.
     template <class Archive>
     void exchange(Archive& archive) {
         archive.value(moment_);

@@ -1,4 +1,5 @@
-// Which parts of the shadow map hold anything, so that light far from all that throws shadows is found without it.
+// Which parts of the shadow map hold anything, so that light far from everything that throws shadows is computed
+// without reading it.
 #pragma once
 
 #include "raster/frame.h"
@@ -7,8 +8,8 @@
 
 namespace throng::raster {
 
-// Of each cell of the map (Frame::casters), how many draws may reach into it or the texels just beyond, by the
-// boxes that skin has left in them.
+// Counts, for each cell of the map (Frame::casters), the draws that may reach into it or the texels just beyond, by the
+// boxes that skin has written to the draws.
 void count_casters(const Frame& frame, std::vector<uint32_t>& counts);
 
 }  // namespace throng::raster

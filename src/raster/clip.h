@@ -7,11 +7,11 @@
 namespace throng::raster {
 namespace {
 
-// Clip coordinates without z, which of the picture is the near distance everywhere.
+// Clip coordinates without z, which in the picture is the near distance everywhere.
 struct ClipVertex {
     double x, y, w;
-    double height;  // of a map
-    // Where the vertex itself lies on the screen, as triangles that are not clipped have it; kFarAway where it does not
+    double height;  // in a map
+    // Where the vertex itself lies on the screen, as in triangles that are not clipped; kFarAway if it does not
     float screen_x = kFarAway, screen_y = kFarAway;
 };
 
@@ -34,7 +34,7 @@ void clip(ClipPolygon& polygon, const Distance& distance) {
         const double from = distance(a), to = distance(b);
         if (from >= 0) inside.add(a);
         if ((from >= 0) == (to >= 0)) continue;
-        // From the same end whichever way the edge is gone: neighbours meet
+        // From the same end whichever way the edge is walked, so that neighbours meet
         const bool turns = from < 0;
         const ClipVertex &p = turns ? b : a, &q = turns ? a : b;
         const double part = (turns ? to : from) / ((turns ? to : from) - (turns ? from : to));
@@ -44,14 +44,13 @@ void clip(ClipPolygon& polygon, const Distance& distance) {
     polygon = inside;
 }
 
-// Subpixels, within the guard whatever the number is.
+// Subpixels as an integer, clamped to the guard whatever the number is.
 INLINE int32_t guarded(double subpixels) {
     constexpr double kMost = double{kGuard};
     return static_cast<int32_t>(subpixels > kMost ? kMost : subpixels >= -kMost ? subpixels : -kMost);
 }
 
-// Calls draw(ScreenTriangle) for each part that is left of a triangle; for none of one with a corner that is not
-// finite.
+// Calls draw(ScreenTriangle) for each part that is left of a triangle; never if a corner is not finite.
 template <Into kInto, class Draw>
 void clip_triangle(const Frame& frame, const ClipVertex (&corners)[3], const Draw& draw) {
     const double half_width = (kInto == Into::kMap ? frame.map_size : frame.width) * 128.0,

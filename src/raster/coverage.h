@@ -1,4 +1,4 @@
-// Alpha to coverage: the text of the shaders.
+// Alpha to coverage: the shaders' source.
 #pragma once
 
 #include <cstdint>

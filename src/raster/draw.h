@@ -1,6 +1,6 @@
-// The triangles of a tile: as many at a time as there are lanes. Most triangles of a crowd lie in one block of samples,
-// where lanes test them. Those of some more pixels are tested one by one with edges that lanes have set up (fitting.h),
-// larger ones by themselves (fill.h).
+// Draws the triangles of a tile, as many at a time as there are lanes. Most triangles of a crowd lie in one block of
+// samples, and are tested in lanes. Those of a few more pixels are tested one by one with edges that were set up in
+// lanes (fitting.h), larger ones entirely one by one (fill.h).
 #pragma once
 
 #include "raster/clip.h"
@@ -56,7 +56,7 @@ void project(const Frame& frame, const Draw& draw, const Screen& to) {
 template <Into kInto, bool kMasked>
 class DrawTriangles {
 public:
-    // `occlusion`: null where nothing of the draw is hidden.
+    // `occlusion`: null if nothing of the draw is hidden.
     DrawTriangles(const Frame& frame, const Tile& tile, const Draw& draw, const Screen& screen,
                   const Occlusion* occlusion)
         : frame_(frame),
@@ -94,7 +94,7 @@ private:
         const Corner a = corner(0, first), b = corner(1, first), c = corner(2, first);
         const Real x0 = min(min(a.x, b.x), c.x), x1 = max(max(a.x, b.x), c.x), y0 = min(min(a.y, b.y), c.y),
                    y1 = max(max(a.y, b.y), c.y);
-        // The pixels of which some sample lies in the box.
+        // The pixels with a sample in the box.
         constexpr float kPerPixel = 1 / kSubpixels;
         const PixelBox box{-floor((Real(float{Of::kLast}) - x0) * kPerPixel),
                            -floor((Real(float{Of::kLast}) - y0) * kPerPixel),
@@ -122,8 +122,8 @@ private:
                                  greatest(choose(live, box.x1, 0)), greatest(choose(live, box.y1, 0)));
     }
 
-    // Triangles whose edges floats count exactly (fitting.h). `is_small`: those in one block of samples, which are
-    // tested in lanes; the others are tested one after another.
+    // Draws triangles whose edges floats compute exactly (fitting.h). `is_small`: those in one block of samples, which
+    // are tested in lanes; the rest are tested one after another.
     INLINE void draw_fitting(uint32_t first, const Corner& a, const Corner& b, const Corner& c, const PixelBox& box,
                              Mask is_small, Mask live) {
         const Real x1 = b.x - a.x, y1 = b.y - a.y, x2 = c.x - a.x, y2 = c.y - a.y;
@@ -167,7 +167,8 @@ private:
         }
     }
 
-    // Triangles of one sample, whose depths lanes find: `samples`, in blocks of pixels that have one each.
+    // Writes triangles of one sample, whose depths are computed in lanes. `samples`: their bits, in blocks of pixels
+    // with one sample each.
     INLINE void write_singles(uint32_t first, Whole samples, const PixelBox& box, const Plane<Real>& planes,
                               Mask live) {
         const Whole place = (bits_of(Real(samples)) >> 23) - 127;  // the bit's number, by its exponent

@@ -1,5 +1,5 @@
-// One triangle of any size, exactly: edges are counted in integers, so that of two triangles that share one each sample
-// belongs to just one, as Vulkan's rule of the top and left edges has it.
+// Fills one triangle of any size, exactly: edges are computed in integers, so that each sample belongs to just one of
+// two triangles that share an edge, by Vulkan's rule of the top and left edges.
 #pragma once
 
 #include "raster/samples.h"
@@ -26,10 +26,11 @@ INLINE Plane<float> plane_of(const ScreenTriangle& t, int64_t doubled_area) {
                            -1 / static_cast<float>(doubled_area));
 }
 
-// An edge at the pixels of a block. Samples lie at multiples of 32 subpixels: of its value they need no more than the
-// whole 32s, which one block's differences leave within 31 bits (2^24 + 2^24 subpixels an edge, 28 + 28 of these).
+// An edge function at the pixels of a block. Samples lie at multiples of 32 subpixels, so the whole 32s of its value
+// are enough. Differences within a block then fit into 31 bits (edges span up to 2^24 + 2^24 subpixels, a block 28 + 28
+// steps of 32).
 struct Edge {
-    int64_t per_x, per_y;  // the change where x, or y, grows by 32 subpixels, divided by 32
+    int64_t per_x, per_y;  // the change when x, or y, grows by 32 subpixels, divided by 32
     int64_t at_origin;     // of the picture
 
     INLINE Edge(const ScreenTriangle& t, int from, int to, int side) {
@@ -39,7 +40,7 @@ struct Edge {
         at_origin = (-per_x * t.x[from] - per_y * t.y[from] - (is_top_or_left ? 0 : 1)) >> 5;
     }
     INLINE int64_t at_pixel(int x, int y) const { return at_origin + 8 * (per_x * x + per_y * y); }
-    // The greatest in a square of pixels that begins there.
+    // The greatest value in a square of pixels that begins there.
     INLINE int64_t greatest(int x, int y, int side) const {
         return at_pixel(x, y) + 8 * side * ((per_x > 0 ? per_x : 0) + (per_y > 0 ? per_y : 0));
     }
@@ -56,7 +57,7 @@ INLINE int32_t within_31_bits(int64_t value) {
 }
 
 struct Box {
-    int x0, y0, x1, y1;  // pixels; the last ones among them
+    int x0, y0, x1, y1;  // pixels, the last ones included
 };
 
 // Calls write(x, y, mask) for each block that has samples in the triangle.
@@ -83,7 +84,7 @@ void fill(const ScreenTriangle& t, const Tile& tile, int64_t area, const Write& 
     for (int e = 0; e < 3; ++e)
         for (int v = 0; v < Block::kVectors; ++v) differences[e][v] = edges[e].difference(Block::x(v), Block::y(v));
 
-    // Number: what an edge's values fit into, there.
+    // Number: a type that the edges' values in `part` fit into.
     const auto fill_box = [&]<class Number>(const Box& part, Number) {
         constexpr int kSide = Block::kSide;
         Number of_row[3], right[3], down[3];
@@ -111,7 +112,7 @@ void fill(const ScreenTriangle& t, const Tile& tile, int64_t area, const Write& 
     constexpr int kCell = 16;  // pixels
     const bool is_large = most(t.x) - least(t.x) > 64 * 256 || most(t.y) - least(t.y) > 64 * 256;
     if (!is_large) return fill_box(box, int32_t{});  // values below 2^14 * 2^14 * 2 / 32
-    // Of a large triangle's box, cells that lie wholly outside of it are skipped.
+    // Skips the cells of a large triangle's box that lie wholly outside the triangle.
     for (int y = box.y0; y <= box.y1; y += kCell)
         for (int x = box.x0; x <= box.x1; x += kCell) {
             if (edges[0].greatest(x, y, kCell) < 0 || edges[1].greatest(x, y, kCell) < 0 ||

@@ -1,4 +1,4 @@
-// Triangles of a few pixels, whose edges floats count exactly: as many at a time as there are lanes.
+// Triangles of a few pixels, whose edges floats compute exactly: as many at a time as there are lanes.
 #pragma once
 
 #include "raster/project.h"
@@ -7,13 +7,13 @@
 namespace throng::raster {
 namespace {
 
-// Pixels, the last ones among them.
+// Pixels, the last ones included.
 struct PixelBox {
     Real x0, y0, x1, y1;
 };
 
-// At least 0 inside, for the samples of subpixels x, y from the first pixel of the triangle's box: those that lie on it
-// belong to the triangle where it is a top or a left edge.
+// An edge function: at least 0 inside, for samples at subpixels x, y from the first pixel of the triangle's box.
+// Samples on the edge belong to the triangle if it is a top or a left edge.
 struct LaneEdge {
     Real per_x, per_y, at;
     INLINE LaneEdge(Real x0, Real y0, Real x1, Real y1, Real side, Real left, Real top) {
@@ -56,15 +56,15 @@ INLINE Whole samples_of_block(const LaneEdge (&edges)[3], const PixelBox& box, c
 
 class FittingTriangles {
 public:
-    // So that all numbers of edges are exact, also in a block that reaches 3 pixels beyond the box: the sum of two
-    // products of at most 9 and 12 times 256 is below 2^24.
+    // Keeps all numbers of edges exact, even in a block that reaches 3 pixels beyond the box: the sum of two products
+    // of at most 9 and 12 times 256 is below 2^24.
     static constexpr int kMostPixels = 8;
 
     INLINE void set_planes(const Plane<Real>& of) {
         const Real numbers[6]{of.x0, of.y0, of.z0, of.per_x, of.per_y, of.most};
         for (int k = 0; k < 6; ++k) store(plane_[k], numbers[k]);
     }
-    // `samples`: of those in one block.
+    // `samples`: for triangles in one block.
     INLINE void set_box(const PixelBox& box, Whole samples) {
         store_any(samples_, samples);
         const Real numbers[4]{box.x0, box.y0, box.x1, box.y1};

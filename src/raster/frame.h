@@ -11,10 +11,10 @@
 
 namespace throng::raster {
 
-// Vertices and triangles lie in blocks of so many, filled up with some of no effect: zeros.
+// Vertices and triangles lie in blocks of this many, filled up with zeros, which have no effect.
 inline constexpr uint32_t kBlock = 16;
-// Vertices in world space lie by fours, each in a line of the cache, since shading reads three of them anywhere: x[4],
-// y[4], z[4], normals[4] (unit; as Vertex has them).
+// Vertices in world space lie in fours, each four in a cache line, since shading reads three vertices from anywhere:
+// x[4], y[4], z[4], normals[4] (unit; as Vertex has them).
 inline constexpr uint32_t kFour = 4, kFourFloats = 4 * kFour;
 inline constexpr uint32_t kBlockFloats = kBlock / kFour * kFourFloats;
 
@@ -37,7 +37,7 @@ enum class Wrap : uint8_t { kRepeat, kClamp, kMirror };
 
 // How textures are read.
 struct Sampling {
-    bool is_nearest = false;  // of texels that are larger than pixels; else they are mixed
+    bool is_nearest = false;  // reads the nearest texel where texels are larger than pixels; else mixes them
     Wrap wrap_u = Wrap::kRepeat, wrap_v = Wrap::kRepeat;
 };
 
@@ -49,10 +49,10 @@ struct Material {
     float normal_scale = 0, occlusion_strength = 0;  // 0: no such map
     float alpha_cutoff = 0;                          // of masks
     bool is_masked = false;                          // alpha leaves out some of it
-    bool is_blended = false;                         // of these: it covers some of a pixel's samples, by its alpha
+    bool is_blended = false;                         // is_masked too: it covers some of a pixel's samples, by its alpha
     bool is_double_sided = false;
     bool has_maps = false;  // more textures than that of the base colour
-    Sampling sampling{};    // of all of them
+    Sampling sampling{};    // of all maps
     // Null: white
     const Texture* base_color_map = nullptr;
     const Texture* metallic_roughness_map = nullptr;
@@ -87,10 +87,10 @@ struct Draw {
     // Written by skin: a box around all vertices, in pixels of the picture and texels of the map
     float picture_box[4] = {};  // x, y of the least corner, of the greatest
     float map_box[4] = {};
-    float nearest = 0;  // the greatest depth of a vertex; 1 where one is before the near plane
+    float nearest = 0;  // the greatest depth of a vertex; 1 if one is nearer than the near plane
 };
 
-// Triangles' numbers are given to draws in blocks of so many.
+// Draws get numbers for their triangles in blocks of this many.
 inline constexpr uint32_t kIdBlock = 64;
 
 // A line of some width, as two triangles in clip coordinates: corners 0 1 2 and 2 1 3.
@@ -118,8 +118,8 @@ struct Frame {
     uint32_t most_vertices = 0;               // of a draw
     const uint32_t* nearest_first = nullptr;  // [draw_count], draws
     const uint32_t* draw_of_ids = nullptr;    // [id / kIdBlock]
-    // After the draws, with ids of their own from first_line_id on, two a line. The first depth_tested_count are hidden
-    // by what is before them; of the others, which cover everything, each covers those after it
+    // Drawn after the draws, with ids of their own from first_line_id on, two a line. The first depth_tested_count are
+    // hidden by what is in front of them. The rest cover everything, and each covers those after it
     const Line* lines = nullptr;
     uint32_t line_count = 0, depth_tested_count = 0;
     uint32_t first_line_id = 0;
@@ -129,7 +129,8 @@ struct Frame {
     // [row of cells][column]: 0 only where the map is empty in the cell's texels and 3 more to the right and below.
     // Null: not known
     const uint32_t* casters = nullptr;
-    // [height][width][sample_count]: depth (its bits; 0: nothing) above ~id: the greatest is seen
+    // [height][width][sample_count]: depth (its bits; 0: nothing) in the high half, ~id in the low half: the greatest
+    // is seen
     uint64_t* samples = nullptr;
     const uint32_t* srgb = nullptr;  // [kSrgbSteps + 1], 0..255, of a linear number
     uint8_t* pixels = nullptr;       // [height][width][4], what resolve writes: red, green, blue, 255
@@ -148,15 +149,16 @@ struct Kernel {
     // Columns of placement * skin, world_from_bind: columns [count][16], four floats a column; skin [count][12], rows
     // of four, as Affine.
     void (*place)(const float* placement, const float* skin, uint32_t count, float* columns);
-    // Fills draw.vertices, and what skin leaves in the draw. `bind`: as Section::bind, in its place where it is not
-    // null (morphed).
+    // Fills draw.vertices, and the draw's boxes and nearest depth. `bind`: as Section::bind, and used in its place if
+    // not null (morphed).
     void (*skin)(const Frame& frame, const float* columns, const float* bind, Draw& draw);
-    // As skin, of vertices that have been skinned: world space, [vertex_count, to a whole block][8] as Section::bind.
+    // As skin, for vertices that have been skinned already: world space, [vertex_count, to a whole block][8] as
+    // Section::bind.
     void (*keep)(const Frame& frame, const float* world, Draw& draw);
-    // What a thread needs for one call of the following.
+    // What a thread needs for one of the following calls.
     size_t (*scratch_bytes)(const Frame& frame);
-    // Draws what lies in the tile of the map, or of the picture, and clears it before unless it is clear. Returns
-    // whether it is clear then. `scratch`: at a multiple of 64.
+    // Clears the tile of the map, or of the picture, unless `is_clear`, then draws what lies in it. Returns whether the
+    // tile is clear afterwards. `scratch`: at a multiple of 64.
     bool (*draw_map)(const Frame& frame, const Tile& tile, bool is_clear, std::byte* scratch);
     bool (*draw_picture)(const Frame& frame, const Tile& tile, bool is_clear, std::byte* scratch);
     // Writes these rows of pixels; all tiles must be finished.

@@ -20,11 +20,11 @@ struct Steps {
     }
 };
 
-// Weights of the corners, right in perspective, by the edges' 2D homogeneous coordinates, which need no clipping
+// Perspective-correct weights of the corners, from the edges' 2D homogeneous coordinates, which need no clipping
 // (M. Olano and T. Greer, Triangle Scan Conversion Using 2D Homogeneous Coordinates, Graphics Hardware 1997).
 class Interpolation {
 public:
-    // x, y: of the point, as corners have it; -1..1 in the picture.
+    // x, y: the point, in the space of the corners; -1..1 in the picture.
     INLINE Interpolation(const ClipPoint (&corners)[3], Real x, Real y) {
         for (int k = 0; k < 3; ++k)
             corners_[k] = {corners[k].x - x * corners[k].w, corners[k].y - y * corners[k].w, corners[k].w};
@@ -46,7 +46,7 @@ public:
     INLINE T at(const T (&corners)[3]) const {
         return corners[0] * weights_[0] + corners[1] * weights_[1] + corners[2] * weights_[2];
     }
-    // By so much to the right, and down.
+    // Steps of `by` to the right, and down.
     INLINE Steps step_x(float by) const {
         return steps([by](const ClipPoint& a, const ClipPoint& b) { return (b.w * a.y - a.w * b.y) * by; });
     }

@@ -1,5 +1,5 @@
-// Numbers of as many lanes as the instruction set has, for texts that compute with one: Lanes is included before
-// (native/lanes_*.h).
+// Numbers with as many lanes as the instruction set has, for code that is written for single numbers. Include a
+// native/lanes_*.h, which defines Lanes, first.
 #pragma once
 
 #include <cstdint>
@@ -19,7 +19,7 @@ INLINE Mask operator|(Mask a, Mask b) { return {Lanes::either(a.m, b.m)}; }
 INLINE Mask operator~(Mask a) { return {Lanes::none_of(a.m)}; }
 INLINE uint32_t bits(Mask m) { return Lanes::bits(m.m); }
 INLINE bool any(Mask m) { return bits(m) != 0; }
-INLINE bool some(Mask m) { return any(m); }  // as the texts of shaders call it
+INLINE bool some(Mask m) { return any(m); }  // as the shaders call it
 INLINE Mask mask_of(uint32_t bits) { return {Lanes::mask_of(bits)}; }
 constexpr uint32_t kAllLanes = (1u << Lanes::kCount) - 1;
 INLINE Mask first_lanes(uint32_t count) {
@@ -31,10 +31,10 @@ struct Whole {
     Lanes::Words v;
     Whole() = default;
     template <class T>
-    requires std::is_same_v<T, int32_t> INLINE Whole(T all) : v(Lanes::Words{} + all) {}  // of no float
+    requires std::is_same_v<T, int32_t> INLINE Whole(T all) : v(Lanes::Words{} + all) {}  // not from a float
     INLINE explicit Whole(Lanes::Words words) : v(words) {}
 };
-// Around at 32 bits, as shaders count.
+// Wraps around at 32 bits, as in shaders.
 using Unsigned = uint32_t __attribute__((vector_size(sizeof(Lanes::Words))));
 INLINE Whole wrapped(Unsigned words) { return Whole(reinterpret_cast<Lanes::Words>(words)); }
 INLINE Unsigned unsigned_of(Whole a) { return reinterpret_cast<Unsigned>(a.v); }
@@ -68,7 +68,7 @@ INLINE Real& operator+=(Real& a, Real b) { return a = a + b; }
 INLINE Real& operator-=(Real& a, Real b) { return a = a - b; }
 INLINE Real& operator*=(Real& a, Real b) { return a = a * b; }
 // a * b + c, rounded once on processors that can. Which products are fused is otherwise the compiler's choice, which
-// may differ wherever it inlines the same text.
+// may differ wherever it inlines the same code.
 INLINE Real multiply_add(Real a, Real b, Real c) { return Real(Lanes::multiply_add(a.v, b.v, c.v)); }
 INLINE float multiply_add(float a, float b, float c) { return Lanes::multiply_add(a, b, c); }
 INLINE Mask operator<(Real a, Real b) { return {Lanes::less(a.v, b.v)}; }
@@ -86,7 +86,7 @@ INLINE uint32_t unsigned_lane(Whole a, int lane) { return static_cast<uint32_t>(
 INLINE Real choose(Mask m, Real yes, Real no) { return Real(Lanes::select(m.m, yes.v, no.v)); }
 INLINE Whole choose(Mask m, Whole yes, Whole no) { return bits_of(choose(m, from_bits(yes), from_bits(no))); }
 
-// The second one where one of the two is NaN.
+// Returns the second operand if either is NaN.
 INLINE Real min(Real a, Real b) { return Real(Lanes::min(a.v, b.v)); }
 INLINE Real max(Real a, Real b) { return Real(Lanes::max(a.v, b.v)); }
 INLINE Whole min(Whole a, Whole b) { return choose(a < b, a, b); }
@@ -105,7 +105,7 @@ INLINE Real smoothstep(Real from, Real to, Real a) {
     const Real part = clamp((a - from) / (to - from), 0, 1);
     return part * part * (3 - 2 * part);
 }
-// Within 2e-7 of it, relatively, above 2^-126; a polynomial of least squares at Chebyshev points.
+// The relative error is within 2e-7 above 2^-126; a least-squares polynomial at Chebyshev points.
 INLINE Real exp2(Real a) {
     const Real at = max(min(a, 127.0f), -126.0f), whole = floor(at), part = at - whole;
     Real p = 0.00187757667f;
@@ -126,7 +126,7 @@ INLINE void store_any(float* p, Real a) { Lanes::store_any(p, a.v); }
 INLINE void store_any(uint32_t* p, Whole a) { store_any(reinterpret_cast<float*>(p), from_bits(a)); }
 INLINE Real gather(const float* p, Whole i) { return Real(Lanes::gather(p, i.v)); }
 INLINE Whole gather(const uint32_t* p, Whole i) { return bits_of(gather(reinterpret_cast<const float*>(p), i)); }
-// Four floats from each lane's place on, the first ones in a; places may be anywhere, and are loads, no gathers.
+// Four floats from each lane's place on, the first ones in a. Places may be anywhere. Made of loads, not gathers.
 INLINE void gather_fours(const float* p, Whole i, Real& a, Real& b, Real& c, Real& d) {
     Lanes::gather_fours(p, i.v, a.v, b.v, c.v, d.v);
 }
@@ -152,7 +152,7 @@ INLINE float greatest(Real a) { return -least(-a); }
 INLINE Real load_fours(const float* p, size_t stride) { return Real(Lanes::fours(p, stride)); }
 INLINE void store_fours(float* p, size_t stride, Real a) { Lanes::store_fours(p, stride, a.v); }
 
-// Four floats whatever the lanes: a column, or a vertex.
+// Four floats, whatever the number of lanes: a column, or a vertex.
 using Four = float __attribute__((vector_size(16), may_alias));
 INLINE Four load_four(const float* p) { return *reinterpret_cast<const Four*>(p); }
 INLINE void store_four(float* p, Four v) { *reinterpret_cast<Four*>(p) = v; }

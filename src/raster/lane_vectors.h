@@ -1,5 +1,5 @@
-// GLSL's vectors and functions for lanes, as far as the texts of draw/*_model.glsl use them. Plain structs, which
-// compilers keep in registers as they do not keep unions.
+// GLSL's vectors and functions for lanes: those that draw/*_model.glsl uses. They are plain structs, since compilers
+// keep those in registers, but not unions.
 #pragma once
 
 #include "raster/lane_types.h"
@@ -132,7 +132,7 @@ INLINE Mask operator!(Mask a) { return ~a; }
 INLINE Mask operator&&(Mask a, Mask b) { return a & b; }
 INLINE Mask operator||(Mask a, Mask b) { return a | b; }
 
-// Of a constant exponent, at least 0: loops are unrolled.
+// For a constant exponent of at least 0: the loop is unrolled.
 INLINE Real pow(Real base, int exponent) {
     Real power = 1;
     for (; exponent > 0; exponent /= 2, base = base * base)

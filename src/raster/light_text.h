@@ -1,10 +1,10 @@
-// The light as lanes compute it: the text of the shaders.
+// The light, computed in lanes by the shaders' source.
 #pragma once
 
 #include "raster/frame.h"
 #include "raster/lane_vectors.h"
 
-// GLSL converts numbers and shadows names.
+// The shaders convert numbers implicitly and shadow names.
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wconversion"
 #pragma GCC diagnostic ignored "-Wfloat-conversion"
@@ -13,7 +13,7 @@
 namespace throng::raster {
 namespace {
 
-// io::DrawScene once more: the numbers of raster::Scene by the names of the texts.
+// io::DrawScene once more: the numbers of raster::Scene by the names that the shaders use.
 struct TextScene {
     Numbers clip_from_world[4], map_from_world[3];
     Numbers eye, forward, right, down, to_sun, ground, fog, picture, shadow;

@@ -1,4 +1,4 @@
-// What alpha leaves of triangles.
+// The alpha of masked and blended triangles.
 #pragma once
 
 #include "raster/interpolation.h"
@@ -7,7 +7,7 @@
 namespace throng::raster {
 namespace {
 
-// Of the draw's triangles, at the centres of pixels of the picture, or texels of the map.
+// Alphas of the draw's triangles, at the centres of pixels of the picture, or texels of the map.
 INLINE Real alphas_of(const Frame& frame, const Draw& draw, bool is_map, Whole triangles, Whole x, Whole y) {
     const Section& section = *draw.section;
     const Material& material = *draw.material;

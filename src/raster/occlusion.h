@@ -33,7 +33,7 @@ public:
         });
         return hidden == 0 ? Hides::kNothing : hidden < count ? Hides::kSome : Hides::kAll;
     }
-    // Pixels of the draw, some of them in the tile; after hides().
+    // Whether all of a box of the draw's pixels is hidden; some lie in the tile. To be called after hides(draw).
     bool hides(const Draw& draw, float x0, float y0, float x1, float y1) const {
         bool hides_all = true;
         for_cells(cells_of(x0, y0, x1, y1), [&](float farthest, uint32_t, uint32_t) {
@@ -54,7 +54,7 @@ private:
     static uint32_t cells(uint32_t pixels) { return (pixels + kCell - 1) / kCell; }
 
     struct Cells {
-        uint32_t x0, y0, x1, y1;  // the last ones among them
+        uint32_t x0, y0, x1, y1;  // the last ones included
     };
     INLINE Cells cells_of(float x0, float y0, float x1, float y1) const {
         const auto cell = [](float at, uint32_t from, uint32_t to) {
@@ -68,7 +68,7 @@ private:
         const auto& box = draw.picture_box;
         return cells_of(box[0], box[1], box[2], box[3]);
     }
-    // Until visit(farthest, x, y) returns false.
+    // Calls visit(farthest, x, y) for each cell, until it returns false.
     template <class Visit>
     INLINE void for_cells(const Cells& in, const Visit& visit) const {
         for (uint32_t y = in.y0; y <= in.y1; ++y)

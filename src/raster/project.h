@@ -9,18 +9,18 @@
 namespace throng::raster {
 namespace {
 
-// As Vulkan's devices have them: places are rounded to 1/256 of a pixel.
+// As on Vulkan devices, places are rounded to 1/256 of a pixel.
 constexpr float kSubpixels = 256;
 // Beyond it, of either sign, subpixels are not exact as floats: what reaches there is clipped first.
 constexpr float kGuard = 0x1p23f;
 constexpr float kFarAway = 0x1p24f;
 
-// Of a vertex's x in Draw::vertices.
+// The index of a vertex's x in Draw::vertices.
 INLINE size_t place_of(uint32_t vertex) { return size_t{vertex / kFour} * kFourFloats + vertex % kFour; }
 
 struct ScreenPoint {
-    Real x, y;   // subpixels, kFarAway where beyond the guard or before the near plane
-    Real depth;  // of the picture 1 at the near plane, 0 infinitely far; of the map the height towards the sun
+    Real x, y;   // subpixels, kFarAway if beyond the guard or nearer than the near plane
+    Real depth;  // in the picture 1 at the near plane, 0 infinitely far; in the map the height towards the sun
 };
 
 INLINE Real row_times(const float (&row)[4], Real x, Real y, Real z) {

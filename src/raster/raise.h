@@ -1,4 +1,4 @@
-// Samples and heights that lie side by side, raised to what is greater: the nearest triangle, the highest point.
+// Raises samples and heights that lie side by side to what is greater: the nearest triangle, the highest point.
 #pragma once
 
 #include "raster/lane_types.h"
@@ -16,8 +16,8 @@ INLINE void raise(float& height, float to) {
     if (height < to) height = to;
 }
 
-// The bits of `mask` say which of the four heights, and of the four or eight samples. `to`, `depths`: at a multiple of
-// 16 bytes, or 32 of eight.
+// The bits of `mask` say which of the four heights, or of the four or eight samples, to raise. `to`, `depths`: at a
+// multiple of 16 bytes, or of 32 for eight.
 #if defined(__AVX512F__)
 
 INLINE void raise_heights(float* heights, uint32_t mask, const float* to) {
@@ -45,7 +45,7 @@ INLINE void raise_eight(uint64_t* samples, uint32_t mask, const float* depths, u
 
 #else
 
-// Four floats, all bits of those that a mask names.
+// For each mask, four words with all bits set in those that the mask names.
 struct FourOf {
     alignas(16) int32_t of[16][4];
 };
@@ -67,7 +67,7 @@ INLINE void raise_heights(float* heights, uint32_t mask, const float* to) {
 
 INLINE void raise_four(uint64_t* samples, uint32_t mask, const float* depths, uint32_t id) {
 #if defined(__AVX2__)
-    // Numbers of 63 bits: depths are above 0
+    // Samples are numbers of 63 bits, since depths are above 0
     const __m256i bit = _mm256_set_epi64x(8, 4, 2, 1), all = _mm256_set1_epi64x(mask);
     const __m256i high = _mm256_slli_epi64(
         _mm256_cvtepu32_epi64(_mm_load_si128(reinterpret_cast<const __m128i*>(depths))), 32);

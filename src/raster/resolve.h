@@ -1,4 +1,4 @@
-// The picture of samples and shadow map that are complete.
+// Makes the picture from samples and a shadow map that are complete.
 #pragma once
 
 #include "raster/shade.h"
@@ -55,7 +55,7 @@ public:
     }
 
 private:
-    // As many as there are lanes, but for those from the column `end` on.
+    // Adds as many pixels as there are lanes, except those from the column `end` on.
     INLINE void add_pixels(const uint64_t* samples, uint32_t column, uint32_t end) {
         const uint32_t left = end - column, pixel_count = left < Lanes::kCount ? left : uint32_t{Lanes::kCount},
                        sample_count = pixel_count * frame_.sample_count;
@@ -127,7 +127,7 @@ private:
         return span_.lists[list];
     }
 
-    // All that have been added.
+    // Shades all items that have been added.
     void shade_items() {
         for (uint32_t i = 0; i < list_count_; ++i)
             for (uint32_t item = span_.lists[i].first; item != kNone;)
@@ -160,7 +160,7 @@ private:
         return item;
     }
 
-    // What the next lanes read: vertices are most of a frame's memory.
+    // Prefetches what the next lanes read: vertices are most of a frame's memory.
     INLINE void prefetch(uint32_t item) const {
         for (uint32_t lane = 0; lane < Lanes::kCount && item != kNone; ++lane, item = span_.items[item].next) {
             const Draw& draw = frame_.draws[span_.items[item].draw];

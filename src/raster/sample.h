@@ -1,5 +1,5 @@
-// Textures read as samplers of the Vulkan renderer do: linear, between mips too, or the nearest of texels that are
-// larger than pixels.
+// Reads textures as the Vulkan renderer's samplers do: linearly, between mips too, or the nearest texel where texels
+// are larger than pixels.
 #pragma once
 
 #include "raster/frame.h"
@@ -8,7 +8,7 @@
 namespace throng::raster {
 namespace {
 
-// Of a positive number, within 2e-5: a polynomial of least squares, exact at powers of two.
+// Of a positive number, within 2e-5: a least-squares polynomial, exact at powers of two.
 INLINE Real log2(Real a) {
     const Whole bits = bits_of(a);
     const Real exponent = Real((bits >> 23) - 127), part = from_bits((bits & 0x7FFFFF) | 0x3F800000) - 1;
@@ -19,7 +19,7 @@ INLINE Real log2(Real a) {
     return exponent + part + part * (1 - part) * p;
 }
 
-// The mip, with a fraction, of a texture whose coordinates change so from a pixel to its neighbours.
+// The fractional mip of a texture whose coordinates change by these steps from a pixel to its neighbours.
 INLINE Real mip_of(const Texture& texture, vec2 step_x, vec2 step_y) {
     const vec2 size(static_cast<float>(texture.width), static_cast<float>(texture.height));
     const vec2 texels_x = step_x * size, texels_y = step_y * size;

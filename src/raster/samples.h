@@ -1,4 +1,4 @@
-// Samples of pixels, and what is written of them: the nearest triangle, or the height of a shadow map.
+// Samples of pixels, and what is written to them: the nearest triangle, or the height of a shadow map.
 #pragma once
 
 #include "raster/frame.h"
@@ -22,7 +22,7 @@ struct Pattern<Into::kPicture4> {
     static constexpr float kX[4]{96, 224, 32, 160}, kY[4]{32, 96, 160, 224};
 };
 
-// A block of 16 samples that are tested at a time: 4 x 4 pixels of one, or 2 x 2 of four, row by row.
+// A block of 16 samples that are tested at a time: 4 x 4 pixels of one sample, or 2 x 2 of four, row by row.
 template <Into kInto>
 struct SampleBlock {
     static constexpr int kSide = kInto == Into::kPicture4 ? 2 : 4;  // pixels
@@ -65,14 +65,14 @@ INLINE Real magnitude(Real a) { return abs(a); }
 // leave the compiler no choice, so that a sample's depth depends on no tile, block or material.
 template <class Number>
 struct Plane {
-    // At least that: 0 means empty, and bits of numbers below 0 do not compare as integers.
+    // Depths are at least this: 0 means empty, and bits of numbers below 0 do not compare as integers.
     static constexpr float kLeastDepth = 0x1p-126f;
 
     Number x0, y0, z0;  // of the first corner; x0, y0: subpixels
     Number per_x, per_y;
     Number most;  // at its corners
 
-    // Subpixels, one or as many as there are lanes.
+    // x, y: subpixels, of one place or as many as there are lanes.
     template <class Place>
     INLINE Place at(Place x, Place y) const {
         const Place of_row = multiply_add(per_y, y - y0, z0);
@@ -80,14 +80,14 @@ struct Plane {
     }
 };
 
-// Of corners 1 and 2, from the first one: subpixels.
+// Corners 1 and 2 relative to the first one, in subpixels.
 template <class Number>
 struct Sides {
     Number x1, y1, x2, y2;
 };
 
-// A shadow map has triangles lower by 1.5 texels of their slope, as by the pipeline's depth bias, so that none shadows
-// itself between the texels.
+// In a shadow map triangles are lowered by 1.5 texels of their slope, like the pipeline's depth bias, so that none
+// shadows itself between the texels.
 template <Into kInto, class Number>
 INLINE Plane<Number> plane_of(Number x0, Number y0, const Sides<Number>& sides, const Number (&z)[3], Number per_area) {
     const Number z1 = z[1] - z[0], z2 = z[2] - z[0], most = greater(greater(z[1], z[2]), z[0]);

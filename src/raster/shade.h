@@ -77,7 +77,7 @@ INLINE vec3 unpacked_normal(Whole packed) {
     return normalize(vec3(choose(is_below, folded(x, y), x), choose(is_below, folded(y, x), y), z));
 }
 
-// Colours of pixels of one row, all of one material. The light's text is inlined into it.
+// Colours of pixels of one row, all of one material. The light's code is inlined into it.
 [[gnu::flatten]] vec3 shaded(const Frame& frame, const TextScene& scene, const Material& material,
                              const ShadeInput& input, float row) {
     LightText text{scene, frame.map, frame.casters};
@@ -120,7 +120,7 @@ INLINE vec3 unpacked_normal(Whole packed) {
     return text.pictured_surface(surface, world, normal, point.area() * load(input.side) < 0);
 }
 
-// Of the ground, or the sky, in as many columns as there are lanes.
+// Colours of the ground, or the sky, in as many columns as there are lanes.
 [[gnu::flatten]] vec3 shaded_background(const Frame& frame, const TextScene& scene, uint32_t column, uint32_t row) {
     LightText text{scene, frame.map, frame.casters};
     const Whole columns = lane_numbers() + static_cast<int32_t>(column), rows = static_cast<int32_t>(row);
@@ -130,7 +130,7 @@ INLINE vec3 unpacked_normal(Whole packed) {
     };
     const vec3 ray = ray_through(columns, rows);
     if (!any(ray.y < 0)) return text.tone_mapped(text.sky_color(normalize(ray)));
-    // As devices have it, by the other pixels of a square of four
+    // Derivatives come from the other pixels of a square of four, as on devices
     const auto position = [&](const vec3& of) { return text.ground_position(text.ground_point(of)); };
     const vec2 at = position(ray);
     return text.background(

@@ -1,4 +1,4 @@
-// Vertices of a draw into world space: as character.vert has it.
+// Brings the vertices of a draw into world space, as character.vert does.
 #pragma once
 
 #include "raster/frame.h"
@@ -9,7 +9,7 @@ namespace throng::raster {
 namespace {
 
 INLINE Four yzx(Four v) { return __builtin_shufflevector(v, v, 1, 2, 0, 3); }
-// yzx of the cross product is this.
+// yzx() of this is the cross product.
 INLINE Four cross_before_turn(Four a, Four b) { return a * yzx(b) - yzx(a) * b; }
 INLINE float dot3(Four a, Four b) {
     const Four p = a * b;
@@ -96,7 +96,7 @@ struct Blended {
 
 #endif
 
-// As pack_normal() of skin/normal.glsl, of any length but 0.
+// As pack_normal() of skin/normal.glsl, for any length except 0.
 INLINE Whole packed_normal(Real x, Real y, Real z) {
     const Real scale = Real(32767) / max(abs(x) + abs(y) + abs(z), 1e-30f), one = 32767;
     const Real u = x * scale, v = y * scale;
@@ -111,8 +111,8 @@ struct WorldVertices {
     Real x, y, z, normal_x, normal_y, normal_z;
 };
 
-// Transposes as many vertices as there are lanes, each its place, 1, its normal and a sign: where that is negative, the
-// normal is turned round.
+// Transposes as many vertices as there are lanes, each given as its place, 1, its normal and a sign: if that is
+// negative, the normal is flipped.
 INLINE WorldVertices turned(const float* vertices) {
     constexpr size_t kApart = 4 * 8;
     WorldVertices to;
@@ -160,7 +160,7 @@ private:
             x1 = max(x1, x);
             y1 = max(y1, y);
         }
-        // Everything, where there is a vertex whose place is not known.
+        // The box is everything if the place of a vertex is not known.
         void set(uint32_t width, uint32_t height, float (&box)[4]) const {
             const bool is_known = greatest(x1) < kFarAway && greatest(y1) < kFarAway;
             box[0] = is_known ? least(x0) / kSubpixels : 0;
@@ -175,8 +175,8 @@ private:
     Real nearest_ = 0;
 };
 
-// Calls vertex(i, to) for each vertex, which sets eight floats as turned() takes them; what fills the last block up
-// is the last vertex again.
+// Calls set_vertex(i, to) for each vertex, which sets eight floats as turned() takes them. The last block is filled up
+// with the last vertex.
 template <class SetVertex>
 INLINE void set_vertices(const Frame& frame, Draw& draw, const SetVertex& set_vertex) {
     const uint32_t count = draw.section->vertex_count;
@@ -202,8 +202,8 @@ INLINE void set_vertices(const Frame& frame, Draw& draw, const SetVertex& set_ve
     extent.set(frame, draw);
 }
 
-// Whether a matrix mirrors is asked of the blended one: rotations that do not, by different axes, may blend to one that
-// does.
+// Whether a vertex is mirrored depends on the blended matrix: rotations about different axes do not mirror, but may
+// blend to a matrix that does.
 void skin(const Frame& frame, const float* columns, const float* bind, Draw& draw) {
     const Section& section = *draw.section;
     if (!bind) bind = section.bind;

@@ -9,7 +9,7 @@
 
 namespace throng::raster {
 
-enum class TexelKind { kColor, kNumbers };  // sRGB but for alpha, or linear
+enum class TexelKind { kColor, kNumbers };  // sRGB except for alpha, or linear
 
 // All mips, each filtered from the one before as a linear blit does (draw/textures.cpp).
 class OwnedTexture {

@@ -40,7 +40,7 @@ void add_unskinned(const Character& character, std::vector<Box>& boxes) {
     for (size_t joint = 0; joint < boxes.size(); ++joint) {
         if (!boxes[joint].empty) continue;
         const auto& row = model_from_joint[joint].row;
-        // By which lengths grow from joint to model space
+        // The factor by which lengths grow from joint to model space
         const double scale = length(Vec3<double>{row[0][0], row[1][0], row[2][0]});
         const double half = character.size * (has_mesh ? kReach : kReachWithoutMesh) /
                             (std::sqrt(3.0) * (scale > kHidden ? scale : 1));
@@ -48,7 +48,7 @@ void add_unskinned(const Character& character, std::vector<Box>& boxes) {
     }
 }
 
-// In bind space: where the vertex is, and where each morph of weight 1 has it.
+// The places of a vertex in bind space: without morphs, and with each morph at weight 1.
 std::vector<Vec3<double>> places_of(const Character& character, const MeshSection& section, const Vertex& vertex) {
     std::vector<Vec3<double>> places{vertex.position.as<double>()};
     for (uint32_t target = 0; vertex.first_delta > 0 && target < section.morph_count; ++target)
@@ -94,7 +94,7 @@ std::vector<Box> bind_boxes(const Character& character) {
 }
 
 std::vector<bool> joints_that_move_alone(const Character& character) {
-    constexpr float kAll = 1 - 1e-5f;  // a weight beside which others are rounding
+    constexpr float kAll = 1 - 1e-5f;  // with such a weight, all others are rounding
     std::vector<bool> alone(character.rig.joint_count(), true);
     visit_influences(character, [&](uint16_t entry, float weight, const Vec3<double>&) {
         if (weight < kAll) alone[character.palette[entry].joint] = false;
@@ -109,7 +109,7 @@ double displacement(const AffineT<double>& difference, const Box& box) {
         return Vec3<double>{difference.row[0][column], difference.row[1][column], difference.row[2][column]} * extent;
     };
     const Vec3<double> x = axis(0, half.x), y = axis(1, half.y), z = axis(2, half.z), a = x + y, b = x - y;
-    double largest = -1;                                           // no comparison with what is no number is true
+    double largest = -1;                                           // no comparison with NaN is true
     for (const Vec3<double>& edge : {a + z, a - z, b + z, b - z})  // a corner and its opposite
         largest = std::max(largest, dot(middle, middle) + dot(edge, edge) + 2 * std::abs(dot(middle, edge)));
     return largest >= 0 ? std::sqrt(largest) : std::numeric_limits<double>::infinity();

@@ -1,4 +1,4 @@
-// Where the skin lies around each joint: what an error of the pose is measured at.
+// Where the skin lies around each joint: where errors of the pose are measured.
 #pragma once
 
 #include <throng/character.h>
@@ -21,15 +21,15 @@ struct Box {
 // that move none, a cube whose half diagonal is 2 % of the character's size, or 10 % where no joint moves any.
 std::vector<Box> influence_boxes(const Character& character);
 
-// [joint_count]: whether each vertex that the joint moves is moved by it alone. Where such a joint is scaled to
-// nothing, nothing of it is to be seen.
+// [joint_count]: whether each vertex that the joint moves is moved by it alone. If such a joint is scaled to nothing,
+// nothing of it can be seen.
 std::vector<bool> joints_that_move_alone(const Character& character);
 
 // [palette_count], in bind space: the vertices that the entry moves with a weight above 0; empty where it moves none.
 std::vector<Box> bind_boxes(const Character& character);
 
-// The largest displacement of a point of the box between two transforms of it, whose difference is given; infinity
-// where that is no number. It is a convex function of the point, so a corner has it; and a vertex moves no further than
+// The largest displacement of a point of the box between two transforms of it, whose difference is given; infinity if
+// that is NaN. It is a convex function of the point, so it is largest at a corner; and a vertex moves no further than
 // the furthest of its joints takes it.
 double displacement(const AffineT<double>& difference, const Box& box);
 

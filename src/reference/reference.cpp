@@ -1,4 +1,4 @@
-// The pipeline sentence in double precision: sample, blend, scan, bind, skin.
+// The pipeline in double precision: sample, blend, scan, bind, skin.
 #include "reference/reference.h"
 
 #include "base/failure.h"

@@ -1,4 +1,4 @@
-// The pipeline sentence in double precision for a character with a controller: control, sample, blend, scan, bind.
+// The pipeline in double precision for a character with a controller: control, sample, blend, scan, bind.
 #include "base/failure.h"
 #include "blend/blend_reference.h"
 #include "blend/inertia_reference.h"

@@ -50,7 +50,7 @@ vec4 packed_rotation(uint track, SlotCursor cursor) {
         pair.later.w = left_out_component(pair.later.xyz);
     }
     vec4 q = mix(pair.earlier, pair.later, cursor.fraction);
-    // The stored order begins behind the component left out
+    // The stored order begins after the component that was left out
     const uint turn = (pair.layout_word >> kPackedLeftOutShift) + 1;
     if ((turn & 1) != 0) q = q.wxyz;
     if ((turn & 2) != 0) q = q.zwxy;

@@ -13,7 +13,7 @@ uint32_t packed_bit_count(const PackedTrack& track, uint32_t component);
 // `count` (0 to 21) bits of `words` from bit `first_bit`.
 uint32_t read_bits(std::span<const uint32_t> words, size_t first_bit, uint32_t count);
 
-// A rotation has unit length but for what quantising cost.
+// A rotation has unit length, up to the error of quantising.
 TrackValue packed_value(const PackedTrack& track, TrackTarget target, const PackedBits& bits);
 
 // One track of a compiled character, exact or packed. Keeps references.
@@ -42,7 +42,7 @@ private:
     bool varies_ = false, step_ = false;
 };
 
-// When the rows of a clip are. [row_count], seconds
+// The times of a clip's rows. [row_count], seconds
 std::span<const float> row_times(const Character& character, uint32_t clip);
 
 // parent_from_joint, between two rows of the clip.

@@ -1,4 +1,4 @@
-// Spherical interpolation, of functions whose precision is known.
+// Spherical interpolation that uses only functions of known precision.
 #ifndef THRONG_SLERP_GLSL
 #define THRONG_SLERP_GLSL
 

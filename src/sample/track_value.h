@@ -1,4 +1,4 @@
-// What a track has at a key, and between two.
+// A track's value at a key, and between two keys.
 #pragma once
 
 #include <throng/character.h>

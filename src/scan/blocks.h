@@ -8,7 +8,7 @@ namespace throng {
 struct Blocks {
     Blocks(const ScanRig& rig, uint32_t block);
 
-    // [joint_count]: the parent where it lies in the joint's block; the first ancestor that does not
+    // [joint_count]: the parent if it lies in the joint's block, else kNone; the first ancestor outside the block
     std::vector<uint32_t> inside, outside;
     // [joint_count]: ancestors in the joint's block; blocks crossed on the way to the root
     std::vector<uint32_t> depths, hops;

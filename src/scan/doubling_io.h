@@ -4,8 +4,8 @@
 #include "scan/scan_io.h"
 THRONG_IO_BEGIN
 
-// links[round * joints + joint]. Each joint has two slots and writes them in turns, the
-// last slot in its last round, and stays there: nothing is copied on.
+// links[round * joints + joint]. Each joint has two slots and writes them in turns, ending with the last slot in its
+// last round. Its product stays there: nothing is copied on.
 THRONG_IO_CONSTANT kDoublingDone = 0xFFFFFFFFu;         // the joint's chain was complete before
 THRONG_IO_CONSTANT kDoublingAncestorMask = 0xFFFFu;     // 2^round above
 THRONG_IO_CONSTANT kDoublingNoAncestor = 1u << 16;      // round 0 of a chain of one joint

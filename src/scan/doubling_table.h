@@ -13,12 +13,12 @@ struct DoublingTable {
 // parents[j] < j, or kNone where the joint's chain ends, be it at a root or where it is cut.
 DoublingTable doubling_table(std::span<const uint32_t> parents);
 
-// What the rounds cost, with a barrier between two. `last_stores_all`: in the last one, a loop of its own, also the
-// joints whose chains were complete before it store theirs.
+// What the rounds cost, with a barrier between two. `last_stores_all`: in the last round, a loop of its own, joints
+// whose chains were complete before store their products too.
 void count_doubling(const DoublingTable& table, uint32_t joint_count, bool reloads, bool last_stores_all,
                     ScanCounter& counter);
 
-// The rounds over all chains; the product of each.
+// Runs the rounds over all chains; returns each joint's product.
 std::vector<Product> flow_doubling(Flow& flow, std::span<const uint32_t> parents);
 
 }  // namespace throng

@@ -9,7 +9,7 @@ CONSTANT(8, bool, kBarriersTwice, false);                  // to measure what ba
 CONSTANT(9, uint, kOnChipCharacters, 1);                   // of a workgroup
 CONSTANT(10, uint, kOnChipTransforms, 1);                  // of all of them
 shared StoredTransform on_chip_locals[kOnChipTransforms];  // [character][joint]
-shared uint on_chip_between_barriers;                      // so that two of them are not merged into one
+shared uint on_chip_between_barriers;                      // keeps two barriers from being merged into one
 uint on_chip_repeat;                                       // counts down to 0
 vec4 on_chip_sink = vec4(0);
 
@@ -49,7 +49,7 @@ void main() {
         barrier();  // the next repeat overwrites what this one shares
 #endif
     }
-    // Never true, which the compiler cannot know: without it what the repeats write would be unused.
+    // Never true, but the compiler cannot know that; without it the repeats' results would be unused.
     if (on_chip_sink.x == 0.12345 || on_chip_between_barriers == 0x12345678)
         scratch[0] = pack(Affine(on_chip_sink, on_chip_sink, on_chip_sink));
 }

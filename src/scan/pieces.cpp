@@ -23,7 +23,7 @@ std::vector<std::vector<uint32_t>> tops_of_pieces(const ScanRig& rig, const Chil
     std::vector<uint32_t> open(rig.joint_count() + 1);  // joints of the subtree that are not cut off yet
     std::vector<uint32_t> below;
     for (uint32_t joint = rig.joint_count() + 1; joint-- > 0;) {
-        // Above all roots: no joint itself, and all that is left is cut off
+        // The node above all roots: not a joint itself, and all that is left below it is cut off
         const bool is_root = joint == rig.joint_count();
         below = children[joint];
         std::stable_sort(below.begin(), below.end(), [&](uint32_t a, uint32_t b) { return open[a] > open[b]; });
@@ -59,7 +59,7 @@ public:
         }
     }
 
-    // Those in the same piece, the neediest last.
+    // The children in the same piece, the one that needs the most slots last.
     std::vector<uint32_t> ordered_children(uint32_t joint) const {
         std::vector<uint32_t> below;
         for (const uint32_t child : children_[joint])
@@ -122,7 +122,7 @@ std::vector<uint32_t> walk_words(const ScanRig& rig, const Piece& piece, const s
     return words;
 }
 
-// Rows of a word for each thread from a list for each thread.
+// Turns a list for each thread into rows of one word for each thread.
 void append_rows(std::vector<uint32_t>& links, const std::vector<std::vector<uint32_t>>& of_thread, uint32_t threads,
                  uint32_t row_count) {
     for (uint32_t row = 0; row < row_count; ++row)
@@ -133,7 +133,8 @@ void append_rows(std::vector<uint32_t>& links, const std::vector<std::vector<uin
 
 struct PathsBetween {
     std::vector<std::vector<uint32_t>> paths;  // [piece], joints of the piece above it, down to the attachment
-    // [piece], that above it; none where that is a root's: nothing lies above it, so its product is the identity
+    // [piece], the piece above it; kNone if there is none, or if that one starts at a root: nothing lies above it, so
+    // its product is the identity
     std::vector<uint32_t> above;
 };
 

@@ -30,7 +30,7 @@ struct PieceTable {
     uint32_t path_row_count = 0, round_count = 0, walk_row_count = 0;
     uint64_t multiplications = 0;  // of all threads
     uint32_t longest_thread = 0;   // multiplications of a thread that has the longest path, rounds and walk
-    // Of the path, which begins with its first joint outside of the loop; of the small scan; of the walk.
+    // The loops of the path, whose first joint is handled outside of the loop; of the small scan; of the walk.
     std::vector<LoopTrips> loops() const;
     uint64_t loop_iterations() const { return uint64_t{path_row_count} + round_count + walk_row_count + 3; }
     double longest_thread_rows = 0;  // that it loads and stores, as ScanCounts::issue_rows has them
@@ -42,7 +42,7 @@ struct PieceTable {
 };
 PieceTable piece_table(const ScanRig& rig, uint32_t threads, double rows_of_local);
 
-// As the shader goes about them.
+// Simulates what the shader does with the pieces.
 Flow flow_pieces(const ScanRig& rig, uint32_t threads, FlowBoundary between_rounds);
 
 }  // namespace throng

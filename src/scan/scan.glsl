@@ -11,8 +11,8 @@
 //   SCAN_ON_CHIP      scan/on_chip.glsl, the benchmark of a method's cost without memory
 //   SCAN_FUSED        fused/fused.glsl, all stages in one pass; in plans that use no model[] and scratch[]
 // A method whose invocations exchange transforms through model[] or scratch[] (same shape) defines SCAN_EXCHANGE as
-// coherent; one that exchanges through shared memory defines SCAN_SHARES. As C++ (gpu/native_text.h) there is but the
-// stage, of methods without barriers.
+// coherent; one that exchanges through shared memory defines SCAN_SHARES. Compiled as C++ (gpu/native_text.h) there is
+// only the stage, and only of methods without barriers.
 #ifndef __cplusplus
 #extension GL_KHR_memory_scope_semantics : require
 #endif

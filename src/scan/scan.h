@@ -8,7 +8,6 @@
 
 namespace throng {
 
-// [instance_count][joint_count] each, but for links and ScanLayout::kTransposed.
 ScanLimits scan_limits(const Gpu& gpu);
 
 // What to run: a method, and its invocations a character: one of thread_choices().
@@ -30,6 +29,8 @@ public:
     const ScanCounts& counts() const { return counts_; }
     uint32_t workgroup_size() const { return workgroup_size_; }
     const Buffer& links() const { return links_; }
+    // Buffers are [instance_count][joint_count] each, or [joint_count][instance_count] with ScanLayout::kTransposed;
+    // except links().
     Bindings bind(const BufferTable& buffers) const { return kernel_.bind(buffers); }
     void record(VkCommandBuffer commands, const Bindings& bindings, uint32_t instance_count) const;
 

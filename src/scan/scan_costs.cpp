@@ -121,7 +121,7 @@ ScanCosts scan_costs_from_json(std::string_view text, const std::string& place) 
     if (origin == json.end() || !origin->is_string())
         throw Failure(ErrorCode::kInvalidFile, place, "'origin' is not a text; 'throng tune' writes the file anew");
     costs.origin = origin->get<std::string>();
-    // It becomes part of a line
+    // It becomes part of a line, which control characters would break
     std::replace_if(
         costs.origin.begin(), costs.origin.end(), [](char c) { return static_cast<unsigned char>(c) < ' '; }, ' ');
     return costs;

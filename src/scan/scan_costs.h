@@ -13,13 +13,13 @@ namespace throng {
 struct ScanCosts {
     double launch_ms = 0;           // of a dispatch, whatever it does
     double row_ns = 0;              // a subgroup loads or stores 16 bytes an invocation
-    double scattered_rows = 1;      // times as much where the rows of its threads lie far apart
+    double scattered_rows = 1;      // the factor on that if the rows of its threads lie far apart
     double multiplication_ns = 0;   // a subgroup multiplies two transforms
     double barrier_ns = 0;          // a subgroup waits at a barrier
     double workgroup_ns = 0;        // a workgroup starts and ends
-    double latency_ns = 0;          // a row follows one that it depends on, when nothing else is there to run
+    double latency_ns = 0;          // a row waits for one that it depends on, with nothing else to run
     double units = 1;               // workgroups that run side by side at full speed: cores, SIMD units
-    double resident_subgroups = 1;  // subgroups that are under way at once
+    double resident_subgroups = 1;  // subgroups that are in flight at once
     double bytes_per_ns = 1;        // of memory, read and written
     std::string origin;             // where these come from, for people
 };

@@ -38,11 +38,11 @@ ScanCounter::Trips ScanCounter::phase(std::span<const uint32_t> multiplications,
             counts_.issue_rows += longest * (kRowsOfAffine + kRowsOfLink) + most_moves * kRowsOfAffine;
             trips.strides += longest + most_moves > 0 ? 1 : 0;
             trips.multiplications += longest;
-            // The stride's own, and the look that ends the inner loop
+            // The stride's own iteration, and the test that ends the inner loop
             loop_iterations_[(first - stride) / subgroup_size_] += longest + 2;
         }
     }
-    for (uint64_t& iterations : loop_iterations_) ++iterations;  // the look that ends the loop over strides
+    for (uint64_t& iterations : loop_iterations_) ++iterations;  // the test that ends the loop over strides
     counts_.loop_iterations = *std::max_element(loop_iterations_.begin(), loop_iterations_.end());
     const auto subgroups = static_cast<double>(loop_iterations_.size());
     return {trips.strides / subgroups, trips.multiplications / subgroups};

@@ -8,8 +8,8 @@
 
 namespace throng {
 
-// How often a subgroup runs a loop of the kernel, all times together that it comes to it; on average over those of a
-// workgroup.
+// How often a subgroup runs a loop of the kernel, summed over all times that it reaches it; an average over a
+// workgroup's subgroups.
 struct LoopTrips {
     std::string_view loop;
     double trips = 0;
@@ -21,21 +21,21 @@ struct ScanCounts {
     uint32_t barriers = 0;         // of the workgroup
     uint32_t shared_bytes = 0;     // a character
     double issue_steps = 0;        // multiplications that a subgroup issues, idle lanes or not
-    // Iterations of the subgroup that has the most, all its loops together; rather too many than too few
+    // Iterations of the subgroup that has the most, over all its loops; errs on the high side
     uint64_t loop_iterations = 0;
     // The lanes of a subgroup load and store rows that lie a piece or a whole character apart
     bool scattered = false;
     // Lines of the cache are begun by one store and completed by a later one
     bool splits_lines = false;
-    // Joints side by side that are stored at once, where these are not all of a character
+    // Adjacent joints that are stored at once, if these are not all of a character
     double run_joints = 0;
-    // What both add to the memory that a joint moves: on an H100, whose subgroups together write more than its cache
-    // holds; and for each run beyond those of 32 joints on an H200, where runs of 8 take 1.06 to 1.10 times as long
-    // (docs/scan.md)
+    // What splits_lines and run_joints add to the memory that a joint moves: the former on an H100, whose subgroups
+    // together write more than its cache holds; the latter for each run beyond those of 32 joints, on an H200, where
+    // runs of 8 take 1.06 to 1.10 times as long (docs/scan.md)
     double split_bytes() const;
     // 16-byte rows that a subgroup loads or stores, likewise, wherever they lie; a link counts as half a row
     double issue_rows = 0;
-    // Of the loops of scan() and what it calls, in the text's order; none: not counted. `throng bench isa` finds the
+    // The loops of scan() and what it calls, in source order; none: not counted. `throng bench isa` finds the
     // instructions of each in machine code.
     std::vector<LoopTrips> loops = {};
 };

@@ -39,7 +39,7 @@ public:
     void phase(std::string label, FlowBoundary before = FlowBoundary::kNothing);
     // The thread's next multiplication in this phase: left * right.
     Product multiply(uint32_t thread, FlowSource source, const Product& left, const Product& right);
-    // A product of the thread's, or a local transform that needs no multiplication.
+    // Stores a product of the thread's, or a local transform that needs no multiplication.
     void store(uint32_t thread, uint32_t joint, const Product& product);
 
     uint32_t rows(uint32_t phase) const;
@@ -66,7 +66,7 @@ struct FlowSettings {
 // What a method brings for its picture.
 struct FlowPicture {
     Flow (*simulate)(const ScanRig& rig, const FlowSettings& settings) = nullptr;  // null: it has none
-    std::string_view note;                                                         // what it does not say itself
+    std::string_view note;                                                         // what the picture does not say
     bool has_blocks = false;
 };
 

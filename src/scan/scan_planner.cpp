@@ -64,7 +64,7 @@ double predict_ms(const ScanPlan& plan, const ScanRig& rig, const ScanMethod& me
                                 plan.instances_per_workgroup *
                                     (counts.issue_steps * costs.multiplication_ns + counts.issue_rows * row_ns);
     const double issue_ns = std::ceil(workgroups / costs.units) * workgroup_ns;
-    // Of subgroups that are wider than the device's own: each instruction takes as many
+    // Subgroups wider than the device's own take this many passes for each instruction
     const double passes = std::max(1.0, static_cast<double>(plan.subgroup_size) / limits.subgroup_size);
     const double latency_ns = std::ceil(workgroups * subgroups / costs.resident_subgroups) * counts.longest_thread *
                               passes * (kRowsOfAffine * row_ns + costs.latency_ns);
@@ -72,7 +72,8 @@ double predict_ms(const ScanPlan& plan, const ScanRig& rig, const ScanMethod& me
                                        kRowsOfAffine) +
                                  counts.split_bytes();
     const double memory_ns = bytes_a_joint * rig.joint_count() * instance_count / costs.bytes_per_ns;
-    // They overlap, but never wholly: of two methods that memory holds back alike, the one with less to do is chosen.
+    // The three overlap, but never wholly: of two methods that memory limits equally, the one with less to do is
+    // chosen.
     constexpr double kNotOverlapped = 0.05;
     const double longest_ns = std::max({issue_ns, latency_ns, memory_ns});
     return costs.launch_ms + 1e-6 * (longest_ns + kNotOverlapped * (issue_ns + latency_ns + memory_ns - longest_ns));

@@ -47,7 +47,7 @@ enum class ScanLayout { kCharacterMajor, kTransposed };
 enum class ScanFormat { kAffine, kSimilarity };  // of local transforms
 constexpr uint32_t bytes_of(ScanFormat format) { return format == ScanFormat::kSimilarity ? 32 : 48; }
 
-// Where a method's fused form stands among those that an update tries: the least order first.
+// The place of a method's fused form among those that an update tries, the lowest order first.
 struct FusedPlace {
     uint32_t order = 0;    // 0: it is not tried
     uint32_t threads = 0;  // invocations a character
@@ -71,14 +71,14 @@ struct ScanMethod {
     // Invocations per character that the method can be told to use, best guess first; 0: as many as it chooses.
     std::vector<uint32_t> (*thread_choices)(const ScanLimits& limits);
     // Which of them `--scan auto` chooses among. Its costs were fitted to these alone; the others are for comparisons,
-    // and for who asks for them. Null: all.
+    // and for users who ask for them. Null: all.
     std::vector<uint32_t> (*planned_choices)(const ScanLimits& limits) = nullptr;
     // Any joint count from 1 to 65,535; `threads` is one of thread_choices().
     ScanPlan (*plan)(const ScanRig& rig, const ScanLimits& limits, uint32_t threads);
     FusedPlace (*fused_place)(const ScanLimits& limits, const FusedNeed& need) = not_tried;
     FlowPicture picture = {};
-    // In figures lines of a higher rank lie over others, and stand behind them in tables and legends: plain methods,
-    // the paper's, ours.
+    // In figures, lines of a higher rank are drawn over others; in tables and legends they come after them: plain
+    // methods, the paper's, ours.
     uint32_t rank = 1000;
     // Plain methods are grey, the paper's orange and dashed, ours green, blue and violet and solid. Within a family
     // lightness, dashes and the shape of the points tell methods apart, so that no pair rests on hue alone.
@@ -109,8 +109,8 @@ struct SharedJoints {
 uint32_t strided_workgroup_size(uint32_t joint_count, const ScanLimits& limits, uint32_t threads = 0);
 std::vector<uint32_t> planned_choices(const ScanMethod& method, const ScanLimits& limits);
 
-// For methods with a thread for each joint: 256 at most, since more may lower the occupancy of GPUs, which is all that
-// the planner considers; or all that a workgroup can have, as the paper has them.
+// For methods with a thread for each joint: at most 256, since more may lower the occupancy of GPUs; the planner
+// considers only this one. Or as many as a workgroup can have, as in the paper.
 std::vector<uint32_t> strided_choices(const ScanLimits& limits);
 
 // Why so much shared memory, `what_for`, is more than the device has; empty where it is not.

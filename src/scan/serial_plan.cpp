@@ -18,8 +18,8 @@ std::vector<Segment> segments_of(std::span<const uint32_t> walk, const std::vect
         if (is_fixed && segments.back().free > 0) segments.emplace_back();
         ++(is_fixed ? segments.back().fixed : segments.back().free);
     }
-    // A software device runs each loop once more than it has steps, so where kinds alternate often it is faster to take
-    // all for free.
+    // A software device runs each loop once more than it has steps, so if fixed and free steps alternate often, it is
+    // faster to treat all as free.
     constexpr double kFixedCost = 0.6;  // of a free step
     double cost = 0;
     for (const Segment& segment : segments) cost += kFixedCost * (segment.fixed + 1) + segment.free + 1;

@@ -12,7 +12,7 @@ namespace {
 
 // In multiplications: what sampling, blending and storing a joint costs. From machine code, docs/performance.md.
 constexpr double kChunkCost = 5;
-constexpr double kCharacterCost = 0.5;  // more where the lanes of a chunk have several characters
+constexpr double kCharacterCost = 0.5;  // extra if the lanes of a chunk have several characters
 // A slot takes shared memory, which at first does not keep other subgroups away (docs/performance.md)
 constexpr double kSlotCost = 0.02, kCostOfManySlots = 0.2;
 constexpr uint32_t kManySlots = 56;
@@ -47,13 +47,13 @@ struct Forest {
 
 using Chunks = std::vector<std::vector<uint32_t>>;
 
-// What a chunk may take of joints whose parents it has taken already.
+// How far a chunk may go down from joints that it has taken itself.
 struct DepthLimit {
     uint32_t most = 0;            // generations below its first
-    bool only_if_needed = false;  // none, while the joints left can be taken a generation a chunk
+    bool only_if_needed = false;  // not at all while a generation a chunk is enough for the joints left
 };
 
-// Always the ready joint with the longest way below it. Source: list scheduling by levels, T. C. Hu, Parallel
+// Always takes the ready joint with the longest way below it. Source: list scheduling by levels, T. C. Hu, Parallel
 // Sequencing and Assembly Line Problems, Operations Research 9 (6), 1961.
 Chunks schedule(const Forest& forest, uint32_t lanes, const DepthLimit& limit) {
     const auto lower = [&](uint32_t a, uint32_t b) {
@@ -147,7 +147,7 @@ std::vector<uint32_t> chunks_of_joints(const Chunks& chunks, size_t joint_count)
     return of_joint;
 }
 
-// Rounds and multiplications of the plan's chunks.
+// Counts the rounds and multiplications of the plan's chunks.
 void count(const Forest& forest, StreamPlan& plan) {
     const std::vector<uint32_t> chunk_of = chunks_of_joints(plan.chunks, forest.joint_count());
     std::vector<uint32_t> depths(forest.joint_count());  // within the chunk
@@ -172,7 +172,7 @@ void count(const Forest& forest, StreamPlan& plan) {
     }
 }
 
-// Where joints wait for children in later chunks.
+// The slots where joints wait for children in later chunks.
 struct Slots {
     std::vector<uint32_t> of_joint;  // kNone where none is needed
     uint32_t count = 0;
@@ -206,8 +206,8 @@ struct Candidate {
     double cost = 0;  // a character, in multiplications of a subgroup
 };
 
-// The chunks of one character, for several side by side: what becomes of a joint does not depend on which of them it
-// is, so that an instance has the same bits whoever shares its subgroup.
+// Repeats the chunks of one character for several side by side: a joint is computed alike in each of them, so that an
+// instance has the same bits whichever others share its subgroup.
 Chunks side_by_side(const Chunks& of_one, uint32_t joint_count, uint32_t characters) {
     Chunks chunks;
     for (const std::vector<uint32_t>& one : of_one) {
@@ -226,7 +226,7 @@ Candidate candidate_of(const Forest& forest, Chunks chunks, uint32_t lanes, uint
     plan.chunks = std::move(chunks);
     uint32_t more_places = 0;
     for (std::vector<uint32_t>& chunk : plan.chunks) {
-        std::ranges::sort(chunk);  // parents stay first, and lanes side by side write side by side
+        std::ranges::sort(chunk);  // parents stay first, and adjacent lanes write adjacent joints
         more_places += place_count(chunk) - 1;
     }
     plan.slots = slots_of(forest.parents, plan.chunks).count;

@@ -22,7 +22,7 @@ struct StreamPlan {
     uint32_t longest_lane = 0;     // multiplications one after the other
 };
 
-// So many invocations a character are so many lanes of a chunk, and so many subgroups with a chunk each.
+// What a number of invocations a character means: the lanes of a chunk, and the subgroups with a chunk each.
 struct StreamTeam {
     StreamTeam(const ScanLimits& limits, uint32_t threads);
 
@@ -37,8 +37,8 @@ struct StreamLimits {
     uint32_t most_characters = 64;
 };
 
-// The best order found: few chunks, joints of a chunk side by side, few rounds, few slots. A chunk costs a transform's
-// making, a round a product. Where none has as few slots as asked for, the one that has the fewest.
+// The best order found: few chunks, joints of a chunk side by side, few rounds, few slots. A chunk costs as much as
+// making a transform, a round as much as a product. If no order has as few slots as asked for, the one with the fewest.
 StreamPlan plan_stream(const ScanRig& rig, const StreamLimits& limits);
 
 // As the shader reads it (scan/stream_io.h).

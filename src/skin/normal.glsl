@@ -23,7 +23,7 @@ vec3 morphed_normal(uint packed, uint morph_count, vec3 difference) {
     return morph_count > 0 ? normalize(normal) + difference : normal;
 }
 
-// By the inverse transpose of m's linear part but for a positive factor: right for non-uniform scale, and for mirrors.
+// By the inverse transpose of m's linear part, up to a positive factor: right for non-uniform scale, and for mirrors.
 vec3 transform_normal(Affine m, vec3 normal) {
     const vec3 c0 = cross(m.row1.xyz, m.row2.xyz), c1 = cross(m.row2.xyz, m.row0.xyz),
                c2 = cross(m.row0.xyz, m.row1.xyz);

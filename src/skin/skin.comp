@@ -1,6 +1,6 @@
-// skin: vertices of instances, morphed and skinned, in model space: for several passes, or for those who read them
-// back. One workgroup per instance. Cost of a vertex: 4 + 32 bytes read, 24 and a skin matrix for each four influences,
-// of which most are in caches; 16 written.
+// skin: vertices of instances, morphed and skinned, in model space, for several passes to use or for reading back. One
+// workgroup per instance. Cost of a vertex: 4 + 32 bytes read, 24 and a skin matrix for each four influences, of which
+// most are in caches; 16 written.
 #include "gpu/buffers_io.h"
 #include "bind/bind_io.h"
 #include "cull/cull_io.h"
@@ -10,7 +10,7 @@
 WORKGROUP_OF_STRIDE(kSkinWorkgroupSize);
 CONSTANT(1, uint, kSkinFormat, kSkinAffine);
 CONSTANT(2, uint, kSkinBlend, kSkinLinear);
-CONSTANT(3, bool, kListed, false);  // what is skinned lies in list
+CONSTANT(3, bool, kListed, false);  // only listed instances are skinned
 READONLY_BUFFER(kVerticesBuffer, VertexRows, vertices);
 READONLY_BUFFER(kInfluencesBuffer, uvec2, influences);
 // [instance][vertex], throng::SkinnedVertex

@@ -11,7 +11,7 @@ namespace {
 static_assert(io::kSkinLinear == static_cast<uint32_t>(SkinBlend::kLinear) &&
               io::kSkinDualQuaternion == static_cast<uint32_t>(SkinBlend::kDualQuaternion));
 
-// Ascending.
+// The distinct vertices, ascending.
 std::vector<uint32_t> vertices_of(std::span<const uint32_t> indices) {
     std::vector<uint32_t> vertices(indices.begin(), indices.end());
     std::ranges::sort(vertices);

@@ -12,8 +12,8 @@
 
 namespace throng {
 
-// Which vertices of a character a level of detail has. Level 0 has all of them, the others those that their triangles
-// have. `influence_offsets`: [1 + lods], of each level's influences from the finest's.
+// Which vertices of a character each level of detail has. Level 0 has all of them, the others those that their
+// triangles use. `influence_offsets`: [1 + lods], how far each level's influences lie behind the finest's.
 struct SkinTables {
     std::vector<io::SkinSection> sections;  // [level][section]
     std::vector<uint32_t> vertices;         // those that sections list
@@ -24,7 +24,7 @@ SkinTables make_skin_tables(const Character& character, std::span<const uint32_t
 void upload_skin_tables(Uploads& uploads, const Character& character, std::span<const uint32_t> influence_offsets,
                         Buffers& buffers);
 
-// Dispatched with io::SkinPush, a workgroup per instance. `listed`: those that the cull stage lists.
+// Dispatched with io::SkinPush, a workgroup per instance. `listed`: only instances that the cull stage lists.
 Kernel skin_kernel(const std::shared_ptr<Gpu>& gpu, SkinFormat format, SkinBlend blend, bool listed);
 
 }  // namespace throng

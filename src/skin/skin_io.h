@@ -11,8 +11,8 @@ THRONG_IO_CONSTANT kSkinLinear = 0;
 THRONG_IO_CONSTANT kSkinDualQuaternion = 1;
 
 // throng::Vertex as a float4, position and normal (its bits), and four words: the bits of two floats, the texture
-// coordinate; colour; first_delta. A number as small as first_delta may not go through a float: as one it would be
-// denormal, and a device may take it for 0.
+// coordinate; colour; first_delta. first_delta must not go through a float: so small a number would be denormal, and a
+// device may take it for 0.
 struct VertexRows {
     vec4 position_normal;
     uvec4 texcoord_color_delta;
@@ -32,8 +32,8 @@ struct SkinPush {
     uint section_count;
     uint vertex_count, palette_count;  // of the character
     uint first_instance;               // where nothing is listed; its vertices are written first
-    uint influence_offset;             // likewise, of influences from those of the section
-    uint only_animated;                // of those listed, only who is animated in this half of the update
+    uint influence_offset;             // likewise: the distance from the section's influences
+    uint only_animated;                // of those listed, only instances animated in this half of the update
     uint has_skin_pool;                // skin matrices lie where skin_rows says
     uint active_morph_limit;           // morph_io.h
 };

@@ -15,12 +15,12 @@ struct WeightedTransform {
     AffineT<double> transform;
 };
 
-// What becomes of one vertex: the weighted sum of the matrices; or of dual quaternions and scales, for matrices that
+// The transform of one vertex: the weighted sum of the matrices; or of dual quaternions and scales, for matrices that
 // are a rotation, a uniform scale and a translation.
 AffineT<double> blended_transform(SkinBlend blend, std::span<const WeightedTransform> transforms);
 
-// The blend of a vertex's skin matrices, on its position with what the active morphs add to it; in the order of
-// Character::vertices, model space.
+// Positions of vertices, with what the active morphs add to them, under the blend of their skin matrices; in the order
+// of Character::vertices, model space.
 std::vector<Vec3<double>> skin_reference(const Character& character, std::span<const AffineT<double>> model_from_bind,
                                          std::span<const WeightedMorph> morphs = {},
                                          SkinBlend blend = SkinBlend::kLinear);

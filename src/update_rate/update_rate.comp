@@ -11,8 +11,8 @@
 WORKGROUP_OF_STRIDE(kUpdateRateWorkgroupSize);
 TABLE_OF_WORDS(kWorkBuffer, work);
 READONLY_BUFFER(kStatesBuffer, uint, states);
-// [instance][row]: rows of four floats, or of four halves, two in one of these. Where previous matrices are not kept,
-// current is previous.
+// [instance][row]: rows of four floats, or of four halves, two such in one row of the table. If previous matrices are
+// not kept, previous and current are the same buffer.
 TABLE_OF_ROWS(kPreviousSkinBuffer, previous_rows);
 TABLE_OF_ROWS(kSkinTargetBuffer, target_rows);
 WRITEONLY_BUFFER(kSkinBuffer, StoredRow, current_rows);
@@ -26,7 +26,7 @@ vec4 floats(uvec4 two, uint at) {
     return vec4(unpackHalf2x16(pair.x), unpackHalf2x16(pair.y));
 }
 
-// `step`: 0 stays, 1 arrives; what it does not go to may hold anything.
+// `step`: 0 stays, 1 arrives; the operand that is then not used may hold anything.
 vec4 went_on(vec4 previous, vec4 target, uint step, bool is_rotation) {
     if (step == 0) return previous;
     if (step == 1) return target;

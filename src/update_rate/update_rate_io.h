@@ -10,7 +10,7 @@ struct UpdateRatePush {
     uint section;  // of the work (cull/cull_io.h)
     uint palette_count;
     uint unused0, unused1;
-    uvec4 entry_counts;  // of each of the kLodCount sets of joints: how many of the entries are its
+    uvec4 entry_counts;  // for each of the kLodCount sets of joints: how many of the entries belong to it
 };
 
 THRONG_IO_END

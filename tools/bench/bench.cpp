@@ -24,7 +24,7 @@ struct BenchOptions {
     bool json = false;
 };
 
-// What its groups are updated by.
+// The path by which the crowd's groups are updated.
 const char* path_of(const Crowd& crowd, size_t group_count) {
     size_t fused_count = 0;
     for (uint32_t group = 0; group < group_count; ++group) fused_count += crowd.path(group)->is_fused ? 1 : 0;

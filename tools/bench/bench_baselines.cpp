@@ -47,7 +47,7 @@ public:
             baseline_.emplace(device.gpu(), *method.baseline, *method.stored, playbacks);
             return;
         }
-        // By the device's shaders, as the baselines, also where a software device would update natively.
+        // On the device's shaders, like the baselines, even if a software device would update natively.
         crowd_ = unwrap(Crowd::create(device, {.groups = {{method.stored, static_cast<uint32_t>(playbacks.size())}},
                                                .path = UpdatePath::kDevice}));
         unwrap(crowd_->set_playback(crowd_->instances(), playbacks));
@@ -80,7 +80,7 @@ private:
     std::optional<bench::BaselineCrowd> baseline_;
 };
 
-// One clip at any time; or, with each of the weights, two clips: different ones where the character has several.
+// One clip at any time; or two clips with each of the weights, different clips if the character has several.
 std::vector<Playback> playbacks_to_compare(const Character& character, bool blended, uint64_t seed) {
     constexpr uint32_t kMoments = 32;
     constexpr std::array kOne{1.0f};
@@ -104,7 +104,7 @@ std::vector<Playback> playbacks_to_compare(const Character& character, bool blen
     return out;
 }
 
-// Distances of all vertices of 32 moments, between what the GPU shows and the reference of the same playback.
+// Distances of all vertices at 32 moments between what the GPU shows and the reference of the same playback.
 Json errors_of(const Device& device, const Method& method, const Character& character, bool blended, uint64_t seed) {
     constexpr double kMm = 1000;  // a unit of the model is a metre
     const std::vector<Playback> playbacks = playbacks_to_compare(character, blended, seed);

@@ -9,7 +9,7 @@ namespace throng::tools {
 void add_bench(Command app);
 void add_tune(Command app);
 
-// Of `bench`.
+// The subcommands of `bench`.
 void add_bench_frame(Command bench);
 void add_bench_cpu(Command bench);
 void add_bench_control(Command bench);

@@ -19,7 +19,8 @@ struct ControlOptions {
     bool json = false;
 };
 
-// Joints of a crowd that is measured with all of them; larger ones get fewer, as small characters in the distance have
+// A crowd with up to so many joints is measured with all of them; in a larger one characters get fewer, as small ones
+// in the distance have
 constexpr uint64_t kMostJoints = 4'000'000;
 
 void print_control_row(const Json& record) {

@@ -36,7 +36,7 @@ Character creature(const CreatureSettings& settings) {
     return unwrap(compile_character(unwrap(make_creature(settings)), {}));
 }
 
-// The crowd of `./run demo`, without its controllers; small ones, of which the camera sees a part; and one alone.
+// The crowd of `./run demo` without its controllers; small characters, of which the camera sees a part; one alone.
 std::vector<std::function<Shown(uint64_t seed)>> generated() {
     return {[](uint64_t seed) {
                 Shown shown{.name = "10,000 of three kinds",
@@ -167,7 +167,7 @@ void add_bench_draw(Command bench) {
         .check(range(1u, 10'000'000u))
         .capture_default_str();
     command.add_option("--size", options->size, "of the picture (with files)").needs(files).capture_default_str();
-    // The crowds that are generated have cameras of their own
+    // Generated crowds have cameras of their own
     for (Option camera : add_camera_options(command, options->camera)) camera.needs(files);
     Option vulkan = command.add_flag("--against-vulkan", options->vulkan,
                                      "also by lavapipe, Mesa's software device (mesa-vulkan-drivers)");

@@ -23,7 +23,7 @@ struct FrameOptions {
     std::string device, report;
     bool quick = false, json = false;
 
-    // Characters of a configuration that has so many.
+    // The number of characters of a configuration that usually has `usual`.
     uint32_t characters(uint32_t usual) const { return count.value_or(quick ? usual / 10 : usual); }
 };
 
@@ -69,7 +69,7 @@ public:
     explicit FrameRun(const FrameOptions& options)
         : options_(options), device_(open_vulkan_device(options.device)), measured_(options.json) {}
 
-    // A run with other keys is another configuration, also where the records of both end in one report.
+    // A run with other keys is another configuration, so that one report can hold the records of both.
     void measure(std::string configuration, const Character& character, const Character* exact, uint32_t count) {
         const std::string keys = keys_text(character);
         if (options_.compile.error != CompileSettings().error) configuration += ", keys " + keys;

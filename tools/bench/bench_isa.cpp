@@ -16,7 +16,7 @@ struct IsaOptions {
     bool json = false;
 };
 
-// Of each loop its own instructions, and how often it runs where that is known.
+// Each loop's own instructions, and how often it runs if that is known.
 std::string loops_text(const Json& record) {
     std::string loops;
     for (const Json& loop : record["loops"]) {

@@ -19,7 +19,7 @@ struct MillionOptions {
     bool json = false;
 };
 
-// Most play one clip, the others are between two.
+// Leaves the fraction `blending` of the playbacks between two clips; the rest play one.
 std::vector<Playback> mostly_one_clip(std::vector<Playback> playback, float blending) {
     const double step = blending;
     double due = 0;

@@ -65,7 +65,7 @@ void run_scan(const ScanOptions& options) {
                             device.info().driver.c_str(), device.info().subgroup_size);
             print_cell(records);
         });
-        // Cell after cell: a long run that is stopped leaves what it has
+        // After each cell, so that a long run that is stopped keeps its results
         if (!options.json.empty()) write_text(options.json, measured.lines());
     });
     measured.finish(options.report, "a scan method");

@@ -1,4 +1,4 @@
-// What the benchmarks' commands share: options, what becomes of their records, and how these stand in tables.
+// What the benchmark commands share: options, what is done with their records, and how tables show them.
 #pragma once
 
 #include "bench/report/records.h"
@@ -23,14 +23,14 @@ void add_report_option(Command command, std::string& file);
 
 void write_text(const std::string& path, const std::string& text);
 
-// --isa: an instruction set, or "all". Throws CommandError where this machine does not have it; else the fastest first.
+// --isa: an instruction set, or "all". Returns the fastest first. Throws CommandError if this machine lacks the set.
 void add_isa_option(Command command, std::string& isa);
 std::vector<NativeIsa> chosen_isas(const std::string& isa);
-// --threads, and what it is where none are given.
+// --threads, and its default.
 void add_threads_option(Command command, std::vector<uint32_t>& threads);
 std::vector<uint32_t> or_all_and_one(std::vector<uint32_t> threads);
 
-// Where --report needs gnuplot and it is missing, that is said before the minutes of work.
+// Throws if --report needs gnuplot and it is missing, so that this is known before minutes of work.
 void check_report(const std::string& file);
 
 // The records of a run.
@@ -43,7 +43,7 @@ public:
 
     const std::vector<Json>& all() const { return all_; }
     std::string lines() const;
-    // Writes the report, where a file is named. Throws, saying that `what` is wrong, where a record is.
+    // Writes the report if a file is named. Throws if a record is wrong, with a message that says `what` is.
     void finish(const std::string& report, const std::string& what) const;
 
 private:
@@ -51,7 +51,7 @@ private:
     std::vector<Json> all_;
 };
 
-// Throws where the result is further off than rounding explains, as a fraction of the character's size.
+// Throws if the error, a fraction of the character's size, is larger than rounding explains.
 void check_error(const std::string& name, double error);
 
 // 0 where the field is missing or no number.
@@ -63,8 +63,8 @@ struct Column {
 };
 void print_columns(const Json& record, std::initializer_list<Column> columns);
 
-// Prints why a record has no times; returns whether it has none. `not_done` is what is said of a method that does not
-// apply. `field` has how far off a wrong result is, where the record has it, and `off` is said behind its number.
+// Prints why a record has no times; returns whether it has none. `not_done` is printed for a method that does not
+// apply. `field` names the error of a wrong result, if the record has it; `off` is printed after its number.
 bool print_untimed(const Json& record, const char* not_done, const std::string& off = " of the size off",
                    const std::string& field = "max_error");
 

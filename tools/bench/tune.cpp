@@ -18,7 +18,7 @@ struct TuneOptions {
     bool quick = false, dry_run = false, json = false;
 };
 
-// The constants of a GPU that is not there.
+// The constants of a GPU that is not in this machine.
 void run_predicted(const TuneOptions& options) {
     const auto machine = std::ranges::find(bench::machines(), options.predicted, &bench::Machine::name);
     const auto [costs, scan_count, median_slack, largest_slack] = bench::predict_scan_costs(
@@ -43,7 +43,7 @@ void run_tune(const TuneOptions& options) {
             "neither XDG_CACHE_HOME nor HOME is set: there is no cache folder to keep the costs in (--dry-run prints "
             "them)");
     std::error_code error;
-    // Said before the work
+    // Checked before the work
     if (!options.dry_run && !std::filesystem::create_directories(file.parent_path(), error) && error)
         throw CommandError(file.parent_path().string() + ": cannot be made: " + error.message());
     const ScanLimits limits = scan_limits(gpu);

@@ -31,10 +31,10 @@ Character compile(const CompileOptions& options) {
     keep_inputs(inputs, {options.out});
     for (const std::string& input : inputs) {
         if (!is_compiled_file(input)) continue;
-        unwrap(load_character(input));  // a damaged one says so
+        unwrap(load_character(input));  // reports damage first
         throw CommandError(input + " is compiled already; give its source, a glTF file");
     }
-    // It may be another file's.
+    // The output may exist and be another kind of file.
     std::error_code unknown;
     if (std::filesystem::exists(options.out, unknown) && !is_compiled_file(options.out))
         throw CommandError(options.out +

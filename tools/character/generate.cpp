@@ -12,7 +12,7 @@ namespace {
 
 struct GenerateOptions {
     std::string kind = "dragon", out;
-    std::optional<uint32_t> joints, levels, faces;  // else what suits the kind
+    std::optional<uint32_t> joints, levels, faces;  // by default what suits the kind
     uint64_t seed = 1;
 };
 

@@ -79,7 +79,7 @@ uint64_t morph_bytes(const Character& character) {
            (character.morph_tracks.size() + character.morph_times_s.size() + character.morph_values.size()) * 4;
 }
 
-// How many times smaller than 10 floats a joint and row, and the error where there is one.
+// How many times smaller than 10 floats per joint and row, and the error if there is one.
 std::string compression_text(uint64_t size_bytes, uint64_t raw_size_bytes, double error, bool packed) {
     char size[64], percent[32] = "exact";
     std::snprintf(size, sizeof(size), "%8.1f KiB  %5.1f : 1  ", static_cast<double>(size_bytes) / 1024,
@@ -204,7 +204,7 @@ void print_text(const Character& character) {
     for (const std::string& warning : character.warnings) std::printf("  warning    %s\n", warning.c_str());
 }
 
-// In the order of their numbers, which calls take; masks and rules take the names.
+// In the order of the joint numbers, which calls take; masks and rules take the names.
 nlohmann::json joints_json(const Rig& rig) {
     nlohmann::json joints = nlohmann::json::array();
     for (uint32_t joint = 0; joint < rig.joint_count(); ++joint) {
@@ -217,7 +217,7 @@ nlohmann::json joints_json(const Rig& rig) {
 
 // As a tree, likewise in order: parents come first.
 void print_joints(const Rig& rig) {
-    constexpr uint32_t kMostShown = 40;  // levels, beyond which lines are indented no more
+    constexpr uint32_t kMostShown = 40;  // levels; deeper lines are not indented further
     std::vector<uint32_t> levels(rig.joint_count());
     for (uint32_t joint = 0; joint < rig.joint_count(); ++joint) {
         const uint32_t parent = rig.parents[joint];
@@ -235,7 +235,7 @@ struct InfoOptions {
 };
 
 void run_info(const InfoOptions& options) {
-    // The file is of interest without a device too; one that was asked for must be there.
+    // The file can be described without a device too, but a device that was asked for must exist.
     const Result<Device> device = Device::create({.select = options.device});
     if (!device && !options.device.empty()) throw CommandError(device.error().text());
     const Character character = unwrap(load_kept_character(options.file, options.compile));

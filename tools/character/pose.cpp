@@ -17,7 +17,7 @@ struct PoseOptions {
     CompileSettings compile{.error = 0, .lods = false};
 };
 
-// What either way of computing gives: the GPU's floats or the reference's doubles.
+// The result of either computation: the GPU's floats or the reference's doubles.
 struct Pose {
     std::string device;
     std::vector<AffineT<double>> model_from_joint, model_from_bind;
@@ -83,7 +83,7 @@ nlohmann::json to_json(const Character& character, const Pose& pose, std::option
         joint_world.push_back(column_major(pose.model_from_joint[joint]));
     }
     for (const MeshSection& section : character.sections) {
-        // Spread evenly over the primitive where not all are asked for.
+        // Spread evenly over the primitive if not all are asked for.
         const uint32_t count = std::min(vertex_limit.value_or(section.vertex_count), section.vertex_count);
         nlohmann::json indices = nlohmann::json::array(), positions = nlohmann::json::array();
         for (uint32_t i = 0; i < count; ++i) {
@@ -116,7 +116,7 @@ void print_text(const Character& character, const Pose& pose) {
     }
 }
 
-// "all" is no limit.
+// "all" means no limit.
 std::optional<uint32_t> parse_vertices(const std::string& text) {
     if (text == "all") return std::nullopt;
     if (const auto limit = parse_number(text)) return limit;

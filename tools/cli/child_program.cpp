@@ -20,8 +20,7 @@ struct CloseFile {
 };
 using File = std::unique_ptr<std::FILE, CloseFile>;
 
-// Files without a name stand at the child's three streams: unlike pipes they are never full, so neither side waits for
-// the other.
+// The child's three streams are unnamed files: unlike pipes they are never full, so neither side waits for the other.
 File temporary_file(const std::string& program) {
     File file(std::tmpfile());
     if (!file) throw Failure(ErrorCode::kFile, program, std::string("no temporary file: ") + std::strerror(errno));

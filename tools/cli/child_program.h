@@ -12,8 +12,8 @@ struct ChildOutput {
     enum class Start { kStarted, kMissing, kRefused } start = Start::kStarted;
 };
 
-// Runs a program found by its name, with `input` at its standard input, to its end. Throws kFile where there is no room
-// for a temporary file.
+// Finds a program by its name and runs it to its end, with `input` as its standard input. Throws kFile if there is no
+// room for a temporary file.
 ChildOutput run_child_program(std::vector<std::string> name_and_arguments, const std::string& input);
 
 }  // namespace throng

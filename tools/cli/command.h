@@ -21,7 +21,7 @@ struct CommandError : std::runtime_error {
     using std::runtime_error::runtime_error;
 };
 
-// An option is not as it should be. The same, with a hint at the command's help, and exit code 2.
+// An option is wrong. Like CommandError, with a hint at the command's help, and exit code 2.
 struct UsageError : std::runtime_error {
     using std::runtime_error::runtime_error;
 };
@@ -41,11 +41,11 @@ std::optional<std::pair<uint32_t, uint32_t>> parse_pair(std::string_view text, c
 // What --size says: WIDTHxHEIGHT. Throws UsageError.
 RendererSettings parse_size(const std::string& text);
 
-// Throws UsageError where a picture's name has another ending than .png, or none.
+// Throws UsageError if a picture's name does not end in .png.
 void check_png_name(const char* option, const std::string& out);
 
 Device open_device(const std::string& select);
-// One of Vulkan, for what measures its kernels.
+// A Vulkan device, for commands that measure its kernels.
 Device open_vulkan_device(const std::string& select);
 
 std::vector<Character> load_characters(const std::vector<std::string>& files, const CompileSettings& settings);
@@ -71,7 +71,7 @@ struct ClipTotals {
 // "exact", or the largest error that compression made in a clip, in percent of the size.
 std::string keys_text(const Character& character);
 
-// The clip with this name, or else with this number. Throws where there is none, naming those there are.
+// The clip with this name, or else with this number. Throws if there is none, naming those there are.
 uint32_t find_clip(const Character& character, const std::string& name_or_index);
 
 // Prints warnings to stderr, a line each.
@@ -82,7 +82,7 @@ void print_progress(const std::string& text);
 
 void print_json(const nlohmann::json& json);
 
-// As replace_file(), with a CommandError.
+// Like replace_file(), but throws a CommandError.
 void write_file(const std::filesystem::path& path, std::span<const std::byte> bytes);
 
 }  // namespace throng::tools

@@ -1,4 +1,4 @@
-// What a view has listed, in numbers.
+// Counts of what a view has listed.
 #pragma once
 
 #include <throng/crowd.h>

@@ -27,8 +27,8 @@ std::optional<FileOnDisk> on_disk(const std::filesystem::path& path, const std::
     return FileOnDisk{status.st_dev, status.st_ino, name};
 }
 
-// The files that a glTF file names. Of any other file none, and of a broken one what can be found: who reads it says
-// what is wrong.
+// The files that a glTF file refers to; none for any other file. For a broken file, whatever can be found: the loader
+// reports what is wrong.
 std::vector<FileOnDisk> side_files(const std::string& file) {
     std::vector<FileOnDisk> found;
     const std::filesystem::path path = file, folder = path.has_parent_path() ? path.parent_path() : ".";
@@ -43,7 +43,7 @@ std::vector<FileOnDisk> side_files(const std::string& file) {
                 const std::string uri = item.required_string("uri");
                 if (gltf::is_data_uri(uri)) continue;
                 const auto named = as_result([&] { return gltf::resolve_side_file(uri, folder, file); });
-                if (!named) continue;  // another one may be there
+                if (!named) continue;  // the list may have valid ones
                 if (auto side_file = on_disk(*named, uri + " of " + file)) found.push_back(std::move(*side_file));
             }
     };

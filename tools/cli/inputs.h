@@ -1,4 +1,4 @@
-// Files that a command reads are not to be written over by it.
+// Keeps a command from overwriting the files that it reads.
 #pragma once
 
 #include <filesystem>
@@ -7,9 +7,9 @@
 
 namespace throng::tools {
 
-// Throws a CommandError where one of `outs` is the same file as one of `inputs`, or as a buffer or an image that a
-// glTF file among those names, whatever the spelling and through links. To be called before the work is done: an out
-// that is not there yet costs next to nothing.
+// Throws a CommandError if one of `outs` is the same file as one of `inputs`, or as a buffer or an image that a glTF
+// file among `inputs` refers to, whatever the spelling and through links. Call it before the work is done: an out that
+// does not exist yet costs next to nothing.
 void keep_inputs(const std::vector<std::string>& inputs, const std::vector<std::filesystem::path>& outs);
 
 }  // namespace throng::tools

@@ -35,7 +35,7 @@ private:
     uint64_t crc_ = 0;
 };
 
-// Of whatever compiles: another build of the library is another file, or has another time.
+// Adds the build of the code that compiles: another build of the library has another size or time.
 bool add_build(Key& key) {
     Result<Character> (*const compiles)(const Asset&, const CompileSettings&, const LoadHooks&) = &compile_character;
     Dl_info library{};
@@ -48,7 +48,7 @@ bool add_build(Key& key) {
     return true;
 }
 
-// All of a .glb file that has no side files. False where it is none.
+// Adds all of a .glb file that has no side files. False if it is anything else.
 bool add_file(Key& key, const std::string& file) {
     struct Head {
         char magic[4];
@@ -57,7 +57,7 @@ bool add_file(Key& key, const std::string& file) {
     static_assert(sizeof(Head) == 20);
     constexpr uint32_t kMostJson_bytes = 1u << 28;
     std::error_code error;
-    if (!fs::is_regular_file(file, error)) return false;  // load_character() says so, where a pipe would be waited for
+    if (!fs::is_regular_file(file, error)) return false;  // a pipe would block here; load_character() reports it
     std::ifstream stream(file, std::ios::binary);
     Head head{};
     stream.read(reinterpret_cast<char*>(&head), sizeof head);
@@ -76,7 +76,7 @@ bool add_file(Key& key, const std::string& file) {
     return true;
 }
 
-// Where it is kept, or would be; none where nothing can be.
+// Where the character is or would be kept; none if it cannot be.
 std::optional<fs::path> kept_file(const std::string& file, const CompileSettings& settings) {
     const fs::path folder = cache_folder();
     Key key;
@@ -90,7 +90,7 @@ std::optional<fs::path> kept_file(const std::string& file, const CompileSettings
     return folder / "characters" / name.data();
 }
 
-// Those that nobody has asked for the longest.
+// Removes the characters that have been unused for longest.
 void remove_oldest(const fs::path& folder) {
     struct Kept {
         fs::file_time_type used;

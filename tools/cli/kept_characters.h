@@ -1,4 +1,4 @@
-// Compiled characters in the user's cache folder, so that a file which is drawn again need not be compiled again.
+// Compiled characters in the user's cache folder, so that a file that is drawn again need not be compiled again.
 #pragma once
 
 #include <throng/character.h>
@@ -7,9 +7,9 @@
 
 namespace throng::tools {
 
-// load_character(); or what it gave for the same bytes under the same name, with the same settings, by the same build
-// of throng. .glb files without side files are kept, the latest 1 GiB of them; nothing where the folder cannot be
-// written.
+// load_character(), or what it returned before for the same bytes under the same name, with the same settings and the
+// same build of throng. Keeps only .glb files without side files, the latest 1 GiB of them, and nothing if the folder
+// cannot be written.
 Result<Character> load_kept_character(const std::string& file, const CompileSettings& settings);
 
 }  // namespace throng::tools

@@ -19,7 +19,7 @@ Check check_of(const CLI::Validator& validator) {
     return {[validator](const std::string& text) { return validator(text); }, validator.get_description()};
 }
 
-// The command that the words have come to.
+// The innermost command that the words have selected.
 const CLI::App& innermost(const CLI::App& app) {
     const std::vector<CLI::App*> given = app.get_subcommands();
     return given.empty() ? app : innermost(*given.back());
@@ -30,7 +30,7 @@ std::string name_of(const CLI::App& command) {
     return (command.get_parent() ? name_of(*command.get_parent()) + " " : "") + command.get_name();
 }
 
-// What to say of a word that a command does not know.
+// The message for a word that a command does not know.
 std::string unexpected(const CLI::App& command, const std::string& word) {
     if (!word.starts_with("-") && !command.get_subcommands({}).empty()) {
         KnownNames commands("command");

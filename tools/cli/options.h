@@ -1,5 +1,5 @@
-// What a command says of its options. CLI11 reads them, in options.cpp alone: a file that includes it takes 5 s
-// longer to compile.
+// How a command declares its options. Only options.cpp includes CLI11, which parses them: a file that includes it
+// takes 5 s longer to compile.
 #pragma once
 
 #include <throng/character.h>
@@ -25,7 +25,7 @@ namespace throng::tools {
 
 // A check of the text of an option, before it is taken.
 struct Check {
-    std::function<std::string(const std::string& text)> what_is_wrong;  // nothing, where the text is right
+    std::function<std::string(const std::string& text)> what_is_wrong;  // empty if the text is right
     std::string values{};                                               // what help calls them
 };
 
@@ -34,15 +34,15 @@ Check range(uint32_t least, uint32_t most);
 Check range(double least, double most);
 Check is_member(const std::vector<std::string>& names);
 Check existing_folder();
-// For options in seconds: "nan" and "inf" would be taken for numbers otherwise.
+// For options in seconds: otherwise "nan" and "inf" would pass as numbers.
 Check finite();
-// A name of scan_methods(), with invocations a character or without, or one of `others`.
+// A name of scan_methods(), with or without invocations a character, or one of `others`.
 Check scan_name(const std::vector<std::string>& others);
-// For files to write. Said before the work is done: the folder must be there and writable, and what stands there
-// already a plain file.
+// For files to write, checked before the work is done: the folder must exist and be writable, and a file that exists
+// already must be a plain file.
 Check writable_file();
 
-// One that a command has; each function returns the option itself.
+// An option of a command; each setter returns the option itself.
 class Option {
 public:
     explicit Option(CLI::Option* option) : option_(option) {}
@@ -53,9 +53,9 @@ public:
     Option expected(int count);
     Option needs(Option other);
     Option excludes(Option other);
-    // From help.
+    // Hides it from help.
     Option hide();
-    // What help says of an option that is not given: the value that its variable has now, or this.
+    // The default that help shows: the value that its variable has now, or this text.
     Option capture_default_str();
     Option default_str(const std::string& text);
 
@@ -78,13 +78,13 @@ public:
     using Variable = std::variant<std::string*, uint32_t*, uint64_t*, float*, double*, std::optional<uint32_t>*,
                                   std::optional<uint64_t>*, std::vector<std::string>*, std::vector<uint32_t>*,
                                   std::vector<float>*, std::vector<double>*>;
-    // Without dashes, names an argument. `value` must live until the command has run.
+    // A name without dashes makes it a positional argument. `value` must live until the command has run.
     template <class T>
     Option add_option(const std::string& names, T& value, const std::string& description) {
         return add_variable(names, &value, description);
     }
     Option add_flag(const std::string& names, bool& value, const std::string& description);
-    // One of the names, or its number.
+    // Takes one of the names, or its number.
     template <class Enum>
     Option add_choice(const std::string& names, Enum& value, const std::map<std::string, Enum>& choices,
                       const std::string& description) {
@@ -98,7 +98,7 @@ public:
         return add_numbered(names, set, numbers, description).default_str(by_default);
     }
     void footer(const std::string& text);
-    // What it does once all is parsed.
+    // What the command does once everything is parsed.
     void callback(std::function<void()> run);
     // The same, with options that live as long as the command.
     template <class Options>
@@ -118,8 +118,8 @@ private:
     CLI::App* app_;
 };
 
-// Runs the command that the words name, of those that `add_commands` adds; or prints help. Throws UsageError, and what
-// that command throws.
+// Runs the one of the commands added by `add_commands` that the arguments name, or prints help. Throws UsageError, and
+// what that command throws.
 void run_command_line(int argc, char** argv, void (*add_commands)(Command app));
 
 // --device, for every command that uses one.

@@ -1,11 +1,11 @@
-// What the programs of the command line share: `throng`, and those beside it that have some of its commands.
+// What the command-line programs share: `throng`, and the programs beside it that implement some of its commands.
 #pragma once
 
 #include "tools/cli/options.h"
 
 namespace throng::tools {
 
-// A command that is a program of its own, so that who only draws has to build neither benchmarks nor a viewer.
+// A command that is a program of its own, so that those who only draw need not build the benchmarks or the viewer.
 struct OwnProgram {
     const char *command, *program, *description;
 };
@@ -15,10 +15,10 @@ inline constexpr OwnProgram kBench{"bench", "throng-bench",
     kView{"view", "throng-view",
           "a window with a crowd of one or several files: fly through it, change it, look at one; keys by ?"};
 
-// Becomes the program, which lies beside this one. Returns only by CommandError, where it cannot.
+// Replaces this process by the program, which lies beside this one. Never returns; throws CommandError if it cannot.
 [[noreturn]] void become(const OwnProgram& program, char** argv);
 
-// Returns the exit code of main(). `run` may throw; what it says goes to stderr, in a line.
+// Returns the exit code of main(). `run` may throw; the message goes to stderr, as one line.
 int run_program(int argc, char** argv, void (*run)(int argc, char** argv));
 
 }  // namespace throng::tools

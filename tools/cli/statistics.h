@@ -11,7 +11,7 @@ struct Spread {
     double p5 = 0, median = 0, p95 = 0;
 };
 
-// Each is one of the values: the nearest rank. Of no values, zeros.
+// Each is one of the values (nearest rank); zeros if there are no values.
 inline Spread spread_of(std::vector<double> values) {
     if (values.empty()) return {};
     std::sort(values.begin(), values.end());

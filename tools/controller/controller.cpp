@@ -110,7 +110,7 @@ void print_text(const Controller& controller, const CheckOptions& options) {
 
 void run_check(const CheckOptions& options) {
     const Controller controller = unwrap(load_controller(options.file));
-    const CompileSettings quickly{.error = 0, .lods = false};  // else it would take longer than the check
+    const CompileSettings quickly{.error = 0, .lods = false};  // or compiling would take longer than the check
     std::vector<std::string> warnings = controller_warnings(controller);
     for (const Character& character : load_characters(options.characters, quickly)) {
         unwrap(check_controller(controller, character));

@@ -31,7 +31,7 @@ std::string layer_label(const ControllerLayer& layer) {
     return label({layer.name + " (" + how + ")"});
 }
 
-// As motion_text(); many clips as their number, which keeps the node narrow.
+// Like motion_text(), but gives only the number of many clips, which keeps the node narrow.
 std::string short_motion_text(const ControllerState& state) {
     if (state.points.size() <= 3) return motion_text(state);
     return std::to_string(state.points.size()) + " clips by " + state.x_parameter +
@@ -47,7 +47,7 @@ std::string transition_edge(const std::string& from, const std::string& to, cons
     std::string timing;
     for (const std::string& part : timing_text(transition)) timing += (timing.empty() ? "" : ", ") + part;
     const std::string style = transition.fade == FadeKind::kInertial ? ", style=dashed" : "";
-    // Not upon the edge
+    // Keeps the label off the edge
     const auto beside = [](const std::string& line) { return line.empty() ? line : " " + line + " "; };
     return "    " + from + " -> " + to + " [" + label({beside(conditions_text(transition)), beside(timing)}) + style +
            "];\n";

@@ -64,8 +64,8 @@ std::string factor_text(float number, const std::string& parameter) {
 
 namespace {
 
-// A transition with an `exit` waits until its state has played so far: a state that stands still never leads anywhere,
-// which looks like a bug of the game. `reason_of` says why a state stands still; empty where it does not.
+// A transition with an `exit` waits until its state has played that far: a state that stands still never leads
+// anywhere, which looks like a bug of the game. `reason_of` says why a state stands still; empty if it does not.
 template <class ReasonOf>
 void warn_of_exits(std::vector<std::string>& warnings, const Controller& controller, const ReasonOf& reason_of) {
     for (const ControllerLayer& layer : controller.layers)

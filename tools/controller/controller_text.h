@@ -13,7 +13,7 @@ std::string number_text(float value);
 // "idle"; "walk at 1.4, run at 4 by speed"
 std::string motion_text(const ControllerState& state);
 
-// "once, speed -1"; empty of what loops at speed 1
+// "once, speed -1"; empty if it loops at speed 1
 std::string play_text(const ControllerState& state);
 
 // "speed > 0.1, alert, not tired, jump triggered"; empty without conditions
@@ -25,9 +25,9 @@ std::vector<std::string> timing_text(const ControllerTransition& transition);
 // What a number is multiplied by: "0.5", "pace", "0.5 * pace"
 std::string factor_text(float number, const std::string& parameter);
 
-// What can hardly be meant, a line each: states that no transitions lead to, transitions that cannot be taken.
+// Probable mistakes, one per line: states that no transitions lead to, transitions that cannot be taken.
 std::vector<std::string> controller_warnings(const Controller& controller);
-// What can hardly be meant of this character: clips that share their name, transitions that wait for the end of clips
+// Probable mistakes with this character: clips that share their name, transitions that wait for the end of clips
 // without length.
 std::vector<std::string> controller_warnings(const Controller& controller, const Character& character);
 

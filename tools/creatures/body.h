@@ -18,10 +18,10 @@ struct Influence {
 using Influences = std::vector<Influence>;
 
 // Joints one after the other along a limb. Joint k stands at begin + k * step of the outline and moves what comes after
-// it. A limb without joints of its own is moved by what it grows out of.
+// it. A limb without joints of its own follows what it grows out of.
 struct Chain {
-    std::string_view part;      // what it is: "tail", "leg"; joints and motion are called after it
-    uint32_t parent_joint = 0;  // that the first joint hangs from
+    std::string_view part;      // what it is: "tail", "leg"; joints and motion are named after it
+    uint32_t parent_joint = 0;  // the joint that the first one hangs from
     uint32_t first_joint = 0, joint_count = 0;
     Outline outline;
     double begin = 0, step = 0;
@@ -58,28 +58,28 @@ public:
 
 protected:
     uint32_t room_below(uint32_t joint) const { return level_count_ - body_.level[joint]; }
-    // The joint itself or the nearest before it that has a level below it. The root has, wherever joints are left.
+    // The joint itself, or its nearest ancestor with a level left below it. The root has one while joints are left.
     uint32_t with_room(uint32_t joint) const;
 
-    // `sign` -1 where the joints go against the outline's direction.
+    // `sign` is -1 if the joints go against the outline's direction.
     void add_root(const Outline& outline, double t, double sign, const Vec& up);
     // Adds the chain's joints; its outline, begin and step are set.
     const Chain& add(Chain chain);
-    // A limb of its own, from its first station to its last, of as many of its joints as there is room for.
+    // Adds a limb from its first station to its last, with as many of its joints as there is room for.
     const Chain& add_limb(Chain limb);
-    // The same, on the joint that moves the flesh at t of the chain, or the nearest before it that has room. That flesh
-    // moves its base.
+    // The same, on the joint that moves the flesh at t of the chain, or the nearest before it that has room. The flesh
+    // there moves the limb's base.
     const Chain& add_limb_on(const Chain& chain, double t, Chain limb);
 
-    uint32_t level_count_, left_;  // joints still to be dealt
+    uint32_t level_count_, left_;  // left_: joints still to be dealt
     Body body_;
 
 private:
     void place(uint32_t joint, double t, double sign, const Outline& outline, const Vec& up);
 };
 
-// Deals `joint_count` joints out to limbs of at most `wish` each, on as few sites as have room for them but at least
-// `fewest`: [site] joints. `room(site, site_count)` is at least 1.
+// Deals `joint_count` joints out to limbs of at most `wish` joints each, on as few sites as have room for them but at
+// least `fewest`. Returns [site] joints. `room(site, site_count)` is at least 1.
 std::vector<uint32_t> share_out(uint32_t joint_count, uint32_t wish, uint32_t fewest,
                                 const std::function<uint32_t(uint32_t, uint32_t)>& room);
 

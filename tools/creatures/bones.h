@@ -5,12 +5,12 @@
 
 namespace throng::creature {
 
-// Joints along a limb and the interval of the outline that each moves; bounds ascend, one more than joints. The root
-// alone, where nothing else is said.
+// Joints along a limb and the interval of the outline that each moves; bounds ascend, one more than joints. By default
+// the root alone.
 struct Bones {
     std::vector<uint32_t> joints{0};
     std::vector<double> bounds{0, 1};
-    // Where not empty, it stands for joints[0]: the limb grows out of flesh that several joints move
+    // If not empty, it takes the place of joints[0]: the limb grows out of flesh that several joints move
     Influences base{};
     double blend = 1;  // the part of a bone over which it gives way to its neighbour, at each of its ends
 };
@@ -20,7 +20,7 @@ Influences influences_at(const Bones& bones, double t, double scale = 1);
 
 // The joint that the limb hangs from comes first, so that the skin does not tear there.
 Bones bones_of(const Chain& chain);
-// The bones of what does not bend by itself.
+// Bones for a piece that does not bend by itself.
 Bones stiff(Influences base);
 
 // Both together; their weights already sum to 1.

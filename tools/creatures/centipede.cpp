@@ -57,7 +57,7 @@ public:
     Body deal() {
         const Outline trunk = trunk_outline();
         add_root(trunk, 0, 1, {0, 1, 0});
-        // The longest way ends in the last leg on the left.
+        // The longest path ends in the last leg on the left.
         const uint32_t depth = level_count_ - 1, last = std::min(7u, depth / 4);
         Chain spine{.part = "trunk", .joint_count = depth - last, .outline = trunk};
         spine.begin = spine.step = 1.0 / (spine.joint_count + 1);
@@ -86,7 +86,7 @@ public:
                               .number = i,
                               .at_body = t});
             }
-        // An odd one is its mouth.
+        // A joint left over becomes its mouth.
         const Vec mouth = trunk.at(0).center;
         if (left_ > 0) add_limb({.part = "jaw", .joint_count = 1, .outline = {{mouth}, {mouth + Vec{0, -0.02, 0.1}}}});
         return std::move(body_);
@@ -205,7 +205,7 @@ double bend_of_wave(uint32_t clip) { return clip == kWalk ? 4.2 : 1.5; }  // rad
 double coil(double loop) { return 0.5 - 0.5 * cosine(loop); }
 double relaxed(uint32_t clip, double loop) { return clip == kCurl ? 1 - coil(loop) : 1; }
 
-// Up and down the steps of the legs: those behind follow those before.
+// The steps of the legs run along the body: each leg follows the one in front of it.
 Bend bend_of_leg(const Moment& m) {
     const double side = m.chain.side,
                  step = m.loop * (m.clip == kWalk ? 1 : 0) + kLegWaves * m.chain.at_body + (side > 0 ? 0.5 : 0);
@@ -222,7 +222,7 @@ Bend bend_of_leg(const Moment& m) {
 Bend bend_of_trunk(const Moment& m) {
     const double wave = relaxed(m.clip, m.loop) * bend_of_wave(m.clip) *
                         sine((m.clip == kCurl ? 0 : m.loop) - kBodyWaves * m.along());
-    const double gentle = 1.0 / (m.chain.joint_count + 4);  // few joints may not break the body where they bend
+    const double gentle = 1.0 / (m.chain.joint_count + 4);  // so that few joints do not kink the body
     return {0, gentle * (wave + (m.clip == kCurl ? coil(m.loop) * (3.2 + 7.5 * m.along()) : 0))};
 }
 

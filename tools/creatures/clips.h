@@ -13,8 +13,8 @@ struct ClipPlan {
     uint32_t ticks;  // of 1/30 s
 };
 
-// Turns of a joint against its rest, radians: pitch lowers the limb's end (towards -up), yaw swings it to its left of
-// up and forward, roll turns it about itself. Every wave passes whole in a clip, so that the loop closes.
+// Turns of a joint relative to its rest, radians: pitch lowers the limb's end (towards -up), yaw swings it to its left
+// of up and forward, roll turns it about itself. A clip holds whole periods of every wave, so that the loop closes.
 struct Bend {
     double pitch = 0, yaw = 0, roll = 0;
 };
@@ -28,7 +28,7 @@ struct Moment {
 
     double along() const { return (k + 0.5) / chain.joint_count; }
     double share() const { return 1.0 / chain.joint_count; }  // of a bend of the whole chain
-    // The joint's share of a bend that is spread smoothly over from … to of the chain; all joints together have 1.
+    // The joint's share of a bend spread smoothly over from … to of the chain; the shares of all joints sum to 1.
     double share_between(double from, double to) const {
         return smooth_step(from, to, (k + 1) * share()) - smooth_step(from, to, k * share());
     }
@@ -42,8 +42,8 @@ struct RootMotion {
 
 using BendOf = Bend (*)(const Moment&);
 
-// A kind's clips. A bend per joint should shrink with the length of the chain, so that a limb of 100 joints bends as
-// far in all as one of 5.
+// A kind's clips. The bend per joint should shrink as the chain gets longer, so that a limb of 100 joints bends as far
+// in all as one of 5.
 struct Motion {
     std::vector<ClipPlan> clips;
     std::map<std::string_view, BendOf> bends;  // of the joints of each part

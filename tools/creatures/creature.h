@@ -1,5 +1,5 @@
-// Makes animated test characters of any size, in four kinds: exactly so many joints, exactly so many levels, about so
-// many triangles.
+// Makes animated test characters of any size, in four kinds, with an exact number of joints, an exact number of levels
+// and about a given number of triangles.
 #pragma once
 
 #include <throng/asset.h>
@@ -34,8 +34,8 @@ Result<CreatureKind> creature_kind(const std::string& name);
 //   walker     idle, walk, run, wave
 //   centipede  idle, walk, curl
 // Deterministic in the settings: own random numbers and trigonometry, IEEE arithmetic only (compile with
-// -ffp-contract=off where the compiler fuses multiply-adds unasked, as GCC does on 64-bit Arm). Keys: 30 a second,
-// fewer where all clips together would pass 64 MiB. Errors: kInvalidArgument, the place names the option; kOutOfMemory.
+// -ffp-contract=off if the compiler fuses multiply-adds unasked, as GCC does on 64-bit Arm). Keys: 30 a second, fewer
+// if all clips together would pass 64 MiB. Errors: kInvalidArgument, the place names the option; kOutOfMemory.
 // Thread-safe.
 Result<Asset> make_creature(const CreatureSettings& settings);
 

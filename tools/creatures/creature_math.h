@@ -44,7 +44,7 @@ inline double smooth_step(double from, double to, double x) {
     return t * t * (3 - 2 * t);
 }
 
-// `up` without its part along `forward`, unit length; any perpendicular where nothing is left.
+// `up` without its part along `forward`, unit length; any perpendicular if nothing is left.
 inline Vec perpendicular(const Vec& up, const Vec& forward) {
     const Vec rest = up - forward * dot(up, forward);
     if (dot(rest, rest) > 1e-12) return normalized(rest);
@@ -74,8 +74,8 @@ private:
 
 constexpr double kSides[] = {1, -1};  // left and right
 
-// One cross section of a limb: an ellipse, width to its sides and height along `up`; of one number a circle, of none a
-// point.
+// One cross section of a limb: an ellipse, width to its sides and height along `up`. With one number it is a circle,
+// with none a point.
 struct Station {
     Vec center;
     double width = 0, height = width;

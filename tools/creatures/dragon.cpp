@@ -22,7 +22,7 @@ struct Dragon {
 constexpr double kRootAt = 10.0 / 16, kHeadAt = 4.0 / 16;  // stations of axis_outline()
 constexpr double kChestAt = 8.0 / 16;
 
-// How one creature differs from the next.
+// What makes one creature differ from the next.
 struct Build {
     double girth, neck, tail_curl, wing;
 };
@@ -242,7 +242,7 @@ private:
 
     void deal_tendrils() {
         if (left_ == 0) return;
-        // Where the outermost joint of the axis has no level left below it, tendrils grow only on the joints before it.
+        // If the outermost joint of the axis has no level left below it, tendrils grow only on the joints before it.
         const Chain& tail = body_.chains[0];
         last_site_ = tail.at(tail.joint_count - 1);
         first_site_ = room_below(head_joint_) > 0 ? std::min(0.235, root_at_) : head_at_;
@@ -348,7 +348,7 @@ struct Membrane {
 
     // The point u of the way from the arm to the border, v of the way from the first finger to the next edge.
     SkinPoint at(double u, double v) const {
-        // Not from the very wrist, where the fingers meet and the first triangles would vanish.
+        // Starts a little beyond the wrist: the fingers meet there, and the first triangles would vanish.
         if (second) u = std::max(0.01, u);
         // The border is drawn in between its fingers.
         const double reach = u * (1 - 0.85 * v * (1 - v) * u * (second ? 1 : 0.7));
@@ -403,7 +403,7 @@ public:
     }
 
 private:
-    // Bones of what is stuck on the body's flesh at t of the axis.
+    // The bones of a piece stuck on the body's flesh at t of the axis.
     Bones stuck_at(double t) const { return stiff(influences_at(dragon_.axis_bones, t)); }
     Paint horn() const { return fading(colors_.horn * 0.55, colors_.horn); }
 
@@ -449,7 +449,7 @@ private:
         }
     }
 
-    // At most a quarter of the faces; evenly chosen where the creature has more tendrils than that can show.
+    // At most a quarter of the faces. If the creature has more tendrils than that can show, they are chosen evenly.
     void add_tendrils() {
         std::vector<const Chain*> tendrils;
         for (const Chain& c : body_.chains_of("tendril")) tendrils.push_back(&c);
@@ -495,7 +495,7 @@ double swell(double loop) { return smooth_step(0.1, 0.4, loop) * smooth_step(0.9
 
 Bend bend_of_tail(const Moment& m) {
     const double loop = m.loop, along = m.along();
-    const double share = 1.0 / (m.chain.joint_count + 2);  // few joints may not break the body where they bend
+    const double share = 1.0 / (m.chain.joint_count + 2);  // so that few joints do not kink the body
     const bool flies = in_air(m.clip);
     const double swing = flies ? 0.9 : m.clip == kWalk ? 2.0 : 1.6;
     const double lift = flies ? 1.1 : 0.45;

@@ -30,7 +30,7 @@ constexpr const char* kPaths[] = {"translation", "rotation", "scale"};
 
 Json named(const std::string& name) { return name.empty() ? Json::object() : Json{{"name", name}}; }
 
-// Vectors and matrices as the floats that they are of.
+// Vectors and matrices as the floats that they consist of.
 template <class T>
 std::span<const float> floats(const std::vector<T>& data) {
     static_assert(sizeof(T) % sizeof(float) == 0);
@@ -77,7 +77,7 @@ private:
 
     static void pad(std::vector<std::byte>& bytes) { bytes.resize((bytes.size() + 3) / 4 * 4); }
 
-    // Numbers in vectors of as many components, or matrices of 16. Returns the accessor's index.
+    // Adds numbers as vectors of `components` components, or as matrices of 16. Returns the accessor's index.
     template <class T>
     size_t add(std::span<const T> numbers, size_t components, Target target = kNoTarget) {
         pad(binary_);
@@ -95,7 +95,7 @@ private:
         append(binary_, std::as_bytes(numbers));
         return accessors_.size() - 1;
     }
-    // With the smallest and the largest of each component.
+    // Also gives the smallest and the largest value of each component.
     size_t add_with_range(std::span<const float> numbers, size_t components, Target target = kNoTarget) {
         const size_t accessor = add(numbers, components, target);
         std::vector<float> least(components, std::numeric_limits<float>::max()),
@@ -197,7 +197,7 @@ private:
         return out;
     }
 
-    // Header, JSON chunk filled up with spaces, binary chunk filled up with zeros.
+    // Header, JSON chunk padded with spaces, binary chunk padded with zeros.
     Result<std::vector<std::byte>> pack(const std::string& name, std::string text) const {
         text.resize((text.size() + 3) / 4 * 4, ' ');
         const uint64_t total = 12 + 8 + text.size() + (binary_.empty() ? 0 : 8 + binary_.size());

@@ -11,9 +11,9 @@ namespace throng {
 
 // The bytes of one .glb file: nodes, skins, clips (any interpolation), meshes with positions, normals, linear colours
 // and up to four influences a vertex, and plain materials. Only what make_creature() produces has been tried; the
-// indices inside the asset are taken as valid. Nodes without a parent are the roots of the one scene. Errors:
-// kUnsupported for images, texture coordinates, morph targets and more than four influences; kLimit where the file
-// would reach 4 GiB; kOutOfMemory. The place names the part of the asset. Thread-safe.
+// indices inside the asset are assumed valid. Nodes without a parent are the roots of the one scene. Errors:
+// kUnsupported for images, texture coordinates, morph targets and more than four influences; kLimit if the file would
+// reach 4 GiB; kOutOfMemory. The place names the part of the asset. Thread-safe.
 Result<std::vector<std::byte>> write_glb(const Asset& asset);
 
 }  // namespace throng

@@ -1,4 +1,4 @@
-// Every piece says how fine it would like to be; one factor on all of them meets the face budget.
+// Every piece has a wanted fineness; one factor for all of them meets the face budget.
 #include "tools/creatures/mesh.h"
 
 #include <map>
@@ -73,7 +73,7 @@ private:
             (refine_all(middle) <= face_budget_ ? low : high) = middle;
         }
         uint64_t total = refine_all(low);
-        // What rounding left over: more rings, the body first.
+        // Spend the faces that rounding left over on more rings, the body first.
         for (Piece& piece : pieces_) {
             Tube* tube = std::get_if<Tube>(&piece);
             if (!tube || tube->segments_fixed) continue;
@@ -207,7 +207,7 @@ private:
     std::vector<Piece> pieces_;
     uint64_t face_budget_;
     AssetPrimitive out_;                                 // the piece that is being built
-    std::vector<std::pair<size_t, Vec>> given_normals_;  // of its vertices whose faces do not say how they are lit
+    std::vector<std::pair<size_t, Vec>> given_normals_;  // of its vertices that do not take them from their faces
 };
 
 }  // namespace

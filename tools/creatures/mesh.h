@@ -8,12 +8,12 @@
 
 namespace throng::creature {
 
-// How finely a piece is cut in one direction: into as many parts as are wanted at the kind's usual number of faces, and
-// more or fewer of another.
+// How finely a piece is cut in one direction: into `wanted` parts at the kind's usual number of faces, into more or
+// fewer parts at other numbers.
 struct Cuts {
     double wanted = 1;
     uint32_t least = 1;
-    uint32_t step = 1;  // they come in multiples of it
+    uint32_t step = 1;  // parts come in multiples of it
     uint32_t parts = 0;
 
     void refine(double factor) {
@@ -22,7 +22,7 @@ struct Cuts {
     }
 };
 
-// A limb's skin: rings of at least three vertices, the ends drawn together to a point; the start open where it is
+// A limb's skin: rings of at least three vertices, the ends drawn together to a point. The start stays open if it is
 // inside another piece.
 struct Tube {
     Outline outline;
@@ -45,13 +45,13 @@ struct SkinPoint {
 struct Sheet {
     std::function<SkinPoint(double u, double v)> at;
     Paint paint;            // of u and v
-    bool mirrored = false;  // its outside is where u × v points away from
+    bool mirrored = false;  // u × v points to its inside
     Cuts along, across;
     uint32_t material = 0;
 };
 
-// A diamond from `base` to `base + along`, `across` to each side, lit as if it faced along `normal`: leaves on their
-// own would glitter, lit like the crown that they are part of they give it a shape.
+// A diamond from `base` to `base + along`, `across` to each side, lit as if it faced along `normal`: leaves lit by
+// their own normals would glitter; lit like the crown that they belong to, they show its shape.
 struct Leaf {
     Vec base, along, across, normal, color;
     Influences influences;
@@ -70,7 +70,7 @@ protected:
     explicit Flesh(const Body& body) : body_(body) {}
 
     void add(Piece piece) { pieces_.push_back(std::move(piece)); }
-    // A tube along the chain, like this one but for outline, bones and up.
+    // Adds a tube along the chain, like this one except for outline, bones and up.
     void add_limb(const Chain& chain, Tube like) {
         like.outline = chain.outline;
         like.bones = bones_of(chain);
@@ -85,8 +85,8 @@ protected:
     std::vector<Piece> pieces_;
 };
 
-// Most important pieces first: what does not fit is left out from the end. About `face_count` triangles. A primitive
-// for each material that a piece has.
+// Makes about `face_count` triangles, with one primitive for each material in use. Most important pieces first: pieces
+// that do not fit are dropped from the end.
 AssetMesh make_mesh(std::vector<Piece> pieces, uint32_t face_count);
 
 }  // namespace throng::creature

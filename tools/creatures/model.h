@@ -8,7 +8,7 @@ namespace throng::creature {
 
 struct Material {
     const char* name;
-    Vec color;  // linear; what pieces are painted with is times it
+    Vec color;  // linear; multiplies what pieces are painted with
 };
 
 struct Model {

@@ -64,7 +64,7 @@ Outline cloak_outline(double place) {
             at(0.290, 0.09, 0.140, 0.60, 0.028), at(0.325, 0.10, 0.155, 0.25, 0.036)};
 }
 
-// Deals the joints out: the spine and one braid down from the head first, which are the longest way, then legs and
+// Deals the joints out: first the spine and one braid down from the head, which form the longest path, then legs and
 // arms, and the rest to the cloak and to locks of hair.
 class Dealer : Builder {
 public:
@@ -79,7 +79,7 @@ public:
         spine.begin = kHipsAt + spine.step;
         const uint32_t braid = depth - spine.joint_count;
         add(std::move(spine));
-        // Hung from the last joint of the spine, so that the way is as long as it must be.
+        // Hangs from the last joint of the spine, so that the path is as long as it must be.
         add_on_spine(1,
                      {.part = "hair", .joint_count = braid, .outline = braid_outline(), .phase_turns = random_.unit()});
         add_pair(kHipsAt - 0.03, {.part = "leg", .up = {0, 0, 1}}, leg_outline);
@@ -93,7 +93,7 @@ private:
     const Chain& spine() const { return body_.chains[0]; }
 
     void add_on_spine(double t, Chain limb) { add_limb_on(spine(), t, std::move(limb)); }
-    // Legs and arms bend at their stations: four joints, or else too few for that.
+    // Legs and arms bend at their stations, which takes four joints; fewer only if too few are left.
     void add_pair(double t, Chain limb, Outline (*outline)(double side)) {
         limb.joint_count = std::min(4u, left_ / 4);
         for (const double side : kSides) {
@@ -143,7 +143,7 @@ enum MaterialOf : uint32_t { kSkin, kHair, kTunic, kTrousers, kLeather, kCloak, 
 
 constexpr Vec kWhite{1, 1, 1};
 
-// Of the materials: pieces are painted lighter or darker, so that whoever changes a colour changes all of it.
+// Colours of the materials. Pieces are painted lighter or darker, so that a change of a colour changes all of them.
 struct Colors {
     Vec skin, hair, tunic, trousers, leather, cloak;
 
@@ -213,7 +213,7 @@ private:
         const Station s = limb.at(t);
         return {s.center, s.width * times, s.height * times};
     }
-    // The bones between two places of a limb, for a piece that covers just that.
+    // The bones between two places of a limb, for a piece that covers only that part.
     static Bones part_of(Bones bones, double from, double to) {
         for (double& bound : bones.bounds) bound = (bound - from) / (to - from);
         return bones;

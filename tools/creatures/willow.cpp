@@ -102,7 +102,7 @@ public:
 
     Body grow() {
         add_root(tree_.trunk, 0, 1, kWindward);
-        // One way to the deepest leaf first, then wood, and the rest to the strands.
+        // First one path to the deepest leaf, then wood, and the rest to the strands.
         const uint32_t depth = level_count_ - 1, trunk = std::min(8u, (depth + 5) / 6), limb = std::min(8u, depth / 6);
         const uint32_t spare = left_ - depth;
         add_limb({.part = "trunk", .joint_count = trunk, .outline = tree_.trunk, .up = kWindward});
@@ -200,7 +200,7 @@ public:
         const Site site = site_of(number, strands);
         Random random(tree_.seed ^ (uint64_t{index} << 20));
         const Outline outline = tree_.strand(site, number + 100);
-        // Some of them cover the wood from which the strands hang: shorter, and every way.
+        // Some of them cover the wood from which the strands hang: shorter, and in all directions.
         const bool at_top = random.unit() < 0.18;
         const double part = (index / strands + random.unit()) * strands / (count + strands),
                      t = at_top ? 0.12 * part : part * (0.75 + 0.25 * part);
@@ -226,7 +226,7 @@ private:
         Bones wood;
         std::vector<Strand> strands;  // along it
     };
-    // The nearest strand of the branch; where it has none, its leaves hang stiff.
+    // The nearest strand of the branch; without strands its leaves hang stiff.
     Influences moved_by(const Site& site, double t) const {
         const std::vector<Strand>& strands = branches_[site.branch].strands;
         if (strands.empty()) return influences_at(branches_[site.branch].wood, site.t);
@@ -250,7 +250,7 @@ double sway(const Moment& m, double lag) {
     return 0.7 * sine(turns - lag) + 0.3 * sine(2 * turns - 1.7 * lag + 0.2);
 }
 
-// How far wood bends before the wind, and to and fro.
+// How far wood leans in the wind, and how far it sways.
 struct Stiffness {
     double lean, gust, calm, aside, lag, lag_aside;
 };
@@ -267,7 +267,7 @@ Bend bend_of_strand(const Moment& m) {
     return {share * (0.85 + 0.5 * sway(m, lag) + flutter), share * 0.28 * sway(m, lag + 0.25)};
 }
 
-// The roots hold: only what little the ground gives.
+// The roots hold: the trunk moves only as little as the ground gives.
 RootMotion root_motion(uint32_t clip, double loop) {
     const double give = clip == kGust ? 0.006 : 0.002;
     return {{0.1 * give * sine(loop)}, {0, 0, give * sine(loop)}};

@@ -10,7 +10,7 @@
 namespace throng::tools {
 namespace {
 
-// Threads of the encoder, whose bytes depend on their number: else it takes as many as there are cores
+// Threads of the encoder. Fixed, as its output depends on their number and it would use one per core otherwise
 constexpr const char* kThreads = "8";
 
 // Throws with the last line that ffmpeg had to say.
@@ -31,7 +31,7 @@ void run_ffmpeg(std::vector<std::string> arguments, const std::string& place) {
                        ": ffmpeg: " + (errors.empty() ? "failed" : errors.substr(errors.find_last_of('\n') + 1)));
 }
 
-// In ffmpeg's patterns of names % begins a number.
+// Escapes %, which begins a number in ffmpeg's name patterns.
 std::string without_numbers(const std::string& path) {
     std::string out;
     for (const char c : path) out += c == '%' ? "%%" : std::string(1, c);

@@ -6,7 +6,7 @@
 
 namespace throng::tools {
 
-// Throws CommandError where ffmpeg is not there.
+// Throws CommandError if ffmpeg is not installed.
 void check_ffmpeg();
 
 struct FilmPictures {
@@ -15,8 +15,9 @@ struct FilmPictures {
     double fps = 30;
 };
 
-// Writes H.264 as .mp4, in the colours of HD television, under another name that is then changed. The same pictures
-// give the same bytes, by the same ffmpeg. Throws CommandError with ffmpeg's reason, and leaves nothing behind.
+// Writes H.264 as .mp4, in the colours of HD television, to a temporary name that is then changed to `out`. The same
+// pictures give the same bytes with the same ffmpeg. On failure throws CommandError with ffmpeg's reason, and leaves
+// nothing behind.
 void encode_film(const FilmPictures& pictures, const std::filesystem::path& out);
 
 }  // namespace throng::tools

@@ -1,5 +1,5 @@
-// A frame depends on its number alone: whichever are drawn, all characters take the same steps from the first frame on,
-// for in steps that show nothing they only go on in time. So a film may be interrupted, and shared among machines,
+// A frame depends on its number alone: whichever frames are drawn, all characters take the same steps from the first
+// frame on, since steps that show nothing still advance time. So a film can be interrupted, or shared among machines,
 // without a byte of difference.
 #include "tools/film/film.h"
 
@@ -38,7 +38,7 @@ struct FilmPlan {
             throw UsageError("--size " + options.size + ": an .mp4 needs an even width and height");
     }
 
-    // Of whoever draws these frames.
+    // The lock held by the process that draws these frames.
     fs::path lock_path() const {
         fs::path path = is_film ? fs::path(out) : files.settings_path();
         if (shard.count > 1) path += "." + std::to_string(shard.index) + "-of-" + std::to_string(shard.count);
@@ -62,7 +62,7 @@ std::vector<fs::path> outs_of(const RenderOptions& options, const FilmPlan& plan
     return outs;
 }
 
-// FNV-1a (G. Fowler, L. C. Noll, K.-P. Vo): of a file that may have changed since the last run.
+// FNV-1a (G. Fowler, L. C. Noll, K.-P. Vo), to notice that a file has changed since the last run.
 std::string content_hash(const std::string& path) {
     std::ifstream file(path, std::ios::binary);
     if (!file) throw CommandError(path + (fs::exists(path) ? ": cannot be read" : ": no such file"));
@@ -74,7 +74,7 @@ std::string content_hash(const std::string& path) {
     return text;
 }
 
-// All that a frame depends on, but for the device and what it leaves to this machine's processor.
+// All that a frame depends on, except the device and what it leaves to this machine's processor.
 nlohmann::json settings_of(const RenderOptions& options) {
     const SceneOptions& scene = options.scene;
     nlohmann::json files = nlohmann::json::array(), controllers = files, looks = files;
@@ -115,8 +115,8 @@ nlohmann::json settings_of(const RenderOptions& options) {
             {"bounds", options.bounds}};
 }
 
-// What was chosen for each file: another device, or costs that `throng tune` has measured, may choose otherwise, which
-// rounds otherwise.
+// What was chosen for each file: another device, or costs measured by `throng tune`, may lead to another choice, which
+// rounds differently.
 nlohmann::json updates_of(const Crowd& crowd, size_t file_count) {
     nlohmann::json updates = nlohmann::json::array();
     for (uint32_t group = 0; group < file_count; ++group) {
@@ -127,7 +127,7 @@ nlohmann::json updates_of(const Crowd& crowd, size_t file_count) {
     return updates;
 }
 
-// Pictures of another instruction set differ in last bits.
+// Includes the instruction set, as pictures of different ones differ in their last bits.
 std::string renderer_of(const Shot& shot) {
     const std::string name = renderer_name(shot.is_drawn_natively());
     return shot.is_drawn_natively() ? name + " " + native_instruction_set() : name;
@@ -147,12 +147,12 @@ std::string duration_text(double seconds) {
 }
 
 constexpr size_t kMeasured = 3;  // frames, after which it is said how long a film will take
-constexpr double kLong_s = 600;  // and only of longer ones
+constexpr double kLong_s = 600;  // and only if it will take longer than this
 
 // Compresses and writes a picture while the next one is drawn.
 class PictureWriter {
 public:
-    // Throws a CommandError where the one before could not be written.
+    // Throws a CommandError if the previous picture could not be written.
     void write(fs::path path, Picture picture) {
         finish();
         written_ = std::async(std::launch::async, [path = std::move(path), picture = std::move(picture)] {
@@ -164,7 +164,7 @@ public:
     }
 
 private:
-    std::future<Result<void>> written_;  // waits where it is destroyed
+    std::future<Result<void>> written_;  // its destructor waits
 };
 
 Film draw_frames(const Device& device, const RenderOptions& options, const FilmPlan& plan,
@@ -182,7 +182,7 @@ Film draw_frames(const Device& device, const RenderOptions& options, const FilmP
     if (plan.is_film) fs::create_directory(plan.folder, failure);
     if (failure) throw CommandError(plan.folder.string() + ": cannot be made: " + failure.message());
     plan.files.keep_settings(settings);
-    uint32_t next = 0;  // frame that all have yet to step to
+    uint32_t next = 0;  // the frame that the characters step to next
     const auto step_to = [&](uint32_t frame) { return frame == 0 ? options.time_s : 1 / options.fps; };
     PictureWriter writer;
     const auto start = std::chrono::steady_clock::now();

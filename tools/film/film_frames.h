@@ -1,4 +1,4 @@
-// The frames of a film as files: which there are, which of them are whole, and what they were made with.
+// The frames of a film as files: which exist, which of them are complete, and the settings they were made with.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
@@ -20,7 +20,7 @@ struct FrameRange {
 // "A:B". Throws UsageError.
 FrameRange parse_frames(const std::string& text);
 
-// Frames i with i % count == index, so that shards share what is slow in a film evenly.
+// Frames i with i % count == index, so that shards share the slow parts of a film evenly.
 struct Shard {
     uint32_t index = 0, count = 1;
 
@@ -35,22 +35,23 @@ public:
     explicit FrameFiles(const std::filesystem::path& pattern);
 
     std::filesystem::path path(uint32_t frame) const;
-    // Beside the frames: their settings.
+    // The file beside the frames that holds their settings.
     std::filesystem::path settings_path() const;
 
-    // Throws CommandError where there are other settings, or frames without any. Only what `settings` has is compared.
+    // Throws CommandError if the settings file differs, or if there are frames but no settings file. Compares only the
+    // fields that `settings` has.
     void check_settings(const nlohmann::json& settings) const;
-    // The same, and writes them where there are none. Of shards that do so at once, one writes, and all compare.
+    // The same, and writes the file if there is none. If several shards do so at once, one writes, and all compare.
     void keep_settings(const nlohmann::json& settings) const;
-    // Those of the range and shard that are not there as whole pictures of this size.
+    // The frames of the range and shard that do not exist yet as complete pictures of this size.
     std::vector<uint32_t> missing(const FrameRange& range, const Shard& shard, uint32_t width, uint32_t height) const;
 
 private:
-    // One that is there, of any number, or none.
+    // An existing frame with any number; empty if there is none.
     std::filesystem::path some_frame() const;
 
     std::filesystem::path folder_;
-    std::string before_, after_;  // the number, in the name
+    std::string before_, after_;  // the parts of the name around the number
     size_t digits_ = 0;
 };
 

@@ -19,7 +19,7 @@ FilmLock::FilmLock(std::filesystem::path file) : path_(std::move(file)) {
     while (!lock()) {}
 }
 
-// Whoever held it before has removed the file: then another one may be locked by this name.
+// Fails if the previous holder has removed the file while this waited: another file may have its name by now.
 bool FilmLock::lock() {
     file_ = ::open(path_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
     if (file_ < 0) return true;
@@ -42,7 +42,7 @@ bool FilmLock::lock() {
 
 void FilmLock::write(const std::string& text) const {
     if (file_ < 0 || ::ftruncate(file_, 0) != 0) return;
-    // Where this fails, who waits finds another text, and does not take the film for its own.
+    // If this fails, a process that waits finds another text, and does not take the film for its own.
     [[maybe_unused]] const ssize_t written = ::pwrite(file_, text.data(), text.size(), 0);
 }
 

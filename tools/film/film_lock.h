@@ -6,23 +6,23 @@
 
 namespace throng::tools {
 
-// Held while one lives: a file that is locked, and gone afterwards. Where another process holds it, the constructor
-// says so and waits. Where files cannot be locked, as in some folders of a network, nothing is held.
+// Holds a locked file for as long as the object lives, then removes it. If another process holds the lock, the
+// constructor says so and waits. If files cannot be locked, as in some network folders, it holds nothing.
 class FilmLock {
 public:
     explicit FilmLock(std::filesystem::path file);
     ~FilmLock();
 
-    // For those who wait: what is drawn while this is held.
+    // Tells the processes that wait what is being drawn.
     void write(const std::string& text) const;
-    // What was written by who held it before, where the constructor has waited; else empty.
+    // What the previous holder wrote, if the constructor had to wait for it; else empty.
     const std::string& text_before() const { return text_before_; }
 
     FilmLock(const FilmLock&) = delete;
     FilmLock& operator=(const FilmLock&) = delete;
 
 private:
-    bool lock();  // false: it is to be opened anew
+    bool lock();  // false: try again, with the file opened anew
 
     std::filesystem::path path_;
     int file_ = -1;

@@ -1,4 +1,4 @@
-// What frames took, on the GPU or on the processor that does its work, as commands that draw print it.
+// How long frames took, on the GPU or on the processor that does its work, as printed by the commands that draw.
 #pragma once
 
 #include "tools/cli/command.h"
@@ -15,7 +15,7 @@ struct FrameTimes {
     double draw_ms = 0;
 };
 
-// The median of each time for itself; zeros where there is no frame.
+// The median of each time on its own; zeros if there are no frames.
 FrameTimes median_of(std::span<const FrameTimes> frames);
 
 nlohmann::json to_json(const FrameTimes& times);

@@ -1,4 +1,4 @@
-// Ctrl-C in work that is worth finishing a piece of.
+// Ctrl-C in work that should finish its current piece first.
 #pragma once
 
 #include <time.h>
@@ -7,8 +7,9 @@
 
 namespace throng::tools {
 
-// While one lives, SIGINT and SIGTERM are only noted; one more, half a second later or more, ends the program. (Sooner
-// it is the same wish: timeout(1) signals a process and then the group that it is in.) What was ignored stays ignored.
+// While an object lives, SIGINT and SIGTERM are only noted; a second signal, half a second later or more, ends the
+// program. (A sooner one is the same request: timeout(1) signals a process and then its group.) Signals that were
+// ignored stay ignored.
 class Interruption {
 public:
     Interruption() : before_{take(SIGINT), take(SIGTERM)} {}

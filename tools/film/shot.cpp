@@ -8,7 +8,7 @@ namespace throng::tools {
 
 namespace {
 
-// Skeletons are drawn of all joints.
+// Skeletons show all joints, so they need all model matrices.
 CrowdSettings crowd_settings(const RenderOptions& options) {
     return {
         .keep_model_matrices = options.skeletons,

@@ -29,13 +29,14 @@ class Shot {
 public:
     Shot(const Device& device, const RenderOptions& options);
 
-    // All go on by `step_s`, and are drawn as the camera sees them at `time_s`; or are not.
+    // Advances all characters by `step_s`; draw() also draws them as the camera sees them at `time_s`.
     RenderResult draw(double step_s, double time_s);
     void skip(double step_s);
 
     const Crowd& crowd() const { return scene_.crowd(); }
     bool is_drawn_natively() const { return renderer_.is_native(); }
-    // By the last draw(): of each level of detail, the finest first; of a crowd that does not cull, all.
+    // What the last draw() drew: characters per level of detail, the finest first; all of them if the crowd does not
+    // cull.
     std::vector<uint32_t> count_drawn();
     FrameTimes times() const;  // of the last draw()
 
@@ -45,8 +46,8 @@ private:
     CrowdScene scene_;
     Renderer renderer_;
     bool culls_;
-    // A character that updates may move: each step is two updates then, one that moves it and one of no time, for what
-    // the camera then sees
+    // The camera follows a character that updates may move: each step then takes two updates, one that moves it and one
+    // of no time for what the camera sees afterwards
     bool follows_;
 };
 

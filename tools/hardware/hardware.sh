@@ -32,8 +32,8 @@ export THRONG_SOURCE="$here/source" THRONG_SHARED="$here/shared" HOME="$work" XD
 [ ! -f "$here/commit" ] || THRONG_COMMIT=$(cat "$here/commit")
 export THRONG_COMMIT="${THRONG_COMMIT-}"
 
-# A line for each benchmark: its name, percent of the time that are its due, and its options, in order of importance.
-# What one leaves goes to those after it.
+# A line for each benchmark: its name, its share of the time in percent, and its options, in order of importance. Time
+# that one leaves goes to those after it.
 steps() {
   cat <<TEXT
 scan 14 --experiments levels,on_chip --budget $((time_s / 12)) $quick --json scan.jsonl
@@ -50,7 +50,7 @@ started=$(date +%s)
 left() { echo $((started + time_s - $(date +%s))); }
 log() { printf '%s\n' "$*" >> "$work/log"; }
 say() { printf '%s\n' "$*"; }
-# Runs a program in $work for at most so many seconds. Behind the shell, which hears signals only while it waits.
+# Runs a program in $work for at most so many seconds. In the background: the shell hears signals only while it waits.
 limited() {
   (cd "$work" && exec timeout -k 5 "$@") &
   running=$!
@@ -59,8 +59,8 @@ limited() {
   running=
   return "$1"
 }
-# All device tests, for at most so many seconds, in several processes: their references and the driver's compiler keep a
-# core each busy. Each writes a file of its own, and the status is that of one that failed.
+# All device tests, for at most so many seconds, in several processes, as their references and the driver's compiler
+# keep a core each busy. Each writes a file of its own, and the status is that of one that failed.
 run_shards() {
   shard=0
   while [ $shard -lt "$shards" ]; do
@@ -79,7 +79,7 @@ stop() {
   [ -z "$running" ] || { kill $running && wait $running; } 2> /dev/null
   exit "$1"
 }
-# Not more than the first and the last 200 kB of a file.
+# At most the first and the last 200 kB of a file.
 shortened() {
   if [ "$(wc -c < "$1")" -lt 400000 ]; then
     cat "$1"
@@ -91,7 +91,7 @@ shortened() {
 }
 row() { printf '| %s | %s | %s |\n' "$@" >> "$work/steps"; say "$1: $2, $3"; }
 
-# A driver that the host has may need a newer C++ library than the bundle's, and a process has but one.
+# The host's driver may need a newer C++ library than the bundle's, and a process can have only one.
 newest_of() { grep -aoh 'GLIBCXX_3\.4\.[0-9]*' "$@" | sort -V | tail -n 1; }
 choose_cpp_library() {
   bundled=$here/lib/libstdc++.so.6
@@ -124,7 +124,7 @@ find_driver() {
   "$here/throng" devices 2> /dev/null | grep ', driver ' | grep -qv '; compiles only\|; not usable'
 }
 
-# What became of each test of a log, a line for each; of one that ran again, the worst.
+# The result of each test in a log, one per line; the worst one if a test ran again.
 states_of() {
   awk 'function not_ended() { if (runs != "") bad[runs] = "not_ended"; runs = "" }
     /^\[ RUN      \]/ { not_ended(); runs = $4 }
@@ -174,7 +174,7 @@ run_tests() {
   fi
 }
 
-# A benchmark; its records are kept also where it fails or its time is over.
+# Runs a benchmark; keeps its records even if it fails or its time is over.
 run_step() {
   name=$1
   limit=$2

@@ -9,7 +9,7 @@
 namespace throng::tools {
 namespace {
 
-// Where a blend space or the way into one asks for the parameter; 0: nowhere.
+// The smallest positive value of the parameter at a point of any blend space; 0 if there is none.
 float slowest_place(const Controller& controller, const std::string& parameter) {
     float least = 0;
     for (const ControllerLayer& layer : controller.layers)
@@ -24,7 +24,7 @@ float slowest_place(const Controller& controller, const std::string& parameter) 
 }  // namespace
 
 Steering steering_of(const Character& character, const Controller* controller, double scale) {
-    // As a part of the footprint: arms are held nearer to the body than in rest poses; a walk's
+    // A fraction of the footprint, as arms are nearer to the body than in rest poses; the speed of a walk
     constexpr double kRadius = 0.35, kHeights_per_s = 0.8;
     const float height = character.bounds_max.y - character.bounds_min.y;
     Steering steering{.radius = static_cast<float>(std::max(kRadius * footprint(character) * scale, 1e-3)),

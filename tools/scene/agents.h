@@ -9,11 +9,11 @@
 
 namespace throng::tools {
 
-// By its footprint and height, `scale` times as large as in its file. With a controller that has a parameter "speed",
-// as fast as the slowest clip that this chooses, and that is what it is told.
+// Radius by the footprint and speed by the height, `scale` times as large as in the file. If the controller has a
+// parameter "speed", the speed is that of the slowest clip that it chooses, and steering sets the parameter.
 Steering steering_of(const Character& character, const Controller* controller, double scale);
 
-// Each one's is the place of another of its group, [placements], by the seed; of a group of one its own.
+// Gives each character the place of another one of its group, [placements], by the seed; its own in a group of one.
 std::vector<Vec3<float>> each_others_places(std::span<const CrowdGroup> groups, std::span<const Affine> placement,
                                             uint64_t seed);
 

@@ -21,7 +21,7 @@ Vec3<float> turned(const Vec3<float>& v, double turn_rad) {
 
 using Values = std::map<std::string, double>;
 
-// The angle of a way that is gone round in "seconds"; exact for whole periods, however late.
+// The angle on a path that goes round once in "seconds"; exact for whole periods, however late.
 double angle_rad(double time_s, const Values& values) {
     return 2 * std::numbers::pi * std::fmod(time_s / values.at("seconds"), 1.0);
 }
@@ -34,7 +34,7 @@ Camera fit(double, const CameraSubject& subject, const Values&) {
 Camera orbit(double time_s, const CameraSubject& subject, const Values& values) {
     const double turn_rad = angle_rad(time_s, values);
     const Vec3<float> centre = centre_of(subject.bounds), half = (subject.bounds.max - subject.bounds.min) * 0.5f;
-    // As a part of the drum's radius: half the side of a box that looks about as wide from the fit camera's side;
+    // As a fraction of the drum's radius: half the side of a box that looks about as wide from the fit camera's side;
     // corners of a square crowd pass through the picture's edges
     constexpr float kFitted = 0.72f;
     const float side = std::hypot(half.x, half.z) * kFitted;

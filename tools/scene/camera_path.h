@@ -1,5 +1,5 @@
-// Ways for a camera around a crowd: functions of time alone, smooth and periodic, so that any frame can be drawn
-// without those before.
+// Camera paths around a crowd: functions of time alone, smooth and periodic, so that any frame can be drawn without
+// the frames before it.
 #pragma once
 
 #include <throng/draw.h>
@@ -21,11 +21,11 @@ struct CameraSubject {
 
 class CameraPath {
 public:
-    // "fit", "orbit", "flyover", "follow" or "low", with parameters or without: "orbit:seconds=20,height=1.5". --help
+    // "fit", "orbit", "flyover", "follow" or "low", with or without parameters: "orbit:seconds=20,height=1.5". --help
     // lists them. Throws CommandError.
     explicit CameraPath(const std::string& text = "fit");
 
-    // One that stands still.
+    // A camera that stands still.
     explicit CameraPath(const Camera& still) : still_(still) {}
 
     Camera at(double time_s, const CameraSubject& subject) const;
@@ -39,14 +39,14 @@ private:
     std::optional<Camera> still_;
 };
 
-// Of --camera, --eye and --target.
+// The values of --camera, --eye and --target.
 struct CameraOptions {
     std::string path = "fit";
     std::vector<float> eye, target;  // 3 numbers each, or none
 };
 class Command;
 class Option;
-// Returns the three.
+// Returns the three options.
 std::vector<Option> add_camera_options(Command app, CameraOptions& options);
 // Throws CommandError.
 CameraPath make_camera_path(const CameraOptions& options);

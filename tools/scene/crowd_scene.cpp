@@ -30,7 +30,7 @@ void check_lengths(const SceneOptions& options) {
         throw UsageError("--counts: " + std::to_string(sum) + " characters in all; give from 1 to 10000000");
 }
 
-// Which of the files is called so, with its folder or, where that tells it from the others, without.
+// Which of the files has this name: with its folder, or without it if that is unambiguous.
 size_t file_named(const std::vector<std::string>& files, const std::string& name, const std::string& option) {
     size_t found = files.size(), count = 0;
     KnownNames known("file");
@@ -44,7 +44,7 @@ size_t file_named(const std::vector<std::string>& files, const std::string& name
     throw UsageError(option + ": " + known.unknown(name));
 }
 
-// What each file is given by an option of "VALUE" for all of them, or "FILE=VALUE"; empty where nothing.
+// The value of an option for each file, from "VALUE" for all files or "FILE=VALUE"; empty if it has none.
 std::vector<std::string> of_files(const std::vector<std::string>& files, const std::vector<std::string>& given,
                                   const std::string& option) {
     std::vector<std::string> values(files.size());
@@ -67,7 +67,7 @@ std::vector<std::string> of_files(const std::vector<std::string>& files, const s
     return values;
 }
 
-// The clips that were asked for, in place of those at random; times remain.
+// Replaces the random clips by those that were asked for; times remain.
 void choose_clips(std::span<Playback> playback, const Character& character, const std::string& clip,
                   const std::string& blend, double weight) {
     if (clip.empty()) return;

@@ -36,7 +36,7 @@ struct SceneOptions {
     uint32_t own_poses = 0;  // SkinPool::capacity of each file's characters; 0: no pool
 };
 
-// The files, and all options of a scene. Wrong numbers of counts and sizes are said by the parser.
+// Adds the files and all options of a scene. The parser reports wrong numbers of counts and sizes.
 class Command;
 void add_scene_options(Command app, SceneOptions& options);
 void add_clip_options(Command app, SceneOptions& options);
@@ -44,14 +44,14 @@ void add_clip_options(Command app, SceneOptions& options);
 // The controller of each file, [files], or an empty name. Throws CommandError.
 std::vector<std::string> controller_files(const SceneOptions& options);
 
-// Likewise of how its characters look.
+// The looks of each file, likewise.
 std::vector<std::string> look_files(const SceneOptions& options);
 
 // The files, their controllers and looks: what a scene is read from.
 std::vector<std::string> input_files(const SceneOptions& options);
 
-// Reads the files, with progress and warnings on stderr, and the controllers that they are to have. Throws
-// CommandError, also where counts or sizes do not fit the files.
+// Reads the files, with progress and warnings on stderr, and their controllers and looks. Throws CommandError, also if
+// counts or sizes do not fit the files.
 struct SceneCast {
     explicit SceneCast(const SceneOptions& options);
 
@@ -70,20 +70,20 @@ public:
 
     // Whether updates may move characters: controllers by root motion, or steering.
     bool may_move() const { return has_controllers_ || !destinations_.empty(); }
-    // From now on subject() has this character, by its place in the crowd. Throws CommandError where there is none.
+    // From now on subject() has this character, by its number in the crowd. Throws CommandError if there is none.
     void follow(uint32_t character);
-    // As the last update left it.
+    // What the camera is to show, as the last update left it.
     CameraSubject subject(float aspect_ratio) const;
 
-    // Compiles what updates need, and lets characters with controllers live for 12 s, or they would be in step; with
-    // --steer all then set out. The first step follows.
+    // Compiles what updates need, and runs characters with controllers for 12 s, as they would move in step otherwise.
+    // With --steer all then set out. Call it before the first step.
     void start();
-    // Tells controllers something, then an update, by someone else, as a renderer that animates and draws at once; and
-    // takes what comes back of it. With --steer in parts of at most 1/20 s, so that agents see each other in time, of
-    // which the last is shown.
+    // Directs the controllers, has `update_shown` update the crowd (it may be a renderer that animates and draws at
+    // once), and takes the feedback. With --steer the step is split into parts of at most 1/20 s, so that agents see
+    // each other in time; only the last part is shown.
     void step(float step_s, const std::function<void(float part_s)>& update_shown);
-    // The same, but nothing is animated. All go on in time, and are in the state that a step that is shown would have
-    // left them in.
+    // The same without animation: time goes on for all characters, and they end in the same state as after a step that
+    // is shown.
     void step_unseen(float step_s);
 
 private:

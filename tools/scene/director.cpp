@@ -25,7 +25,7 @@ ParameterRange parameter_range(const Controller& controller, uint32_t parameter)
         for (const ControllerTransition& transition : layer.transitions)
             for (const ControllerCondition& condition : transition.conditions)
                 if (condition.parameter == name && range.type == ParameterType::kFloat) {
-                    // So that either answer happens
+                    // So that the condition is sometimes true and sometimes false
                     const float beyond = condition.value == 0 ? 1 : 0.25f * std::abs(condition.value);
                     include(condition.value - beyond);
                     include(condition.value + beyond);

@@ -1,5 +1,5 @@
-// Gives characters with controllers something to do, as a game would: now and then one is told something new. The same
-// for the same seed and steps.
+// Gives characters with controllers something to do, as a game would, by setting parameters now and then. The same for
+// the same seed and steps.
 #pragma once
 
 #include "tools/creatures/creature_math.h"
@@ -12,7 +12,8 @@
 
 namespace throng::tools {
 
-// What a parameter may be told: of numbers what the controller's blend spaces and conditions ask about, else 0 to 1.
+// The values a parameter can be set to: for numbers the range that the controller's blend spaces and conditions ask
+// about, else 0 to 1.
 struct ParameterRange {
     ParameterType type = ParameterType::kFloat;
     float least = 0, most = 1;
@@ -24,16 +25,16 @@ public:
     // Directs the groups of a crowd; those without a controller are left alone.
     Director(std::span<const CrowdGroup> groups, uint64_t seed);
 
-    // Before an update by `step_s`: in each second about a third of the characters are told one of their parameters.
-    // Costs time by how many that are, not by how long the step is.
+    // Call before an update by `step_s`. In each second about a third of the characters get a new value for one of
+    // their parameters. The cost depends on how many those are, not on how long the step is.
     void direct(Crowd& crowd, double step_s);
 
 private:
     struct Cast {
         uint32_t first_instance, instance_count;
-        // Their numbers, without that which steering tells
+        // Their numbers, without the one that steering sets
         std::vector<std::pair<uint32_t, ParameterRange>> parameters;
-        double owed = 0;  // of a character that is not told yet
+        double owed = 0;  // characters still to be told, below 1 after direct()
     };
     std::vector<Cast> casts_;
     creature::Random random_;

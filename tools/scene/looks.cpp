@@ -18,8 +18,8 @@ namespace {
 using creature::Random;
 using Color = std::array<float, 3>;
 
-constexpr uint32_t kOutfits = 256;  // so many of all combinations, at random
-constexpr float kMost = 1000;       // as SectionLook has it
+constexpr uint32_t kOutfits = 256;  // random ones of all combinations
+constexpr float kMost = 1000;       // as in SectionLook
 
 float linear_of(uint32_t srgb) {
     const double encoded = srgb / 255.0;
@@ -42,7 +42,7 @@ std::vector<Color> read_colors(const JsonView& array) {
     return colors;
 }
 
-// What a character has by names, for messages.
+// The names of a character's materials and sections, for look-ups and messages.
 struct Names {
     explicit Names(const Character& of) : character(of) {
         for (const AssetMaterial& material : character.materials) materials.add(material.name);
@@ -72,7 +72,7 @@ struct SectionChoice {
     std::vector<uint32_t> sections;
     std::vector<T> alternatives;
 };
-// Of sets of sections, one is shown; those of the others are not.
+// Sets of sections, of which only one is shown.
 using WearChoice = std::vector<std::vector<uint32_t>>;
 
 const std::initializer_list<std::string_view> kFields{"colors", "materials", "tint", "wear"};
@@ -119,7 +119,7 @@ const T& one_of(const std::vector<T>& all, Random& random) {
     return all[std::min(static_cast<size_t>(random.unit() * static_cast<double>(all.size())), all.size() - 1)];
 }
 
-// What the base colour of a section is to be multiplied with, to become this one.
+// The factor that turns the base colour of a section into this one.
 Color factor_of(const Character& character, const SectionLook& look, const Color& wanted) {
     const uint32_t material = look.material.value_or(character.sections[look.section].material);
     Color factor = wanted;

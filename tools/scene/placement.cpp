@@ -18,11 +18,11 @@ double distance_squared(const Place& a, const Place& b) {
     return (a.x - b.x) * (a.x - b.x) + (a.z - b.z) * (a.z - b.z);
 }
 
-// The least whole number that is not below `x`, but for rounding.
+// The least whole number that is not below `x`, except for rounding errors.
 uint32_t ceiling(double x) { return static_cast<uint32_t>(std::ceil(x * (1 - 1e-12))); }
 
-// Each of the four below gives places one pitch apart that cover `area`; those first that are to be kept where there
-// are too many.
+// Each of the four functions below returns places one pitch apart that cover `area`, the places first that should be
+// kept if there are too many.
 
 std::vector<Place> grid(double area, double pitch) {
     const uint32_t side = ceiling(std::sqrt(area) / pitch);
@@ -99,8 +99,8 @@ std::vector<Place> path(double area, double pitch) {
 std::vector<Place> scattered(double area, double pitch, Random& random) {
     constexpr int kTries = 30;
     const uint32_t count = ceiling(area / (pitch * pitch));
-    // Cells whose diagonal is a pitch hold one place each. There are about twice as many as a run needs, and no places
-    // outside of them.
+    // Cells whose diagonal is a pitch hold one place each. There are about twice as many cells as a run needs, and no
+    // places outside of them.
     const double cell = pitch / std::numbers::sqrt2, reach = pitch * (std::sqrt(double(count)) + 4);
     const auto side = static_cast<int64_t>(2 * reach / cell) + 1;
     constexpr uint32_t kEmpty = ~0u;
@@ -139,7 +139,7 @@ std::vector<Place> cover(Formation formation, double area, double pitch, Random&
     return scattered(area, pitch, random);
 }
 
-// Circles of ground that are taken, found by the square they are in. No circle is wider than a square.
+// Circles of ground that are taken, looked up by the square they are in. No circle is wider than a square.
 class Taken {
 public:
     explicit Taken(double widest) : square_(widest) {}

@@ -30,11 +30,11 @@ struct Place {
 
 // Places around the origin, [sum of counts], kinds one after the other but mixed on the ground. Two are at least half
 // the sum of their pitches apart. Kinds that need more room are placed first, at random over the whole formation; the
-// others fill what is left. At most about 1 s for 100,000. Throws CommandError where their area is not finite.
+// others fill what is left. At most about 1 s for 100,000. Throws CommandError if their area is not finite.
 std::vector<Place> place(Formation formation, std::span<const PlacementKind> kinds, creature::Random& random);
 
-// How far a character may leave its place without spoiling the formation: either way along x and z, in pitches, and in
-// turning.
+// How far a character can leave its place without spoiling the formation: either way along x and z, in pitches, and how
+// far it can turn.
 struct Freedom {
     double shift = 0, turn_rad = 0;
 };

@@ -29,7 +29,7 @@ Vec3<double> extent_of(const Character& character) {
     return character.bounds_max.as<double>() - character.bounds_min.as<double>();
 }
 
-// How much larger than in their files characters are.
+// How much larger the characters are than in their files.
 std::vector<double> scales(std::span<const Character> characters, const std::vector<double>& heights) {
     double largest = 0;
     for (const Character& character : characters) largest = std::max(largest, double{character.size});
@@ -44,7 +44,7 @@ std::vector<double> scales(std::span<const Character> characters, const std::vec
     return scales;
 }
 
-// The small ones are looked for on all of the ground that the large ones make.
+// Places for the smallest characters are generated on all of the ground, which grows with the large ones.
 void check_room(std::span<const PlacementKind> kinds) {
     constexpr double kMostPlaces = 40'000'000;
     double area = 0, least = kinds[0].pitch;

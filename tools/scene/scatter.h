@@ -14,8 +14,8 @@ namespace throng::tools {
 
 struct ScatterSettings {
     std::vector<uint32_t> counts;  // [characters]: of each
-    // [characters], world units; none: all are scaled to the size of the largest, since files come in different units,
-    // and take the same room
+    // [characters], world units. If empty, all are scaled to the size of the largest, since files come in different
+    // units, and take the same room
     std::vector<double> heights;
     Formation formation = Formation::kGrid;
     double spacing = 1;  // 1: a character takes a square or circle as wide as its rest pose
@@ -32,15 +32,15 @@ struct Scatter {
 // How wide a character is on the ground, in its file's units.
 double footprint(const Character& character);
 
-// `count` in as many parts, as even as can be.
+// Splits `count` into `parts` parts, as evenly as possible.
 std::vector<uint32_t> deal_out(uint32_t count, size_t parts);
 
-// Around the origin, standing on the ground, kinds mixed. Throws CommandError where heights are too different to be
-// placed together.
+// Around the origin, standing on the ground, kinds mixed. Throws CommandError if heights differ too much to be placed
+// together.
 Scatter scatter(std::span<const Character> characters, const ScatterSettings& settings);
 
-// These bounds and, where no controller chooses the clips, all that the clips reach which each one plays: some are
-// carried far from where they stand. World space.
+// These bounds, enlarged for each instance without a controller by the bounds of the clips that it plays: some clips
+// carry a character far from where it stands. World space.
 Bounds reached_bounds(const Bounds& bounds, const Scatter& field);
 
 }  // namespace throng::tools

@@ -10,8 +10,8 @@ namespace throng::view {
 
 class Canvas {
 public:
-    // `format`: of the display, so that pictures are copied as they are. Of UNORM: Dear ImGui's colours are bytes of
-    // sRGB, and blended as such.
+    // `format` is the display's, so that pictures are copied as they are. It is UNORM, because Dear ImGui's colours are
+    // sRGB bytes and are blended as such.
     Canvas(const Context& context, VkFormat format);
 
     // The device must be idle.
@@ -19,15 +19,15 @@ public:
     // Panels are drawn in it, over what is there.
     VkRenderPass render_pass() const { return render_pass_.get(); }
 
-    // Recorded in this order. `picture` is as large as the canvas, its bytes have the same order, and it is in
+    // Call these in this order. `picture` is as large as the canvas, its bytes have the same order, and it is in
     // VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL.
     void record_picture(VkCommandBuffer commands, VkImage picture) const;
     void record_panels(VkCommandBuffer commands) const;
-    // `shown` is an image of the swapchain, of the same size and format; it is ready to be presented then.
+    // `shown` is an image of the swapchain, of the same size and format; afterwards it is ready to be presented.
     void record_copy(VkCommandBuffer commands, VkImage shown) const;
     void record_read_back(VkCommandBuffer commands) const;
 
-    // What record_read_back() has copied, once that has run.
+    // What record_read_back() has copied, once its commands have run.
     Picture read() const;
 
 private:

@@ -9,7 +9,7 @@
 namespace throng::view {
 namespace {
 
-// Steps of the number that are easy to say: 1, 2, 5, 10, 20, 50 …
+// Steps through round numbers: 1, 2, 5, 10, 20, 50 …
 void change_count(State& state, bool up) {
     std::vector<uint32_t> steps;
     for (uint32_t decade = 1; decade <= kMostCharacters; decade *= 10)
@@ -93,7 +93,7 @@ void take_keys(State& state, std::span<const KeyPress> pressed) {
 void take_drags(State& state) {
     const ImGuiIO& io = ImGui::GetIO();
     const bool begins = std::ranges::any_of(io.MouseClicked, [](bool is_clicked) { return is_clicked; });
-    const float scale = begins ? 0 : 1 / io.DisplaySize.y;  // the way to where a button goes down is none of its drag
+    const float scale = begins ? 0 : 1 / io.DisplaySize.y;  // movement before the button went down is no drag
     const float x = io.MouseDelta.x * scale, y = io.MouseDelta.y * scale;  // picture heights
     const bool pans = ImGui::IsMouseDown(ImGuiMouseButton_Right) || ImGui::IsMouseDown(ImGuiMouseButton_Middle) ||
                       (ImGui::IsMouseDown(ImGuiMouseButton_Left) && io.KeyShift);

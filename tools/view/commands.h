@@ -1,4 +1,4 @@
-// What keys do: one table, which the keys are looked up in and the panel of keys is made of.
+// What keys do: one table, used to look up keys and to fill the panel of keys.
 #pragma once
 
 #include "tools/view/state.h"
@@ -8,7 +8,7 @@
 
 namespace throng::view {
 
-// A row of the panel: what a hand does, and what comes of it.
+// A row of the panel: what the user does, and what it causes.
 struct Gesture {
     const char* how;
     const char* does;
@@ -23,14 +23,14 @@ struct Command {
 };
 std::span<const Command> commands();
 
-// Runs what has been typed since the last frame, and moves the camera by keys and mouse, unless a panel has taken them.
-// A click at the scene comes back as a point of the picture: 0..1 from the left and the top.
+// Runs the commands typed since the last frame, and moves the camera by keys and mouse, unless a panel has taken them.
+// A click on the scene is returned as a point of the picture: 0..1 from the left and the top.
 struct Click {
     float x, y;
 };
 std::optional<Click> take_commands(State& state, std::span<const KeyPress> pressed);
 
-// What else a hand does, with mouse and files.
+// Other gestures, with mouse and files.
 std::span<const Gesture> gestures();
 
 }  // namespace throng::view

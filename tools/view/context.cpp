@@ -41,8 +41,8 @@ void Context::create_instance() {
     check(vkCreateInstance(&create, nullptr, &adopted_.instance), "vkCreateInstance");
 }
 
-// The device that every command takes for these words, found again by its name: an instance with a surface may list
-// devices in another order.
+// Finds the device that every command chooses for this selection again by its name, since an instance with a surface
+// may list devices in another order.
 void Context::find_device(const std::string& select) {
     device_name_ = tools::open_device(select).info().name;
     const auto devices = list_of<VkPhysicalDevice>("vkEnumeratePhysicalDevices", vkEnumeratePhysicalDevices,

@@ -10,7 +10,7 @@
 
 namespace throng::view {
 
-// Throws a CommandError where there is no such device, or none that can show pictures in the window.
+// Throws a CommandError if there is no such device, or none that can show pictures in the window.
 class Context {
 public:
     // `select` as DeviceSettings has it.

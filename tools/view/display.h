@@ -24,7 +24,7 @@ public:
 
     // The next frame's commands.
     VkCommandBuffer begin();
-    // They show the canvas. Waits for the frame before; then this one is ready.
+    // Completes the commands, which show the canvas. Waits for the previous frame; then this one is ready.
     void end(const Canvas& canvas);
     // Begins to show the frame that is ready, if there is one.
     void start();

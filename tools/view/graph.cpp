@@ -30,7 +30,7 @@ float sum(const FrameTimes& times) {
     return total;
 }
 
-// Stages upon each other, the latest frame at the right.
+// Stages stacked on each other, the latest frame at the right.
 void draw_bars(const History& history, ImVec2 from, ImVec2 to) {
     ImDrawList& list = *ImGui::GetWindowDrawList();
     float most = 0.01f;

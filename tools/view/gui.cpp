@@ -13,7 +13,7 @@ namespace throng::view {
 namespace {
 
 constexpr float kFontSize = 15;  // pixels, where the display's are large
-// Fonts-roboto-unhinted
+// Debian's package fonts-roboto-unhinted
 constexpr const char* kFont = "/usr/share/fonts/truetype/roboto/unhinted/RobotoTTF/Roboto-Regular.ttf";
 
 void choose_font(float scale) {
@@ -122,7 +122,7 @@ void Gui::take_input(VkExtent2D extent, std::span<const KeyPress> pressed) {
         io.KeysDown[press.key] = true;
         let_go_.push_back(press.key);
     }
-    // The canvas may be of another size than the window where that has just changed.
+    // The canvas may differ in size from the window if the window's size has just changed.
     if (io.DisplayFramebufferScale.x <= 0 || io.DisplayFramebufferScale.y <= 0) io.DisplayFramebufferScale = {1, 1};
     io.DisplaySize = {static_cast<float>(extent.width) / io.DisplayFramebufferScale.x,
                       static_cast<float>(extent.height) / io.DisplayFramebufferScale.y};

@@ -9,7 +9,7 @@
 
 namespace throng::view {
 
-// One at a time, as Dear ImGui has it.
+// Only one can exist at a time, as Dear ImGui requires.
 class Gui {
 public:
     // Keeps the reference to the window.
@@ -18,8 +18,8 @@ public:
     Gui(const Gui&) = delete;
     Gui& operator=(const Gui&) = delete;
 
-    // The window's input since the last call, for a canvas of this size; ImGui::NewFrame() comes next. Keys that have
-    // been pressed are down for a frame, also where they have been let go meanwhile.
+    // Takes the window's input since the last call, for a canvas of this size; call ImGui::NewFrame() next. Pressed
+    // keys are down for one frame, even if they have been released meanwhile.
     void take_input(VkExtent2D extent, std::span<const KeyPress> pressed);
 
 private:
@@ -27,7 +27,7 @@ private:
 
     const Window& window_;
     OwnedDescriptorPool pool_;
-    std::vector<int> let_go_;  // keys, to be so with the next frame
+    std::vector<int> let_go_;  // keys to be released in the next frame
 };
 
 }  // namespace throng::view

@@ -26,7 +26,7 @@ public:
     size_t size() const { return std::min(count_, kFrames); }
     // 0 is the latest.
     const FrameTimes& ago(size_t frames) const { return frames_[(count_ - 1 - frames) % kFrames]; }
-    // Over the latest frames, so that figures can be read.
+    // Over the latest frames, so that the numbers change slowly enough to be read.
     FrameTimes mean() const {
         const size_t count = std::min<size_t>(size(), 20);
         FrameTimes mean{};

@@ -36,7 +36,7 @@ const char* name_of(const Character& character, const ControllerLayer& layer, ui
     return layer.states.empty() ? character.clips[motion].name.c_str() : layer.states[motion].name.c_str();
 }
 
-// A bar for how far the leading state is in its cycle; beneath it those that fade away.
+// A bar for how far the leading state is in its cycle; beneath it the states that fade out.
 void layer_rows(const Character& character, const ControllerLayer& layer, std::span<const PlayedMotion> played) {
     begin_row(layer.name.c_str());
     if (played.empty()) return ImGui::TextDisabled("nothing");
@@ -48,7 +48,7 @@ void layer_rows(const Character& character, const ControllerLayer& layer, std::s
     }
 }
 
-// What the device had in the last frame; parameters that are changed are sent.
+// Shows what the device had in the last frame, and sends parameters that are changed.
 void controller_rows(Scene& scene, uint32_t instance, const Character& character, const Controller& controller,
                      const WatchedInstance& watched) {
     for (uint32_t p = 0; p < controller.parameters.size(); ++p) {
@@ -80,7 +80,7 @@ void draw_inspector(State& state, Scene& scene, const Measured& measured) {
                 double{world_from_model.row[2][3]});
     ImGui::Spacing();
     if (const Controller* controller = scene.controller_of(group)) {
-        // Not in the first frame
+        // Not known yet in the first frame
         if (const WatchedInstance* watched = measured.watched(); watched && watched->instance.instance == instance)
             controller_rows(scene, instance, character, *controller, *watched);
     } else if (!character.clips.empty()) {

@@ -1,4 +1,4 @@
-// Reads files beside the frames, so that the window stays alive.
+// Reads files in the background, so that the window stays responsive.
 #pragma once
 
 #include "tools/view/scene.h"
@@ -9,11 +9,12 @@ namespace throng::view {
 
 class Loader {
 public:
-    // In place of what is being read, which is waited for.
+    // Replaces what is being read, after waiting for it.
     void start(std::vector<std::string> files, const CompileSettings& settings);
     bool is_busy() const { return future_.valid(); }
 
-    // What has been read, once; nothing where it goes on, unless `waits`. Throws a CommandError where a file is wrong.
+    // Returns what has been read, once; nothing while reading goes on, unless `waits`. Throws a CommandError if a file
+    // is wrong.
     std::optional<std::vector<Character>> take(bool waits);
 
 private:

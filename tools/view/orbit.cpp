@@ -6,7 +6,7 @@
 namespace throng::view {
 namespace {
 
-// That a hand turns to: from a little below, so as not to dive under the ground, to almost from above
+// The user's range: from a little below, so as not to dive under the ground, to almost from above
 constexpr float kLeastPitch_rad = -0.3f, kMostPitch_rad = 1.5f;
 constexpr float kSteepest_rad = 1.55f;  // beyond it the picture would have no up
 

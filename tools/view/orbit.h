@@ -1,4 +1,4 @@
-// The camera as a hand moves it: around a place, along the picture, or through the crowd. No window is involved.
+// The camera as the user moves it: around a place, along the picture, or through the crowd. No window is involved.
 #pragma once
 
 #include <throng/draw.h>
@@ -9,14 +9,14 @@ namespace throng::view {
 
 class Orbit {
 public:
-    // Looks as `camera` does; its distance is the measure of how fast fly() goes and how far zoom() may.
+    // Looks as `camera` does; its distance decides how fast fly() goes and how far zoom() can go.
     void reset(const Camera& camera);
     Camera camera() const;
 
     // Turning about the target and drawing back from it take the eye no lower than this.
     void stand_on(float ground_y) { ground_y_ = ground_y; }
 
-    // About the target; about the eye. Radians: to the left, up.
+    // turn(): about the target; look(): about the eye. Radians: to the left, up.
     void turn(float yaw_rad, float pitch_rad);
     void look(float yaw_rad, float pitch_rad);
     // Moves eye and target along the picture: in picture heights at the target's distance.
@@ -44,20 +44,20 @@ struct PicturePart {
     float height() const { return bottom - top; }
 };
 
-// From the same eye, for a picture of this aspect ratio: what `camera` shows is seen in that part, the target in its
-// middle, as large as if the part were a picture of its own.
+// A camera at the same eye, for a picture of this aspect ratio: shows within `part` what `camera` shows, the target in
+// the middle of the part, as large as if the part were a picture of its own.
 Camera camera_around(const Camera& camera, const PicturePart& part, float aspect_ratio);
 
-// The picture's axes, to go from its points to rays and back. Points of the picture: 0..1 from the left and the top.
+// Converts points of the picture to rays and back. Points of the picture: 0..1 from the left and the top.
 class Projection {
 public:
     Projection(const Camera& camera, float aspect_ratio);
 
     struct Ray {
-        Vec3<float> origin, direction;  // world space; as long as it may be
+        Vec3<float> origin, direction;  // world space; the direction has any length
     };
     Ray ray(float x, float y) const;
-    // z is the distance along the line of sight; what is behind the eye has none that is positive.
+    // z is the distance along the line of sight; it is not positive behind the eye.
     Vec3<float> project(const Vec3<float>& world_place) const;
     const Vec3<float>& right() const { return right_; }  // unit, world space
     const Vec3<float>& up() const { return up_; }

@@ -11,7 +11,7 @@
 namespace throng::view {
 namespace {
 
-// What a row offers, and how it is explained where the mouse rests; null: not at all.
+// What a row offers, and its tooltip; null: none.
 struct Choice {
     const char* name;
     const char* tip = nullptr;
@@ -43,7 +43,7 @@ void check_row(const char* name, bool& value, const char* explained = nullptr) {
     tip(explained);
 }
 
-// A box to choose in. `chosen`: by its place; where it is none of them, `shown` says what there is instead.
+// A combo box. `chosen` is an index; if it is none of the choices, `shown` says what is set instead.
 bool combo_row(const char* name, std::span<const Choice> choices, size_t& chosen, const char* shown = "") {
     begin_row(name);
     const size_t before = chosen;
@@ -79,7 +79,7 @@ void scan_row(std::string& scan) {
     name_row("scan", choices, scan);
 }
 
-// Takes effect when it is let go: what it changes is costly.
+// Takes effect when the slider is released, as a change is costly.
 void slide_count(State& state) {
     if (!state.sliding_count) state.sliding_count = static_cast<int>(state.wanted.count);
     ImGui::SliderInt("##count", &*state.sliding_count, 1, static_cast<int>(kMostCharacters), "%d",

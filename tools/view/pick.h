@@ -13,8 +13,8 @@ struct PlacedBox {
     Affine world_from_model;
 };
 
-// How far along the ray it enters the box, in lengths of the ray's direction: 0 where it begins inside. None where it
-// misses the box, or the placement cannot be undone.
+// How far along the ray it enters the box, in lengths of the ray's direction: 0 if it begins inside. None if it misses
+// the box, or if the placement cannot be inverted.
 std::optional<float> distance_to(const PlacedBox& box, const Projection::Ray& ray);
 
 }  // namespace throng::view

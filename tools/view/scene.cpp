@@ -20,7 +20,7 @@ std::vector<uint32_t> deal_out(uint32_t count, std::span<const uint32_t> shares)
     return counts;
 }
 
-// Loops stay within their duration, so that the time of hours is as exact as that of seconds.
+// Loops stay within their duration, so that time is as exact after hours as after seconds.
 double moved_on(const Character& character, const ClipPlayback& clip, double seconds) {
     const double time_s = clip.time_s + seconds * double{clip.speed};
     const double duration_s = clip.clip == kNone ? 0 : double{character.clips[clip.clip].duration_s};
@@ -79,7 +79,7 @@ void Scene::make_field() {
     for (size_t group = 0; group < field_.groups.size(); ++group) {
         field_.groups[group].controller = controller_of(static_cast<uint32_t>(group));
         if (cast().looks[group]) field_.groups[group].outfits = cast().looks[group]->outfits();
-        field_.groups[group].moves_placements = false;  // so that who is clicked at stands where it is known to
+        field_.groups[group].moves_placements = false;  // so that places are known here when one is clicked
     }
     playing_.assign(field_.playback.size(), {});
     uint32_t instance = 0;

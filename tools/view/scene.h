@@ -1,5 +1,5 @@
-// The crowd that is shown: the characters of files, how they stand, and what each plays, which is known here too, for
-// whoever looks at one.
+// The crowd that is shown: the characters of the files, how they stand, and what each plays, which is kept on the CPU
+// too, for the inspector.
 #pragma once
 
 #include "tools/scene/director.h"
@@ -24,7 +24,7 @@ struct Cast {
     std::vector<uint32_t> shares;                        // [characters], of the whole number
     std::vector<double> heights;                         // as ScatterSettings has them
 
-    // As many of each, without controllers, of one size.
+    // The same number of each, without controllers, all of one size.
     explicit Cast(std::vector<Character> of)
         : characters(std::move(of)),
           controllers(characters.size()),
@@ -44,8 +44,8 @@ struct SceneSettings {
     SkinBlend blend = SkinBlend::kLinear;
     bool skins_once = false;
     bool culls = true;           // and with it levels of detail
-    bool skips_updates = false;  // of what is small on the screen; with culls, and not with keeps_joints
-    bool keeps_joints = false;   // their matrices, which skeletons are drawn from
+    bool skips_updates = false;  // of what is small on the screen; needs culls, excludes keeps_joints
+    bool keeps_joints = false;   // keeps the joints' matrices, from which skeletons are drawn
 
     bool operator==(const SceneSettings&) const = default;
 };
@@ -53,7 +53,7 @@ inline constexpr uint32_t kMostCharacters = 100'000;
 
 // What all characters of a file without a controller play.
 struct GroupPlayback {
-    // Clips and weights of each character's own, by the seed; else those below, at times of their own
+    // Each character has its own clips and weights, by the seed; else all have those below, each at its own time
     bool own = true;
     uint32_t first = 0, second = 0;  // clips
     float weight = 1;
@@ -63,8 +63,8 @@ struct GroupPlayback {
 
 class Scene {
 public:
-    // Throws a CommandError where such a crowd cannot be made, as the next two do, which then leave the scene as it
-    // was. The device must be idle.
+    // Throws a CommandError if such a crowd cannot be made. So do the next two, which then leave the scene as it was.
+    // The device must be idle.
     Scene(const Device& device, Cast cast, const SceneSettings& settings);
     void set_settings(const SceneSettings& settings);
     void set_cast(Cast cast);
@@ -74,16 +74,16 @@ public:
     Crowd& crowd() { return *crowd_; }
     const Bounds& bounds() const { return bounds_; }  // of the rest poses and of clips, world space
 
-    // Before an update by this time step.
+    // Call before an update by this time step.
     void advance(float time_step_s);
 
     uint32_t group_of(uint32_t instance) const;
-    // An instance by its group, which stays the same where the number of all changes.
+    // An instance by its group: stays the same when the number of all instances changes.
     struct InGroup {
         uint32_t group = 0, number = 0;
     };
     InGroup place_of(uint32_t instance) const;
-    std::optional<uint32_t> instance_at(const InGroup& place) const;  // none: the group has not so many
+    std::optional<uint32_t> instance_at(const InGroup& place) const;  // none: the group has fewer
     uint32_t instance_count_of(uint32_t group) const { return field_.groups[group].instance_count; }
     const Controller* controller_of(uint32_t group) const {
         return cast().controllers[group] ? &*cast().controllers[group] : nullptr;
@@ -95,10 +95,10 @@ public:
     Playback playback_of(uint32_t instance) const;  // as it is now: times have moved on
     void set_playback_of(uint32_t instance, const Playback& playback);
 
-    // Whether characters with controllers are told something now and then. They keep what they have been told last.
+    // Whether parameters of characters with controllers are set now and then. They keep the last values.
     bool directs() const { return directs_; }
     void set_directs(bool directs) { directs_ = directs; }
-    // What all characters of a group with a controller have been told last, at first what they start with.
+    // The values last set for all characters of a group with a controller; at first the controller's own.
     const std::vector<float>& parameters(uint32_t group) const { return shown_.parameters[group]; }
     // For all characters of the group, or for one.
     void set_parameter(uint32_t group, uint32_t parameter, float value);

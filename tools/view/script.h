@@ -1,4 +1,4 @@
-// Input that nobody makes: events at given frames, for tests and pictures. They go where the window's own go.
+// Scripted input: events at given frames, for tests and pictures. They are handled like the window's own.
 #pragma once
 
 #include "tools/view/window.h"
@@ -22,10 +22,10 @@ namespace throng::view {
 //   shot FILE         what the window shows in this frame
 class Script {
 public:
-    // Throws a CommandError that names the line where it is not understood.
+    // Throws a CommandError that names the first line that is not understood.
     explicit Script(const std::string& path);
 
-    // Behind Gui::take_input(). Gives the file of a shot.
+    // Call after Gui::take_input(). Returns the file of a shot.
     std::optional<std::string> play(uint64_t frame, Window& window);
     bool ends_by(uint64_t frame) const {
         return next_ == events_.size() && (events_.empty() || frame > events_.back().frame);

@@ -1,4 +1,4 @@
-// What panels, keys and the mouse change, and the viewer obeys.
+// What panels, keys and the mouse change, and the viewer acts on.
 #pragma once
 
 #include "tools/view/history.h"
@@ -17,28 +17,28 @@ namespace throng::view {
 inline constexpr const char* kByHand = "by hand";
 
 struct State {
-    SceneSettings wanted;                // made so at the end of the frame; what cannot be made goes back to what is
+    SceneSettings wanted;                // applied at the end of the frame; reset to the current ones if that fails
     std::optional<int> sliding_count;    // while the slider is held
     std::optional<uint64_t> typed_seed;  // while it is typed
     DrawOptions drawing;
     Orbit orbit;
     bool flies = false;            // drags turn the head, not the crowd
-    std::string camera = kByHand;  // or a path of tools::CameraPath, which leads `orbit` until the hand takes it
+    std::string camera = kByHand;  // or a tools::CameraPath, which leads `orbit` until the user takes over
 
     bool paused = false;
-    bool steps = false;  // one frame on, though it is paused
+    bool steps = false;  // advance by one frame while paused
     float time_factor = 1;
 
     bool shows_panels = true, shows_keys = false;
-    PicturePart free_part;  // of the picture, beside the panels: there it shows what `orbit` looks at
-    Camera picture_camera;  // of the whole picture, so that free_part does
+    PicturePart free_part;  // the part without panels, in whose middle the target of `orbit` is shown
+    Camera picture_camera;  // of the whole picture, chosen so that free_part shows that
     std::optional<uint32_t> selected;
 
     bool resets_view = true;
     bool takes_screenshot = false;
     bool closes = false;
 
-    // Said in the window for a while; what is wrong on stderr too.
+    // Shows a message in the window for a while; errors go to stderr too.
     void say(std::string text) {
         message = std::move(text);
         message_is_error = false;

@@ -1,4 +1,4 @@
-// One command buffer, recorded and waited for again and again.
+// One command buffer that is recorded, submitted and waited for again and again.
 #pragma once
 
 #include "tools/view/context.h"
@@ -9,7 +9,7 @@ class Submission {
 public:
     explicit Submission(const Context& context);
 
-    // The last one must have been waited for.
+    // The last submission must have been waited for.
     VkCommandBuffer begin();
     // Transfers wait for `before`; `after` is signalled at the end. Both may be null.
     void submit(VkSemaphore before, VkSemaphore after);

@@ -51,7 +51,7 @@ void Swapchain::recreate(VkExtent2D window_size) {
         .imageSharingMode = VK_SHARING_MODE_EXCLUSIVE,
         .preTransform = surface.currentTransform,
         .compositeAlpha = VK_COMPOSITE_ALPHA_OPAQUE_BIT_KHR,
-        // Every device has it, and it waits for the display
+        // Every device has this mode, and it waits for the display
         .presentMode = VK_PRESENT_MODE_FIFO_KHR,
         .clipped = VK_TRUE,
         .oldSwapchain = swapchain_.get()};

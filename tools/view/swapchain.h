@@ -10,10 +10,10 @@ namespace throng::view {
 
 class Swapchain {
 public:
-    // Throws a CommandError where the display takes no pictures of 8 bits a channel.
+    // Throws a CommandError if the display takes no pictures of 8 bits a channel.
     explicit Swapchain(const Context& context);
 
-    // Makes it anew, in the window's size where the surface says none itself. The device must be idle.
+    // Makes it anew, in the window's size if the surface does not give one. The device must be idle.
     void recreate(VkExtent2D window_size);
     // Whether the window has changed so that recreate() is due.
     bool is_stale(VkExtent2D window_size) const {
@@ -23,8 +23,8 @@ public:
     // VK_FORMAT_R8G8B8A8_UNORM or B8G8R8A8, whose bytes are sRGB.
     VkFormat format() const { return format_.format; }
 
-    // The image to be written next, once acquired() is signalled; none where the swapchain is stale. Of one image at a
-    // time.
+    // The image to be written next, once acquired() is signalled; none if the swapchain is stale. Only one image can be
+    // acquired at a time.
     std::optional<uint32_t> acquire();
     VkImage image(uint32_t index) const { return images_[index]; }
     VkSemaphore acquired() const { return acquired_.get(); }

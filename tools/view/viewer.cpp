@@ -45,7 +45,7 @@ SceneSettings make_settings(const tools::SceneOptions& options) {
             .path = options.path};
 }
 
-// A software device takes half the time without multisampling; pictures that are kept have it.
+// A software device takes half the time without multisampling; runs of a fixed number of frames keep it for pictures.
 RendererSettings renderer_settings(const ViewOptions& options, const Device& device, VkFormat display_format) {
     RendererSettings settings = options.size;
     settings.blue_first = display_format == VK_FORMAT_B8G8R8A8_UNORM;
@@ -53,7 +53,7 @@ RendererSettings renderer_settings(const ViewOptions& options, const Device& dev
     return settings;
 }
 
-// The first that is not there yet.
+// The first file name that does not exist yet.
 std::string free_name() {
     for (int number = 1;; ++number) {
         const std::string name = "throng_" + std::to_string(number) + ".png";
@@ -61,7 +61,7 @@ std::string free_name() {
     }
 }
 
-// Throws a CommandError where what is to be written is read, and a UsageError where it is no picture.
+// Throws a CommandError if an output is also an input, and a UsageError if the screenshot is not a picture.
 std::vector<std::string> checked_inputs(const ViewOptions& options) {
     std::vector<std::string> inputs = tools::input_files(options.scene);
     inputs.push_back(options.script);
@@ -116,7 +116,7 @@ void Viewer::run() {
     window_.show();
     while (!is_done()) {
         if (state_.paused && !is_scripted())
-            glfwWaitEventsTimeout(0.1);  // nothing changes but by input
+            glfwWaitEventsTimeout(0.1);  // only input changes anything
         else
             glfwPollEvents();
         if (window_.size().width == 0 || window_.size().height == 0) {  // minimised
@@ -164,7 +164,7 @@ void Viewer::resize() {
     unwrap(renderer_.resize(extent.width, extent.height));
 }
 
-// A path leads the camera until the hand takes it, which goes on from there.
+// A path leads the camera until the user takes over, who goes on from there.
 void Viewer::move_camera(float aspect_ratio) {
     if (std::exchange(state_.resets_view, false)) state_.orbit.reset(fit_camera(scene_.bounds(), aspect_ratio));
     state_.orbit.stand_on(scene_.bounds().min.y);
@@ -224,7 +224,8 @@ void Viewer::record() {
     display_.end(canvas_);
 }
 
-// While the next frame is drawn, where that comes soon and the device does not read for this one what the next changes.
+// Whether this frame is shown while the next one is drawn: only if that comes soon, and if the device does not read for
+// this frame what the next one changes.
 bool Viewer::shows_later() const {
     return measured_.is_drawn_natively && shot_.empty() && (is_scripted() || !state_.paused);
 }
@@ -274,7 +275,7 @@ void Viewer::take_dropped() {
     loader_.start(std::move(files), options_.scene.compile);
 }
 
-// What is wrong with a file or a setting is said in the window, and on stderr, and the scene stays.
+// If a file or a setting is wrong, the window and stderr say so, and the scene stays.
 void Viewer::take_loaded() {
     try {
         if (std::optional<std::vector<Character>> characters = loader_.take(is_scripted())) {
@@ -291,7 +292,7 @@ void Viewer::take_loaded() {
     }
 }
 
-// A controller or looks, for those characters that it fits.
+// Uses a controller or looks for the characters that it fits.
 void Viewer::use_json(const std::string& file) {
     const bool are_looks = tools::is_looks_file(file);
     const Controller controller = are_looks ? Controller() : unwrap(load_controller(file));

@@ -18,28 +18,29 @@ struct ViewOptions {
     tools::CameraOptions camera;
     std::string device;
     RendererSettings size;
-    std::optional<uint64_t> frames;  // then it ends
-    // File of screenshots, also of the last of these frames; empty: names are made up, and there is none of the last
+    std::optional<uint64_t> frames;  // ends after so many
+    // File for screenshots, also for one of the last of these frames. If empty, names are made up, and the last frame
+    // gets none
     std::string screenshot;
     std::string script, dump;  // files, for tests
 };
 
 class Viewer {
 public:
-    // Throws a CommandError: a file that cannot be read, no display, no device that fits it.
+    // Throws a CommandError if a file cannot be read, or there is no display or no device that can use it.
     explicit Viewer(const ViewOptions& options);
     ~Viewer();
     Viewer(const Viewer&) = delete;
     Viewer& operator=(const Viewer&) = delete;
 
-    // Until the window is closed. Throws a CommandError where the device fails.
+    // Runs until the window is closed. Throws a CommandError if the device fails.
     void run();
 
 private:
     bool is_done() const;
-    // What a controller does is known to the device alone
+    // Only the device knows what a controller does, so a selected character with one is watched
     bool watches() const { return state_.selected && scene_.controller_of(scene_.group_of(*state_.selected)); }
-    // Then every frame is a sixtieth of a second, however long it takes
+    // If so, every frame counts as a sixtieth of a second, however long it takes
     bool is_scripted() const { return script_ || options_.frames; }
     void show_frame();
     void resize();

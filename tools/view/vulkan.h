@@ -1,4 +1,4 @@
-// Vulkan as the window needs it beside throng: linked to the system's loader, as Debian's build of Dear ImGui is.
+// The Vulkan that the window needs beside throng: linked to the system's loader, as Debian's build of Dear ImGui is.
 // Whatever fails throws a CommandError.
 #pragma once
 
@@ -64,20 +64,20 @@ using OwnedCommandPool = Owned<VkCommandPool, vkDestroyCommandPool>;
 using OwnedDescriptorPool = Owned<VkDescriptorPool, vkDestroyDescriptorPool>;
 using OwnedSwapchain = Owned<VkSwapchainKHR, vkDestroySwapchainKHR>;
 
-// Memory of the device for something with these needs, of a type with `properties`.
+// Allocates device memory that meets `needs`, of a type with `properties`.
 OwnedMemory allocate_memory(VkPhysicalDevice physical_device, VkDevice device, const VkMemoryRequirements& needs,
                             VkMemoryPropertyFlags properties);
 
-// What the device copies to, and the host reads then.
+// A buffer that the device copies to and the host then reads.
 class HostBuffer {
 public:
     HostBuffer() = default;
     HostBuffer(VkPhysicalDevice physical_device, VkDevice device, VkDeviceSize size_bytes);
 
     VkBuffer get() const { return buffer_.get(); }
-    // Behind what is copied to it.
+    // Record it after the copies.
     void record_end(VkCommandBuffer commands) const;
-    // What has been copied to it, once that has run.
+    // What has been copied to it, once the commands have run.
     std::vector<uint8_t> read() const;
 
 private:

@@ -18,7 +18,7 @@ struct KeyPress {
     bool with_ctrl = false;
 };
 
-// One at a time, hidden until it is shown. Throws a CommandError where there is no display.
+// Only one can exist at a time. Hidden until show(). Throws a CommandError if there is no display.
 class Window {
 public:
     Window(uint32_t width, uint32_t height);
@@ -36,7 +36,7 @@ public:
     std::vector<std::string> take_dropped() { return std::exchange(dropped_, {}); }
     void drop(std::vector<std::string> files) { dropped_ = std::move(files); }
 
-    // Keys pressed since the last call, also those that have been let go: frames may take longer than fingers.
+    // Keys pressed since the last call, even if released since: a frame can take longer than a key press.
     std::span<const KeyPress> pressed() const { return pressed_; }
     std::vector<KeyPress> take_pressed() { return std::exchange(pressed_, {}); }
     void press(const KeyPress& press) { pressed_.push_back(press); }

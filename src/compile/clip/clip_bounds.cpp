@@ -10,7 +10,8 @@
 namespace throng {
 namespace {
 
-// Adds the box as the pose has it; not one that is shrunk to less than `seen`, as games hide things, often far away.
+// Adds the box as the pose has it, unless it is shrunk to less than `seen`: games hide things like that, often far
+// away.
 void add_posed(Box& bounds, const AffineT<double>& model_from_joint, const Box& box, double seen) {
     const Vec3<double> middle = transform_point(model_from_joint, (box.low + box.high) * 0.5),
                        half = (box.high - box.low) * 0.5;
@@ -60,7 +61,7 @@ private:
     const Character& character_;
     uint32_t clip_;
     std::vector<AffineT<double>> parent_from_joint_, model_from_joint_;
-    std::vector<bool> varies_, moves_;  // itself; with a joint above it
+    std::vector<bool> varies_, moves_;  // by its own tracks; or with a joint above it
 };
 
 }  // namespace

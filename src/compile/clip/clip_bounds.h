@@ -7,9 +7,9 @@
 
 namespace throng {
 
-// Fills the bounds of all clips, by the boxes of vertices around each joint (reference/influence_boxes.h): at every
-// row and halfway to the next, which bounds what lies between but for what a joint that turns by a radian between rows
-// bulges out, a hundredth of its reach.
+// Fills the bounds of all clips from the boxes of vertices around each joint (reference/influence_boxes.h), at every
+// row and halfway to the next. That bounds what lies between too, except that a joint that turns by a radian between
+// rows can bulge out by a hundredth of its reach.
 void measure_clips(Character& character, const Progress& progress);
 
 }  // namespace throng

@@ -13,8 +13,8 @@ TrackValue unit(TrackTarget target, const TrackValue& value) {
     return target == TrackTarget::kRotation ? value_of(normalized(quaternion_of(value))) : value;
 }
 
-// How far, in radians of rotation, the straight line between two quaternions lags behind their arc. It does most at
-// 0.2113 of the way.
+// How far, in radians of rotation, the straight line between two quaternions lags behind their arc. The lag is largest
+// at 0.2113 of the way.
 double chord_lag_rad(const TrackValue& a, const TrackValue& b) {
     constexpr double kWorst = 0.2113;
     const double angle = std::acos(std::clamp(dot(quaternion_of(a), quaternion_of(b)), -1.0, 1.0));
@@ -40,7 +40,8 @@ public:
         for (double looser = 8; row_count_of(halvings) > most_rows; looser *= 8)
             halvings = halvings_by_interval(reaches, settings.bound * looser);
         add_rows(halvings);
-        // Between rows only arcs can be further off than in the rows; at 1/4 they nearly are as far as they get.
+        // Between rows only arcs can be further off than in the rows; at 1/4 of the way they nearly are at their
+        // furthest.
         constexpr double kNegligible = 0.1;
         if (!(largest_lag_ * rig_.level_count <= kNegligible * settings.bound)) grid_.points_per_row = 4;
         resample();
@@ -48,7 +49,7 @@ public:
     }
 
 private:
-    // A third power: each halving leaves an eighth.
+    // The lag grows with the third power of the angle, so each halving leaves an eighth.
     std::vector<uint32_t> halvings_by_interval(std::span<const double> reaches, double bound) {
         std::vector<uint32_t> halvings(clip_.times_s.size() - 1);
         largest_lag_ = 0;
@@ -79,7 +80,7 @@ private:
             const double from_s = clip_.times_s[row], length_s = double{clip_.times_s[row + 1]} - from_s;
             for (uint32_t part = 0; part < 1u << halvings[row]; ++part) {
                 const auto time_s = static_cast<float>(from_s + length_s * part / (1u << halvings[row]));
-                // Finer than floats
+                // Floats cannot hold a time this fine
                 if (part > 0 && (time_s <= grid_.times_s.back() || time_s >= clip_.times_s[row + 1])) continue;
                 grid_.times_s.push_back(time_s);
                 grid_.fixed.push_back(part == 0 && row > 0 && steps_at(row));

@@ -6,8 +6,8 @@
 
 namespace throng {
 
-// Whether no float lies between the times of two rows: what is between them is never shown. The importer writes several
-// keys at one time so.
+// Whether no float lies between the times of two rows, so that what is between them is never shown. The importer writes
+// several keys at one time this way.
 bool is_jump(float from_s, float to_s);
 
 struct ClipGrid {
@@ -29,7 +29,7 @@ inline size_t slot_of(const ExactTrack& track) { return track.joint * size_t{3} 
 
 struct GridSettings {
     double bound = 0;  // displacement in model space that straight lines instead of arcs may cause
-    // Rows * joints at most, as far as the clip's own rows leave room: no more than 192 MiB of values
+    // The most rows * joints, unless the clip's own rows are more: no more than 192 MiB of values
     uint64_t joint_rows = 4'000'000;
 };
 

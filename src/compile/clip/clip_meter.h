@@ -1,4 +1,4 @@
-// How far the skin is displaced where a clip is read from fewer rows, or from quantised ones.
+// How far the skin is displaced when a clip is read from fewer rows, or from quantised ones.
 #pragma once
 
 #include "base/progress.h"
@@ -7,8 +7,8 @@
 
 namespace throng {
 
-// Keeps references. At each point that it looks at it asks whether it is to go on. Reading between two rows is what the
-// sample stage does: the straight line, rotations normalised.
+// Keeps references. Polls `progress` at each point that it looks at. Between two rows it does what the sample stage
+// does: interpolates linearly, then normalises rotations.
 class ClipMeter {
 public:
     ClipMeter(const Character& character, const ClipGrid& grid, std::span<const Box> boxes, const Progress& progress);
@@ -16,24 +16,25 @@ public:
     // [joint_count], model_from_joint of the exact tracks at a point of the grid.
     std::span<const AffineT<double>> exact(size_t point);
 
-    // Rows that give back those between them within a displacement of `bound`: greedy, as far as it goes from each.
+    // The rows to keep so that those between are reproduced within a displacement of `bound`. Greedy: from each kept
+    // row it goes as far as it can.
     std::vector<size_t> keep_rows(double bound);
 
     // Sets a joint's model transform from its own and its parent's. Returns how far that displaces its skin.
     double place(size_t joint, const Trs<double>& parent_from_joint, std::span<const AffineT<double>> wanted);
     const AffineT<double>& model_from_joint(size_t joint) const { return models_[joint]; }
 
-    // Some tracks with a key in each row, and how everything else stands.
+    // Tracks with a key in each row, and the pose of everything else.
     struct Rows {
         std::span<const size_t> of_grid;        // [row_count]
-        std::span<const ExactTrack> tracks;     // what is read from their keys [row_count]; without: as in `still`
+        std::span<const ExactTrack> tracks;     // with keys [row_count]; those without stand as in `still`
         const std::vector<Trs<double>>& still;  // [joint_count]
     };
-    // Largest displacement at the points between rows, looking at every `interval`-th pair of them. May stop above
-    // `enough`.
+    // Largest displacement at the points between rows, looking at every `interval`-th pair of rows. May stop once it is
+    // above `enough`.
     double largest_between(const Rows& rows, size_t interval, double enough);
 
-    // [joint_count]: the largest that place() returned since it was reset.
+    // [joint_count]: the largest that place() has returned since reset_peaks().
     const std::vector<double>& peaks() const { return peaks_; }
     void reset_peaks() { peaks_.assign(peaks_.size(), 0); }
 
@@ -47,7 +48,7 @@ private:
     const ClipGrid& grid_;
     std::span<const Box> boxes_;
     const Progress& progress_;
-    std::vector<AffineT<double>> cache_;  // [point][joint_count]; empty where that is too much
+    std::vector<AffineT<double>> cache_;  // [point][joint_count]; empty if that would be too much
     std::vector<AffineT<double>> models_, exact_models_;
     std::vector<Trs<double>> pose_, exact_pose_;
     std::vector<double> peaks_;

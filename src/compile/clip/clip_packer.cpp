@@ -13,17 +13,17 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr size_t kSampledRows = 16;     // for sensitivities
-constexpr size_t kSearchPoints = 1024;  // at which the search measures between rows; its result is measured at all
-constexpr double kArcShare = 0.1;       // of the bound, for arcs as straight lines where all rows are kept
-// Parts of the bound that may be spent on leaving out rows; the rest is for quantising. The smaller result counts
+constexpr size_t kSearchPoints = 1024;  // between rows, at which a search measures; its result is measured at all
+constexpr double kArcShare = 0.1;       // of the bound, for arcs as straight lines when all rows are kept
+// Parts of the bound that leaving out rows can use up; the rest is for quantising. The smaller of the results is kept
 constexpr std::array kRowShares{0.4, 0.75};
 constexpr double kMargin = 0.99;     // the points of the grid may miss the largest displacement by a little
 constexpr double kFirstScale = 0.3;  // of tolerances, where a search begins
-// Where a bound cannot be kept: this much more than the finest saves most of its bits
+// If a bound cannot be kept: allowing this many times the error of the finest keys saves most of their bits
 constexpr double kAboveFinest = 1.2;
 
-// Each joint with the largest components of scale and translation in all rows: nothing reaches further, and what is
-// hidden by a scale of 0 in the sampled rows is there.
+// Gives each joint the largest components of scale and translation of all rows: no pose reaches further, and what a
+// scale of 0 hides in the sampled rows is there.
 std::vector<Trs<double>> extended_pose(const ExactClip& clip, const Rig& rig) {
     std::vector<Trs<double>> pose = sample_exact(clip, rig, 0);
     for (const ExactTrack& track : clip.tracks) {
@@ -98,13 +98,13 @@ private:
         weights_.assign(boxes_.size(), 1);
     }
 
-    // With the finest keys; rows are left out within `row_bound`.
+    // Takes the finest keys, leaving out rows within `row_bound`. Returns the largest displacement.
     double take_finest(double row_bound) {
         take(meter_.keep_rows(row_bound));
         return evaluate(0, 1, kInfinity);
     }
 
-    // The largest displacement in the rows where every track may cost scale * weight * bound.
+    // The largest displacement in the rows if every track may displace the skin by scale * weight * bound.
     double encode(double scale) {
         std::vector<double> tolerances = weights_;
         for (double& tolerance : tolerances) tolerance *= scale * bound_;
@@ -113,7 +113,7 @@ private:
         return encoder_.encode(shapes_, rows_);
     }
 
-    // In the rows and between them. Above `enough` it need not be the largest.
+    // The largest displacement in the rows and between them. If above `enough`, it need not be the largest.
     double evaluate(double scale, size_t row_interval, double enough) {
         const double in_rows = encode(scale);
         if (in_rows > enough) return in_rows;
@@ -121,7 +121,7 @@ private:
                         meter_.largest_between({rows_, encoder_.decoded(), encoder_.still()}, row_interval, enough));
     }
 
-    // The largest scale that keeps the goal. Error goes about linearly with it, in small steps.
+    // Searches for the largest scale that keeps the goal. The error grows about linearly with it, in small steps.
     void search(double goal) {
         constexpr int kWeighings = 3, kRounds = 5;
         for (int round = 0; round < kWeighings; ++round) {
@@ -193,7 +193,7 @@ private:
     const ClipGrid grid_;
     ClipMeter meter_;
     RowEncoder encoder_;
-    std::vector<size_t> rows_;        // of the grid's, that are kept
+    std::vector<size_t> rows_;        // those of the grid that are kept
     std::vector<TrackShape> shapes_;  // [joint_count][3]
     std::vector<double> weights_;     // [joint_count]
     double scale_ = kFirstScale;

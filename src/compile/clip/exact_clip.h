@@ -1,6 +1,6 @@
 // A clip while it is compiled: read once from the file (read_clips.h), changed by passes (root_motion.h), written once,
 // with exact keys (here) or packed ones (pack.h). Passes compute in double precision; keys are floats, as they are
-// stored, so that what packing measures against is what exact keys show.
+// stored, so that packing measures its error against what exact keys would show.
 #pragma once
 
 #include "sample/sample_reference.h"
@@ -19,24 +19,24 @@ struct ExactTrack {
 
     bool varies() const { return keys.size() > 1; }
     TrackValue at_row(size_t row) const { return value_of(keys[varies() ? row : 0]); }
-    // In a row it is the key itself; a rotation between rows is of unit length.
+    // At a row, the key itself; between rows, a rotation has unit length.
     TrackValue between(const RowCursor& rows) const;
 };
 
 struct ExactClip {
     Clip facts{};                       // name, duration and counts; the writers fill in the rest
     std::vector<float> times_s{};       // [row_count], ascending
-    std::vector<ExactTrack> tracks{};   // what has none stands as in the rest pose
+    std::vector<ExactTrack> tracks{};   // what has no track stays in the rest pose
     std::vector<TrackKey> root_rows{};  // as Character::root_rows
 
-    // A copy; where there is none, the constant one of the rest pose.
+    // A copy of the track; if there is none, a constant one with the value of the rest pose.
     ExactTrack track(const Rig& rig, uint32_t joint, TrackTarget target) const;
 };
 
-// As sample_reference() of the clip once it is written exactly.
+// The pose that sample_reference() gives once the clip is written exactly.
 std::vector<Trs<double>> sample_exact(const ExactClip& clip, const Rig& rig, double time_s);
 
-// Between such rotations a float's rounding would decide which way round the arc goes: they get a row in the middle.
+// Whether a float's rounding would decide which way round the arc between them goes: such keys get a row in the middle.
 bool is_half_turn(const TrackValue& a, const TrackValue& b);
 
 // q and -q are one rotation, and the sample stage expects neighbouring rows in one hemisphere.
@@ -52,7 +52,7 @@ void join_hemispheres(std::vector<std::array<T, 4>>& rotations) {
 
 inline constexpr uint64_t kKey_bytes = sizeof(TrackKey);
 
-// Keys with so many rows; the rest pose has 3 a joint.
+// The number of the clip's keys if it has `row_count` rows. (The rest pose has 3 keys per joint.)
 uint64_t key_count(const ExactClip& clip, size_t row_count);
 
 // Appends the clip's times (of exact rows or those that packing keeps), root rows and record to the character. Its keys

@@ -64,7 +64,7 @@ public:
         }
     }
 
-    // May come in any order and from any thread; what comes too early waits here.
+    // Clips can come in any order and from any thread; those that come too early wait here.
     void add(uint32_t index, PackedClip packed) {
         const std::lock_guard lock(mutex_);
         waiting_.emplace(index, std::move(packed));

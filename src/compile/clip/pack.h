@@ -10,11 +10,11 @@ namespace throng {
 void check_error_bound(double error, const std::string& place);
 
 // Fills clips, times_s, words, keys, root_rows and tracks of the character. `error`: largest displacement of a skinned
-// point, as a part of the character's size; where a clip cannot keep it, its keys are nearly the finest there can be,
-// and the character has a warning. Based on: Nicholas Frechette, Animation Compression Library (ACL), 2017: error
-// measured at the skin, range reduction, bits per track found by measuring. Different: the bits come from sensitivities
-// and one scale a clip, not from trying them track by track; a joint's target is what puts it right below its packed
-// parent, so that errors do not add up along chains; rows are left out by the same measure.
+// point, as a part of the character's size; if a clip cannot keep it, its keys are nearly the finest possible, and the
+// character gets a warning. Based on: Nicholas Frechette, Animation Compression Library (ACL), 2017: error measured at
+// the skin, range reduction, bits per track found by measuring. Different: the bits come from sensitivities and one
+// scale per clip, not from trying them track by track; each joint aims at its exact place from its packed parent, so
+// that errors do not add up along chains; rows are left out by the same measure.
 void pack_clips(std::span<const ExactClip> clips, double error, Character& character, const Progress& progress);
 
 }  // namespace throng

@@ -13,7 +13,7 @@ PackedTrack constant_track(TrackTarget target, const TrackKey& value) {
     const auto larger = [](float a, float b) { return std::abs(a) < std::abs(b); };
     const auto left_out = static_cast<uint32_t>(std::max_element(value.begin(), value.end(), larger) - value.begin());
     const float sign = value[left_out] < 0 ? -1.0f : 1.0f;
-    // No -0: one pattern of bits a value
+    // No -0, so that each value has one pattern of bits
     for (uint32_t c = 0; c < 3; ++c) track.minimum[c] = sign * value[(left_out + 1 + c) % 4] + 0.0f;
     track.layout = left_out << kPackedLeftOutShift;
     return track;

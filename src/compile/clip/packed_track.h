@@ -11,10 +11,10 @@ PackedTrack constant_track(TrackTarget target, const TrackKey& value);
 // Bits of one row.
 uint32_t packed_row_bits(const PackedTrack& track);
 
-// The nearest bits. Rotations: unit length, and of the sign with which `left_out` is positive.
+// The nearest bits. A rotation must have unit length, and the sign that makes its `left_out` component positive.
 PackedBits quantised(const PackedTrack& track, TrackTarget target, const TrackValue& value);
 
-// Bits that are 0 so far.
+// The bits written to must be 0 so far.
 void write_bits(std::span<uint32_t> words, size_t first_bit, uint32_t bits, uint32_t count);
 void write_row(std::span<uint32_t> words, size_t row_bit, const PackedTrack& track, const PackedBits& bits);
 

@@ -130,7 +130,7 @@ private:
         if (cubic.empty()) return;
         constexpr double kLoosest = 1e-2;
         for (double done = refine(cubic); done < 1; done = refine(cubic)) {
-            relative_bound_ *= std::pow(1.2 / done, 2);  // rows go with the inverse square root of the bound
+            relative_bound_ *= std::pow(1.2 / done, 2);  // row count goes with the inverse square root of the bound
             if (!(relative_bound_ <= kLoosest))
                 throw Failure(ErrorCode::kLimit, place_,
                               "its cubic tracks would need more than the limit of " + std::to_string(kRefinedKeyLimit) +
@@ -251,7 +251,7 @@ private:
     const RigMap& map_;
     const AssetClip& source_;
     const std::string place_;
-    uint64_t keys_before_;  // of the rows
+    uint64_t keys_before_;  // before those of the rows
     Character& character_;
     const Progress& progress_;
     ExactClip clip_;

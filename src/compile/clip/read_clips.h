@@ -7,8 +7,8 @@
 
 namespace throng {
 
-// All clips of the asset. Of the character, rig and size are set; warnings are added to it. Throws kLimit where the
-// keys of all clips would exceed 256 MiB.
+// All clips of the asset. The character's rig and size must be set; warnings are added to it. Throws kLimit if the keys
+// of all clips would exceed 256 MiB.
 std::vector<ExactClip> read_clips(const Asset& asset, const RigMap& map, Character& character,
                                   const Progress& progress = {});
 

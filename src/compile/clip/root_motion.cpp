@@ -61,10 +61,10 @@ public:
           duration_s_(clip.facts.duration_s),
           begin_(at(0)) {}
 
-    // Nothing where the joint does not move over the ground.
+    // Returns nothing if the joint does not move over the ground.
     std::optional<Extracted> extract(const std::string& place) {
         if (!moves()) return {};
-        constexpr double kRounding = 1e-6;  // of a float's duration makes no row
+        constexpr double kRounding = 1e-6;  // of a float's duration must not add a row
         const double row_count = std::max(2.0, std::ceil(duration_s_ * kRowsPerSecond * (1 - kRounding)) + 1);
         if (row_count * sizeof(TrackKey) > kKeyLimit_bytes)
             throw Failure(ErrorCode::kLimit, place,
@@ -92,7 +92,7 @@ private:
                 model_from_parent_.point(vector_of(translation_.between(rows)))};
     }
 
-    // From the begin to here; upside down, where no twist is defined, it is turned as before.
+    // The move from the clip's begin to this pose. Upside down, where no twist is defined, the turn stays as before.
     GroundMove move_to(const Pose& pose, const GroundMove& before) const {
         const Quaternion<double> turn = pose.rotation * conjugate(begin_.rotation);
         const double squared = turn.w * turn.w + turn.y * turn.y;
@@ -121,8 +121,9 @@ private:
 
     bool steps() const { return rotation_.step || translation_.step; }
 
-    // As it will be read from the rows, so that the two together are exact at each key. What jumps is taken out as it
-    // is: the rows need a sixtieth of a second for that, and a key in the middle would stay.
+    // The move as it will be read from the rows, so that rows and keys together are exact at each key. STEP tracks
+    // jump, and their move is taken out as it is: the rows need a sixtieth of a second for a jump, and a key in the
+    // middle of that would stay.
     GroundMove move_at(double time_s, const Pose& pose) const {
         const GroundMove as_read = place_at(rows_, phase_at(time_s, duration_s_, false));
         return steps() ? move_to(pose, as_read) : as_read;
@@ -157,7 +158,7 @@ private:
                 track_of(translation_, kStill * size_ / std::abs(model_from_parent_.scale), translations)};
     }
 
-    // A constant one where the values differ by no more than `bound`.
+    // A track of the values; constant if they differ by no more than `bound`.
     static ExactTrack track_of(const ExactTrack& before, double bound, std::span<const TrackValue> values) {
         if (std::ranges::all_of(
                 values, [&](const TrackValue& value) { return distance(before.target, values[0], value) <= bound; }))
@@ -267,7 +268,7 @@ private:
                                   "'; the joint of root motion has nothing animated above it");
     }
 
-    // The other tracks get the rows of the joint's new ones.
+    // Replaces the joint's rotation and translation; the other tracks get the rows of the new ones.
     void take_out(ExactClip& clip, Extracted extracted) {
         auto& [times_s, rotation, translation] = extracted.rest;
         std::erase_if(clip.tracks, [&](const ExactTrack& track) {
@@ -301,7 +302,7 @@ private:
                               std::to_string(kKeyLimit_bytes >> 20) + " MiB a character");
     }
 
-    // What is above the joint does not move.
+    // Constant in a clip, since nothing above the joint moves.
     Similarity model_from_parent(const ExactClip& clip) const {
         std::vector<Trs<double>> first_pose;
         for (const Trs<float>& rest : character_.rig.rest) first_pose.push_back(rest.as<double>());

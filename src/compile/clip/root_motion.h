@@ -1,4 +1,4 @@
-// Root motion: what a joint moves over the ground is taken out of the clips, for the instance to move by instead.
+// Root motion: a joint's movement over the ground is taken out of the clips, so that the instance moves instead.
 #pragma once
 
 #include "base/progress.h"
@@ -8,14 +8,14 @@
 
 namespace throng {
 
-// For each clip in which the joint moves over the ground, rows of how it does (ExactClip::root_rows) are added, and its
-// keys become what is left: parent_from_joint' = parent_from_model * inverse(place) * model_from_joint, in which the
-// joint stays above where the clip begins and does not turn about +y. The turn is the twist about +y of the joint's
-// rotation against that at the clip's begin (P. Dobrowolski, Swing-twist decomposition in Clifford algebra, 2015).
-// Other animated tracks get rows too where the keys that are left would be followed less closely than within 1e-4 of
-// the character's size, or radians. Of the character, rig and size are set; warnings are added to it. Throws
-// kInvalidArgument where no joint has the name, kUnsupported where a joint above it is animated, or is not scaled the
-// same along x, y and z, and kLimit where rows or keys exceed 256 MiB.
+// For each clip in which the joint moves over the ground, adds rows of that movement (ExactClip::root_rows). The
+// joint's keys become what is left: parent_from_joint' = parent_from_model * inverse(place) * model_from_joint, in
+// which the joint stays above its place at the clip's begin and does not turn about +y. The turn is the twist about +y
+// of the joint's rotation against that at the clip's begin (P. Dobrowolski, Swing-twist decomposition in Clifford
+// algebra, 2015). Where the new keys would follow what is left less closely than within 1e-4 of the character's size,
+// or radians, rows are added, for other animated tracks too. The character's rig and size must be set; warnings are
+// added to it. Throws kInvalidArgument if no joint has the name, kUnsupported if a joint above it is animated, or is
+// not scaled the same along x, y and z, and kLimit if rows or keys exceed 256 MiB.
 void extract_root_motion(std::vector<ExactClip>& clips, std::string_view joint_name, Character& character,
                          const Progress& progress);
 

@@ -58,7 +58,7 @@ Trs<double> RowEncoder::encode_joint(std::span<const TrackShape> shapes, std::sp
     for (size_t slot = first; slot < first + 3; ++slot) {
         if (!moves(slot)) continue;
         const TrackTarget target = shapes[slot].target;
-        // What holds must not follow what moves
+        // A STEP track holds its value, so it must not follow what moves
         TrackValue value = component(shapes[slot].step ? local : aimed, target);
         if (target == TrackTarget::kRotation && !shapes[slot].full && value[shapes[slot].left_out] < 0)
             for (double& v : value) v = -v;

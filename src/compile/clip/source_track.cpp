@@ -46,7 +46,7 @@ TrackValue SourceTrack::evaluate(double time_s) const {
                           ? earlier
                           : interpolate_reference(track_.target, earlier, key(keys.later), w));
     }
-    // In-tangent, value, out-tangent a key; tangents are per second.
+    // Each key has an in-tangent, a value and an out-tangent; tangents are per second.
     const TrackValue a = value(keys.earlier * 3 + 1), b = value(keys.later * 3 + 1);
     if (keys.earlier == keys.later) return mapped(a);
     const double interval_s = double{track_.times_s[keys.later]} - track_.times_s[keys.earlier];

@@ -8,7 +8,8 @@
 namespace throng {
 namespace {
 
-// Below, its root would enlarge the others' errors more than storing it costs
+// If the component left out gets smaller than this, the square root that restores it enlarges the others' errors by
+// more than storing it costs
 constexpr double kSmallestLeftOut = 0.02;
 
 double largest_part(const Vec3<double>& v) { return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)}); }
@@ -23,7 +24,7 @@ std::vector<double> parent_scales(const Character& character, std::span<const Tr
     return scales;
 }
 
-// Distance from each joint, in its own space, within which all lies that it moves.
+// The radius around each joint, in its own space, within which everything that it moves lies.
 std::vector<double> joint_radii(const Character& character, std::span<const Box> boxes,
                                 std::span<const Trs<double>> pose) {
     std::vector<double> radii(pose.size());
@@ -190,7 +191,7 @@ void add_sensitivity(std::vector<TrackShape>& shapes, const Character& character
 }
 
 PackedTrack plan_track(const TrackShape& shape, double tolerance) {
-    constexpr double kConstant = 1.5;  // what a constant saves is worth a larger error than a bit
+    constexpr double kConstant = 1.5;  // a constant saves more than a bit does, so it may err more
     const uint32_t flags = shape.step ? kPackedStep : 0;
     const bool moves_no_skin = shape.sensitivity == std::array<double, 3>{};
     if (moves_no_skin || (displacement_of(shape, shape.rest_deviation) <= kConstant * tolerance && !shape.full))
@@ -204,8 +205,8 @@ PackedTrack plan_track(const TrackShape& shape, double tolerance) {
     PackedTrack track = middle_of(shape);
     if (displacement_of(shape, half_range(shape)) <= kConstant * tolerance) return track;
 
-    // Errors of all tracks add up like those of dice, so equal ones cost the fewest bits, and the nearest number of
-    // bits serves better than the next larger one.
+    // Errors of all tracks add up like those of dice, so equal ones cost the fewest bits, and rounding to the nearest
+    // number of bits serves better than rounding up.
     for (uint32_t c = 0; c < 3; ++c) {
         const double range = shape.high[c] - shape.low[c],
                      cells = range * shape.sensitivity[c] / std::max(tolerance, std::numeric_limits<double>::min());

@@ -14,9 +14,9 @@ struct TrackShape {
     TrackTarget target = TrackTarget::kTranslation;
     bool step = false;
     bool full = false;                    // a rotation of which no component keeps its sign
-    uint32_t left_out = 3;                // of a rotation; its sign is positive in `low` and `high`
+    uint32_t left_out = 3;                // of a rotation; `low` and `high` are for its positive sign
     TrackKey rest{};                      // the value of the rest pose
-    TrackValue first{};                   // of the track
+    TrackValue first{};                   // the first value of the track
     std::array<double, 3> low{}, high{};  // of the components that are stored
     // The largest difference between the track's components and those of `rest`
     std::array<double, 3> rest_deviation{};
@@ -29,17 +29,18 @@ struct TrackShape {
 // [joint_count][3], in the order of TrackTarget. `rows` are those of the grid that are kept.
 std::vector<TrackShape> track_shapes(const Character& character, const ClipGrid& grid, std::span<const size_t> rows);
 
-// Fills `sensitivity` for a pose; called for several, the largest remains. An error of a joint's rotation moves its own
-// skin and the joints below it, but what hangs on these in turn only as far as their own rotations move the skin less
-// than `bound`: the others make up for it (RowEncoder::aim).
+// Raises `sensitivity` to that in a pose; call it for several poses, and the largest remains. An error of a joint's
+// rotation moves its own skin and the joints below it. What hangs on those joints in turn counts only if their own
+// rotations move the skin by less than `bound`: the others make up for the error (RowEncoder::aim).
 void add_sensitivity(std::vector<TrackShape>& shapes, const Character& character, std::span<const Box> boxes,
                      std::span<const Trs<double>> pose, double bound);
 
-// [joint_count]: how far a rotation of the joint by 1 rad, or a scale by 1 more, moves any point below it at most.
+// [joint_count]: the furthest that rotating the joint by 1 rad, or raising its scale by 1, moves any point below it.
 std::vector<double> joint_reaches(const Character& character, std::span<const Box> boxes,
                                   std::span<const Trs<double>> pose);
 
-// The header of the track so that quantising displaces the skin by about `tolerance`. 0: as fine as the format can.
+// The header of the track, planned so that quantising displaces the skin by about `tolerance`; 0: as fine as the format
+// can.
 PackedTrack plan_track(const TrackShape& shape, double tolerance);
 
 }  // namespace throng

@@ -18,14 +18,14 @@ namespace {
 
 constexpr uint32_t kPackedLayoutBits = kPackedBitsMask | 3u << kPackedLeftOutShift | kPackedFull | kPackedStep;
 
-// The corners are finite, and so is their difference, which may overflow.
+// Whether the corners are finite, and so is their difference, which can overflow.
 bool is_finite_box(const Vec3<float>& low, const Vec3<float>& high) {
     return all_finite(low) && all_finite(high) && all_finite(high - low);
 }
 
 std::string at(const char* array, size_t index) { return joined(array, "[", index, "]"); }
 
-// Ranges of an array that follow one another with no gap: so each element is looked at once.
+// Ranges of an array that must follow one another without a gap, so that each element is looked at once.
 struct Ranges {
     const char *begin_at, *end_at;  // "its times begin at "
     size_t size;                    // of the array
@@ -318,7 +318,7 @@ private:
         check_count("lod indices", indices.size, indices.next, ", and the ranges have ");
     }
 
-    // After palette and skins.
+    // Must run after the checks of palette and skins.
     void check_joint_lods() const {
         const std::vector<uint32_t>& lods = c_.joint_lods;
         if (lods.empty()) return;
@@ -358,7 +358,7 @@ private:
                      [](const MorphDelta& delta) { return all_finite(delta.position); });
     }
 
-    // As those of joints, but a clip may have none.
+    // Like the times of joints, but a clip can have none.
     void check_morph_times() const {
         Ranges times{"its times of morphs begin at ", "its times of morphs end at ", c_.morph_times_s.size()};
         for (size_t i = 0; i < c_.clips.size(); ++i) {
@@ -399,7 +399,7 @@ private:
         }
     }
 
-    // Names and warnings are printed: none rewrites a terminal, or looks like another line.
+    // Names and warnings get printed: none may rewrite a terminal, or look like another line.
     void check_text() const {
         file::visit_strings(c_, [&](const std::string& string) {
             if (printable(string, std::string::npos) != string)

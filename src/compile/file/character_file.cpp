@@ -10,7 +10,7 @@ namespace fs = std::filesystem;
 
 bool is_compiled_file(const fs::path& path) {
     std::error_code error;
-    // Reading from a pipe would take away from it, or wait for ever
+    // Reading from a pipe would consume its data, or wait for ever
     if (!fs::is_regular_file(path, error)) return false;
     std::array<char, file::kMagic.size()> magic{};
     std::ifstream(path, std::ios::binary).read(magic.data(), magic.size());

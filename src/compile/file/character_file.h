@@ -12,8 +12,8 @@ namespace throng {
 
 inline constexpr uint64_t kCompiledFileLimit_bytes = uint64_t{2} << 30;
 
-// Throws kInvalidArgument or kLimit where check_character() finds what a reader would refuse, and kLimit for a larger
-// file.
+// Throws kInvalidArgument or kLimit if check_character() finds what a reader would refuse, and kLimit if the file would
+// be larger than `limit_bytes`.
 std::vector<std::byte> write_character(const Character& character, uint64_t limit_bytes = kCompiledFileLimit_bytes);
 
 // Checks everything, and allocates no more than a few times the size of `bytes`. `place` stands at the beginning of
@@ -23,9 +23,9 @@ Character read_character(std::span<const std::byte> bytes, const std::string& pl
 // The checksum of a whole file, as its header has it.
 uint64_t checksum_of(std::span<const std::byte> file);
 
-// Throws `code` where an index or a range leads out of its array, a number is not finite, scales are less uniform than
-// the rig claims or a text is more than a line, and kLimit where a limit is exceeded: whatever could lead a stage, on
-// the GPU or not, out of its buffers, and a reader of messages astray.
+// Throws `code` if an index or a range leads out of its array, a number is not finite, scales are less uniform than the
+// rig claims or a text is more than a line, and kLimit if a limit is exceeded. So nothing leads a stage, on the GPU or
+// not, out of its buffers, or a reader of messages astray.
 void check_character(const Character& character, const std::string& place, ErrorCode code);
 
 }  // namespace throng

@@ -17,8 +17,8 @@ namespace throng::file {
 static_assert(std::endian::native == std::endian::little,
               "compiled files are little-endian, and their arrays are used as they are");
 
-// As PNG's: no text begins with such a byte, and a transfer that rewrites line ends spoils it ("PNG Specification",
-// second edition, 5.2).
+// Like PNG's signature: no text begins with such a byte, and a transfer that rewrites line ends corrupts it ("PNG
+// Specification", second edition, 5.2).
 inline constexpr std::array<char, 8> kMagic{'\x89', 't', 'h', 'r', 'o', 'n', 'g', '\n'};
 inline constexpr uint32_t kVersion = 3;
 inline constexpr uint64_t kAlignment_bytes = 16;  // of sections
@@ -28,7 +28,7 @@ struct Header {
     uint32_t version = kVersion;
     uint32_t section_count = 0;
     uint64_t size_bytes = 0;  // of the file
-    uint64_t checksum = 0;    // crc64() of all of the file but these eight bytes
+    uint64_t checksum = 0;    // crc64() of the file without these eight bytes
 };
 static_assert(sizeof(Header) == 32);
 
@@ -87,7 +87,7 @@ struct ScalarsRecord {
 };
 static_assert(sizeof(ScalarsRecord) == 64);
 
-// A Clip, all but its name.
+// A Clip without its name.
 struct ClipRecord {
     float duration_s = 0;
     uint32_t first_time = 0, row_count = 0, row_stride = 0, first_row = 0;
@@ -119,14 +119,14 @@ struct MaterialRecord {
 };
 static_assert(sizeof(MaterialRecord) == 76);
 
-// A Morph, all but its name.
+// A Morph without its name.
 struct MorphRecord {
     uint32_t node = 0, target = 0;
     float default_weight = 0;
 };
 static_assert(sizeof(MorphRecord) == 12);
 
-// What is stored otherwise than the Character has it.
+// What the file stores in another form than the Character.
 struct Records {
     std::vector<ScalarsRecord> scalars;  // one
     std::vector<ClipRecord> clips;
@@ -139,12 +139,12 @@ struct Records {
     std::vector<MorphRecord> morphs;
 };
 
-// These are stored as the Character has them.
+// These are stored exactly as they are in the Character.
 static_assert(sizeof(Trs<float>) == 40 && sizeof(JointTracks) == 16 && sizeof(PaletteEntry) == 52 &&
               sizeof(MeshSection) == 52 && sizeof(Lod) == 4 && sizeof(IndexRange) == 8);
 
-// All sections in the order of their ids: calls visit(id, name, elements), and visit(id, name, elements, limit_bytes)
-// of those whose size is limited.
+// All sections in the order of their ids: calls visit(id, name, elements), or visit(id, name, elements, limit_bytes)
+// for those whose size is limited.
 void visit_sections(auto& records, auto& character, const auto& visit) {
     using enum SectionId;
     visit(kScalars, "scalars", records.scalars);
@@ -179,12 +179,12 @@ void visit_sections(auto& records, auto& character, const auto& visit) {
     visit(kJointLods, "joint lods", character.joint_lods);
 }
 
-// T, or that as a constant.
+// T or const T.
 template <class U, class T>
 concept Either = std::same_as<std::remove_const_t<U>, T>;
 
-// Calls visit(stored, value) for each field of a record and what it stores, and visit(stored, value, name) where not
-// every number is a value.
+// Calls visit(stored, value) for each field of a record and the value that it stores, or visit(stored, value, name) if
+// not every number is a valid value.
 void visit_fields(Either<ScalarsRecord> auto& record, auto& character, const auto& visit) {
     visit(record.mean_depth, character.rig.mean_depth);
     visit(record.level_count, character.rig.level_count);

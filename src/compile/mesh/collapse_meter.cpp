@@ -9,8 +9,8 @@ namespace {
 constexpr float kLengthWeight = 1e-2f;
 // A fine triangle within this part of the cost known so far is taken for the nearest one: the search ends there.
 constexpr float kNearEnough = 0.5f;
-// A point with more triangles around it is not collapsed, nor is another one into it: the work for that grows with the
-// square of their number.
+// A point with more triangles around it is not collapsed, nor is another point collapsed into it: the work for that
+// grows with the square of their number.
 constexpr size_t kMostFaces = 48;
 constexpr float kTurned = 0.3f;  // the cosine of the angle by which a triangle may turn in the rest pose
 
@@ -65,8 +65,8 @@ void CollapseMeter::look_around(uint32_t from) {
     }
 }
 
-// Fills moved_ with the triangles that move. False where one would turn over, leave its section, or be there twice, or
-// where another point would lose its last one.
+// Fills moved_ with the triangles that move. Returns false if one would turn over, leave its section, or be there
+// twice, or if another point would lose its last triangle.
 bool CollapseMeter::try_moving(Collapse& collapse) {
     moved_.clear();
     const uint32_t to = collapse.to;
@@ -105,7 +105,7 @@ float CollapseMeter::height_of(const Corners& corners) const {
     return longest > 0 ? length(rest_normal(corners)) / longest : 0;
 }
 
-// As long as it may cost less than `least`.
+// Measures the squared distance, but stops once the collapse cannot cost less than `least`.
 void CollapseMeter::measure(Collapse& collapse, float least) {
     try_moving(collapse);
     const float useful = collapse.squared_distance_at(least);
@@ -114,7 +114,7 @@ void CollapseMeter::measure(Collapse& collapse, float least) {
     if (collapse.squared_distance < useful) measure_middles(collapse);
 }
 
-// Squared: how far lost_ lie from moved_ at most in a group of poses, if that is between `known` and `useful`.
+// Squared: the largest distance of lost_ from moved_ in a group of poses, if that is between `known` and `useful`.
 float CollapseMeter::distance_of_lost(size_t group, float known, float useful) {
     triangles_.clear();
     for (const auto& [a, b, c] : moved_)
@@ -149,8 +149,8 @@ void CollapseMeter::measure_middles(Collapse& collapse) {
     }
 }
 
-// In all poses from one triangle: that which the middle before was near to, if this changes nothing; else the nearest
-// at rest.
+// Measures a middle from one fine triangle in all poses: from `guess`, which the middle before was near to, if that
+// changes nothing; else from the nearest triangle at rest.
 void CollapseMeter::measure_middle(const Corners& ends, float part, uint32_t& guess, Collapse& collapse) {
     const auto middle_in = [&](size_t group) {
         Four3 sum = fine_.places(ends[0])[group] + fine_.places(ends[1])[group];

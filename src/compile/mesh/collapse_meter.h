@@ -15,17 +15,17 @@
 
 namespace throng {
 
-constexpr float kNever = std::numeric_limits<float>::infinity();  // the cost of what is not to happen
+constexpr float kNever = std::numeric_limits<float>::infinity();  // the cost of a collapse that must not happen
 
 // A point that moves into one of its neighbours, and what that costs: distances in model space.
 struct Collapse {
     uint32_t to = 0;
-    float extra = 0;             // for the edge's length, and for what gets a wrong texture
+    float extra = 0;             // for the edge's length, and for triangles that get a wrong texture
     float squared_distance = 0;  // between the surfaces, as far as they have been compared
 
-    // The squared distance at which this collapse costs as much as that.
+    // The squared distance at which this collapse would cost `cost`.
     float squared_distance_at(float cost) const { return cost > extra ? (cost - extra) * (cost - extra) : 0; }
-    // Infinite also where the sum is not a number, in meshes whose squares floats cannot hold.
+    // Infinite also if the sum is not a number, as in meshes whose squared lengths floats cannot hold.
     float cost() const {
         const float all = std::sqrt(squared_distance) + extra;
         return all < kNever ? all : kNever;
@@ -38,12 +38,12 @@ public:
     CollapseMeter(const WeldedMesh& fine, const SimplifiedMesh& mesh, std::span<const uint32_t> indices,
                   std::span<const Vec3<float>> rest_places);
 
-    // By how far lost points lie from what is left in the first poses, the least first. Of all but the first two it is
-    // only known that they cost no less than these.
+    // The possible collapses, the cheapest first, by how far lost points lie from the remaining mesh in the first group
+    // of poses. All but the first two are only known to cost no less than those.
     std::vector<Collapse> possible_collapses(uint32_t from);
 
-    // By all poses, and both ways. The point's possible collapses must be those of the mesh as it is. The cost of what
-    // comes back is kNever where none can be.
+    // The cheapest of `possible` by all poses, with distances measured both ways. `possible` must hold the point's
+    // collapses in the mesh as it is now. The result costs kNever if there is none.
     Collapse cheapest(uint32_t from, std::span<const Collapse> possible);
 
 private:
@@ -61,15 +61,15 @@ private:
     // A triangle around the point that look_around() was called for.
     struct Around {
         uint32_t face = 0;
-        size_t corner = 0;  // which is the point
+        size_t corner = 0;  // which of its corners is the point
         Vec3<float> rest_normal;
-        float length = 0;  // of that
+        float length = 0;  // of rest_normal
     };
 
     const WeldedMesh& fine_;
     const SimplifiedMesh& mesh_;
     TriangleIndex index_;                  // of the fine mesh at rest
-    std::vector<uint32_t> near_triangle_;  // [points], of the index
+    std::vector<uint32_t> near_triangle_;  // [points], triangles of index_
     // Filled by look_around(), for a point
     std::vector<Around> around_;
     std::vector<uint32_t> lost_;  // points that its triangles stand for, and itself

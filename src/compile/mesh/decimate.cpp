@@ -65,8 +65,8 @@ private:
         }
     };
 
-    // By the first poses alone. Most often the plan is outdated before it comes to the front, and nothing else needs to
-    // be known of it.
+    // Plans by the first poses alone. Most plans are outdated before they come to the front, so nothing else needs to
+    // be known of them.
     void plan(uint32_t point) {
         Plan& plan = plans_[point];
         plan.possible = meter_.possible_collapses(point);

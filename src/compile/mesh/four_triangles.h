@@ -9,7 +9,7 @@
 
 namespace throng {
 
-// (A type of GCC and Clang, for which SSE and NEON have instructions.)
+// A vector type of GCC and Clang, which compile it to SSE and NEON instructions.
 using Four = float __attribute__((vector_size(16)));
 constexpr size_t kLanes = 4;
 
@@ -46,8 +46,8 @@ inline Four3 cross(const Four3& a, const Four3& b) {
 inline Four3 lower(const Four3& a, const Four3& b) { return {lower(a.x, b.x), lower(a.y, b.y), lower(a.z, b.z)}; }
 inline Four3 higher(const Four3& a, const Four3& b) { return {higher(a.x, b.x), higher(a.y, b.y), higher(a.z, b.z)}; }
 
-// What distances of points from four triangles have in common. A triangle that is too thin for floats to have a normal
-// is its edges.
+// What is computed once for the distances of many points from four triangles. A triangle too thin for floats to have a
+// normal is treated as its edges.
 class FourTriangles {
 public:
     FourTriangles(const Four3& a, const Four3& b, const Four3& c) : corners_{a, b, c}, edges_{b - a, c - b, a - c} {
@@ -78,7 +78,7 @@ public:
         return is_above ? height * height * inverse_normal_ : nearest;
     }
 
-    // Squared, of the angle at the first corner: near 0 where a triangle is thin.
+    // Squared sine of the angle at the first corner: near 0 if a triangle is thin.
     Four squared_sine() const { return squared_sine_; }
 
 private:

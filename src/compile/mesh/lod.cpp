@@ -21,11 +21,11 @@ namespace throng {
 namespace {
 
 constexpr size_t kFewest = 64 * 3;    // indices, below which nothing is gained
-constexpr double kShare = 1.0 / 3;    // of the level before that a level aims at
-constexpr double kWorthwhile = 0.8;   // of it, above which it is not kept
+constexpr double kShare = 1.0 / 3;    // a level aims at this part of the level before
+constexpr double kWorthwhile = 0.8;   // a level with more than this part of it is not kept
 constexpr double kAlmost = 1.25;      // of the triangles wanted: clusters come in few sizes, so they may have some more
-constexpr uint32_t kPoses = 7;        // that errors are measured in beside the rest pose, from all clips together
-constexpr float kLeastError = 1e-6f;  // of the character's size, which rounding does not tell from none
+constexpr uint32_t kPoses = 7;        // of all clips together, to measure errors in beside the rest pose
+constexpr float kLeastError = 1e-6f;  // of the character's size: rounding cannot tell it from 0
 
 // In model space.
 std::vector<Vec3<float>> positions_in(const Character& character, const SampledPose& pose) {
@@ -38,7 +38,7 @@ std::vector<Vec3<float>> positions_in(const Character& character, const SampledP
     return positions;
 }
 
-// Vertices of the fine mesh that the coarse one lacks, such as are near to each other one after the other.
+// Vertices of the fine mesh that the coarse one lacks, ordered so that neighbours follow one another.
 std::vector<uint32_t> lost_vertices(const TriangleIndex& fine, std::span<const uint32_t> coarse, size_t vertex_count) {
     std::vector<bool> is_known(vertex_count);
     for (const uint32_t vertex : coarse) is_known[vertex] = true;
@@ -53,7 +53,7 @@ std::vector<uint32_t> lost_vertices(const TriangleIndex& fine, std::span<const u
     return lost;
 }
 
-// Where a triangle may span what is none of the mesh that it stands for: its middle, and those of its edges.
+// The points at which a coarse triangle can span a gap of the fine mesh: its middle, and those of its edges.
 constexpr size_t kMiddles = 4;
 Vec3<float> middle_of(const std::array<uint32_t, 3>& corners, size_t which, std::span<const Vec3<float>> positions) {
     const Vec3<float> a = positions[corners[0]], b = positions[corners[1]], c = positions[corners[2]];
@@ -61,18 +61,18 @@ Vec3<float> middle_of(const std::array<uint32_t, 3>& corners, size_t which, std:
     return (which == 1 ? a + b : which == 2 ? b + c : c + a) * 0.5f;
 }
 
-// For each of some places, a triangle of the mesh that was near to it when it was looked at last. Most often it is near
-// enough in the next pose too, and the place is done with.
+// For each place, a triangle of the mesh that was near to it when it was last looked at. Most often it is near enough
+// in the next pose too, and the search ends at once.
 using NearTriangles = std::vector<uint32_t>;
 
-// How far one of the places, a function of its number, lies from the mesh at most, where that is more than `known`.
-// Each is looked at only until it is known not to be the furthest.
+// The largest distance of the places from the mesh, or `known` if that is larger. `place` returns a place by its
+// number. Each is looked at only until it is known not to be the furthest.
 template <class Place>
 float furthest_from(const TriangleIndex& mesh, NearTriangles& near, const Place& place, float known,
                     const Progress& progress, uint64_t& steps) {
     float furthest = known * known;
     uint32_t last = 0;
-    // Some of all parts first: then it is known about how far the furthest is.
+    // A sample of all parts first: then it is roughly known how far the furthest is.
     for (const size_t stride : {size_t{16}, size_t{1}}) {
         for (size_t i = 0; i < near.size(); i += stride) {
             progress.poll_at(i);
@@ -98,8 +98,8 @@ struct Coarse {
           near_lost(lost.size(), kNone),
           near_middles(indices.size() / 3 * kMiddles, kNone) {}
 
-    // Raises the error to what it is in a pose: either way, since clusters may join what lies side by side, as legs,
-    // and moves apart.
+    // Raises the error to that in a pose, measured both ways: clusters can join parts that lie side by side, such as
+    // legs, and then move apart.
     void measure(const TriangleIndex& fine, std::span<const Vec3<float>> positions, const Progress& progress) {
         index.move(positions);
         const auto lost_place = [&](size_t i) { return positions[lost[i]]; };
@@ -113,8 +113,8 @@ struct Coarse {
     uint64_t steps = 0;  // of the searches
     TriangleIndex index;
     std::vector<uint32_t> lost;  // vertices
-    NearTriangles near_lost;     // of these, among its own
-    NearTriangles near_middles;  // of its middles, among those of the fine mesh
+    NearTriangles near_lost;     // of `lost`, in `index`
+    NearTriangles near_middles;  // of its middles, in the fine mesh
 };
 
 // All sections as one mesh: indices of the character's vertices.
@@ -125,7 +125,7 @@ std::vector<uint32_t> joined_indices(const Character& character) {
     return all;
 }
 
-// By clusters of one size in all sections.
+// Simplifies all sections by clusters of one size.
 std::vector<uint32_t> clustered_by(float cell, const Character& character, std::span<const Vec3<float>> positions) {
     std::vector<uint32_t> all;
     for (const MeshSection& section : character.sections) {
@@ -134,7 +134,7 @@ std::vector<uint32_t> clustered_by(float cell, const Character& character, std::
         const std::span<const Vec3<float>> places = positions.subspan(section.first_vertex, section.vertex_count);
         const float extent = meshopt_simplifyScale(&places[0].x, places.size(), sizeof places[0]);
         std::vector<uint32_t> clustered(fine.size());
-        // It wants no triangles, and the error, a part of the extent, then is the size of a cluster
+        // If no triangles are wanted, the error, a part of the extent, is the size of a cluster
         clustered.resize(meshopt_simplifySloppy(clustered.data(), fine.data(), fine.size(), &places[0].x, places.size(),
                                                 sizeof places[0], 0, std::min(cell / extent, 1.0f), nullptr));
         for (const uint32_t index : clustered) all.push_back(section.first_vertex + index);
@@ -161,8 +161,8 @@ bool are_markedly_fewer(size_t indices, size_t before) {
     return static_cast<double>(indices) <= kWorthwhile * static_cast<double>(before);
 }
 
-// By edge collapses; or, where the mesh comes in too many pieces for that, of which none is to vanish, by clusters of
-// vertices, which join them.
+// The result of edge collapses; or, if the mesh has too many pieces for that (none may vanish), that of clustering
+// vertices, which joins pieces.
 std::vector<uint32_t> coarser(std::vector<uint32_t> decimated, size_t before, const Character& character,
                               std::span<const Vec3<float>> positions, size_t wanted) {
     if (are_markedly_fewer(decimated.size(), before)) return decimated;
@@ -170,7 +170,7 @@ std::vector<uint32_t> coarser(std::vector<uint32_t> decimated, size_t before, co
     return clustered.size() < decimated.size() && !clustered.empty() ? clustered : decimated;
 }
 
-// As long as triangles become markedly fewer.
+// Keeps levels as long as triangles become markedly fewer.
 void keep_levels(std::span<const Coarse> levels, Character& character) {
     size_t count_before = character.indices.size();
     float error = kLeastError * character.size;

@@ -6,7 +6,7 @@
 
 namespace throng {
 
-// Fills skins, palette, vertices, influences, indices, sections, materials and images. character.rig is set.
+// Fills skins, palette, vertices, influences, indices, sections, materials and images. character.rig must be set.
 // Throws kLimit beyond 65,536 palette entries.
 void compile_mesh(const Asset& asset, const RigMap& map, Character& character, const Progress& progress);
 

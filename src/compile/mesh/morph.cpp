@@ -15,7 +15,7 @@ namespace throng {
 namespace {
 
 constexpr size_t kMorphNameLimit = 256;  // bytes; longer names are cut
-// How closely rows follow cubic tracks of weights; as a part of the track's largest where that exceeds 1
+// How closely rows follow cubic tracks of weights; relative to the largest weight of the track if that exceeds 1
 constexpr double kFollowed = 1e-4;
 constexpr size_t kRefinedWeightLimit = 4'000'000;  // of a clip's cubic tracks: seconds of work
 
@@ -169,7 +169,7 @@ private:
     }
 
     static bool fits(std::span<const WeightTrack* const> cubic, double from_s, double to_s) {
-        constexpr double kBetween = 0.9;  // of the bound, for what lies between the eighths
+        constexpr double kBetween = 0.9;  // of the bound; the rest is for what lies between the eighths
         return std::ranges::all_of(cubic, [&](const WeightTrack* track) {
             const double from = track->evaluate(from_s), to = track->evaluate(to_s);
             return std::ranges::all_of(std::array{0.125, 0.25, 0.375, 0.5, 0.625, 0.75, 0.875}, [&](double w) {

@@ -7,13 +7,13 @@
 
 namespace throng {
 
-// Fills morphs and morph_deltas, and what sections and vertices say of them. character.sections and vertices are set.
-// Throws kLimit beyond 4,096 morphs, or 256 MiB of differences.
+// Fills morphs and morph_deltas, and the fields of sections and vertices that refer to them. character.sections and
+// vertices must be set. Throws kLimit beyond 4,096 morphs, or 256 MiB of differences.
 void compile_morphs(const Asset& asset, Character& character, const Progress& progress);
 
-// Fills morph_tracks, morph_times_s and morph_values, and what clips say of them. character.clips are set, those of the
-// asset in its order. Throws kLimit where values or the track table exceed 256 MiB, or the cubic tracks of a clip take
-// more than 4,000,000 weights.
+// Fills morph_tracks, morph_times_s and morph_values, and the fields of clips that refer to them. character.clips must
+// be set, in the order of the asset's clips. Throws kLimit if values or the track table exceed 256 MiB, or the cubic
+// tracks of a clip take more than 4,000,000 weights.
 void compile_morph_tracks(const Asset& asset, Character& character, const Progress& progress);
 
 }  // namespace throng

@@ -1,4 +1,4 @@
-// A mesh that loses its points one after the other, and what of the fine mesh each triangle that is left stands for.
+// A mesh that loses its points one by one, and which part of the fine mesh each remaining triangle stands for.
 #pragma once
 
 #include "compile/mesh/welded_mesh.h"
@@ -17,10 +17,10 @@ public:
         bool has(uint32_t point) const { return points[0] == point || points[1] == point || points[2] == point; }
 
         bool is_there = true;
-        std::vector<uint32_t> lost;  // collapsed points that it is the nearest triangle to; of very many, some
+        std::vector<uint32_t> lost;  // collapsed points that this triangle is nearest to; if very many, only some
     };
 
-    // Of all points and faces. Keeps the reference.
+    // Starts with all points and faces of `fine`. Keeps the reference.
     explicit SimplifiedMesh(const WeldedMesh& fine);
 
     size_t face_count() const { return face_count_; }
@@ -28,11 +28,11 @@ public:
     std::span<const uint32_t> faces_of(uint32_t point) const { return faces_of_[point]; }
     std::vector<uint32_t> neighbours_of(uint32_t point) const;  // each once
 
-    // Moves the triangles of one point to another one, which has some of them too: those vanish. Returns the points
-    // for which that changes what a collapse of theirs does, each once.
+    // Moves the triangles of one point to a neighbour; the triangles that both have vanish. Returns the points whose
+    // own possible collapses are affected, each once.
     std::vector<uint32_t> collapse(uint32_t from, uint32_t to);
 
-    // Of what is left: three of the character's vertices are a triangle.
+    // The remaining triangles: every three indices, vertices of the character, form one.
     std::vector<uint32_t> indices() const;
 
 private:
@@ -42,7 +42,7 @@ private:
     std::vector<Face> faces_;
     size_t face_count_;
     std::vector<std::vector<uint32_t>> faces_of_;  // [points]
-    std::vector<FourTriangles> triangles_;         // [faces][groups of poses], of those that points are handed on to
+    std::vector<FourTriangles> triangles_;         // [faces][groups of poses], of the faces that get lost points
 };
 
 }  // namespace throng

@@ -8,18 +8,18 @@ namespace throng {
 namespace {
 
 constexpr float kNowhere = std::numeric_limits<float>::infinity();
-constexpr size_t kDeepest = 64;  // parts that wait, three a level: more than 2^32 triangles have
+constexpr size_t kDeepest = 64;  // waiting parts, three per level: more than 2^32 triangles need
 
-// Rounding is monotonic: of a box within another one this is not less than of the other.
+// Rounding is monotonic: the result for a box within another one is not less than that for the other.
 Four squared_distance_from_box(const Four3& p, const Four3& low, const Four3& high) {
     const Four3 apart = higher(four(Vec3<float>{0, 0, 0}), higher(low - p, p - high));
     return dot(apart, apart);
 }
 
-// From its plane where the point is above it, else from an edge.
+// From the triangle's plane if the point is above the triangle, else from an edge.
 double squared_distance_from_thin(const Vec3<double>& p, const Vec3<double>& a, const Vec3<double>& b,
                                   const Vec3<double>& c) {
-    constexpr double kThin = 1e-20;  // the squared sine of the angle at a, below which it is its edges
+    constexpr double kThin = 1e-20;  // squared sine of the angle at a; below it, only the edges count
     const Vec3<double> ab = b - a, ac = c - a, normal = cross(ab, ac);
     const double squared = dot(normal, normal);
     bool is_above = squared > kThin * dot(ab, ab) * dot(ac, ac);
@@ -39,7 +39,7 @@ double squared_distance_from_thin(const Vec3<double>& p, const Vec3<double>& a, 
     return is_above ? height * height / squared : nearest;
 }
 
-// Floats round away where the normal of a thin triangle points, so that is looked at in double precision.
+// Floats cannot tell where the normal of a thin triangle points, so thin ones are measured in double precision.
 Four squared_distances(const Four3& p, const Four3& a, const Four3& b, const Four3& c) {
     constexpr float kThin = 1e-4f;
     const FourTriangles triangles(a, b, c);
@@ -74,7 +74,7 @@ TriangleIndex::TriangleIndex(std::span<const uint32_t> indices, std::span<const 
     move(positions);
 }
 
-// Along the longest side of their box: the first half of them lies before the others.
+// Partitions them along the longest side of their box: the first half lies before the others.
 void TriangleIndex::halve(std::span<Centroid> centroids) {
     Vec3<float> low = centroids[0].place, high = low;
     for (const Centroid& one : centroids) {
@@ -91,7 +91,8 @@ void TriangleIndex::halve(std::span<Centroid> centroids) {
     });
 }
 
-// Halves of halves, as long as one has more triangles than a leaf; the topmost part is a node whatever it has.
+// Halves the triangles twice, and so on as long as a part has more than a leaf holds; the topmost part is always a
+// node.
 TriangleIndex::Part TriangleIndex::add_part(std::span<Centroid> centroids, uint32_t first, uint32_t parent,
                                             uint32_t lane) {
     const uint32_t at = count_of(nodes_);
@@ -154,7 +155,7 @@ void TriangleIndex::look_at(const Leaf& leaf, const Four3& p, Nearest& best) con
             best.squared_distance = distances[lane], best.triangle = leaf.first_triangle + lane;
 }
 
-// In all parts but one, the nearest first.
+// Searches all parts below `top` except one, the nearest first.
 void TriangleIndex::search_below(uint32_t top, Part except, const Four3& p, float enough, Nearest& best) const {
     struct Waiting {
         Part part;
@@ -191,7 +192,7 @@ TriangleIndex::Nearest TriangleIndex::nearest(const Vec3<float>& place, float en
     const Four3 p = four(place);
     const Leaf& leaf = leaves_[leaf_of_[guess]];
     look_at(leaf, p, best);
-    // The smallest box around the guess in which a triangle may be near enough; then what is beside it.
+    // Begins with the smallest box around the guess in which a triangle can be near enough; then looks beside it.
     const auto is_far = [&](const Node& node) {
         const Node& parent = nodes_[node.parent];
         return squared_distance_from_box(p, parent.low, parent.high)[node.lane] > enough;

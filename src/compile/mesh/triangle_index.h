@@ -15,8 +15,8 @@ namespace throng {
 
 using Triangle = std::array<Vec3<float>, 3>;
 
-// Squared, of a point from a triangle, which may be as thin as a line or a point. Not below the squared distance from
-// the triangle's box, whatever rounding does, so that no search by boxes misses the triangle of the smallest.
+// The squared distance of a point from a triangle, which can be as thin as a line or a point. Never below the squared
+// distance from the triangle's box, whatever rounding does, so that no search by boxes misses the nearest triangle.
 float squared_distance(const Vec3<float>& p, const Triangle& triangle);
 
 // A balanced tree of boxes over a mesh, four below each. The mesh may move: the tree keeps its shape, and its boxes
@@ -24,27 +24,28 @@ float squared_distance(const Vec3<float>& p, const Triangle& triangle);
 class TriangleIndex {
 public:
     struct Nearest {
-        float squared_distance = std::numeric_limits<float>::infinity();  // of the index without triangles
-        uint32_t triangle = 0;                                            // of corners()
-        uint32_t steps = 0;                                               // four boxes or triangles looked at
+        float squared_distance = std::numeric_limits<float>::infinity();  // if the index has no triangles
+        uint32_t triangle = 0;                                            // an index into corners()
+        uint32_t steps = 0;                                               // each looks at four boxes or triangles
     };
 
     TriangleIndex() = default;
-    // Three of `indices` are a triangle.
+    // Every three `indices` form a triangle.
     TriangleIndex(std::span<const uint32_t> indices, std::span<const Vec3<float>> positions);
 
-    // The same triangles, their vertices elsewhere.
+    // The same triangles, with their vertices elsewhere.
     void move(std::span<const Vec3<float>> positions);
 
     // [triangle], vertices. Triangles that share a box are side by side.
     std::span<const std::array<uint32_t, 3>> corners() const { return corners_; }
 
-    // The smallest squared distance of all triangles; or, where one is no farther than `enough`, that of any such.
-    // The search begins around `guess`: a triangle that was near to this point before, or to one beside it, or any.
+    // The nearest triangle; or, if any are no farther than `enough` (a squared distance), one of those. The search
+    // begins around `guess`: ideally a triangle that was near to this point before, or near to a point beside it, but
+    // any will do.
     Nearest nearest(const Vec3<float>& p, float enough, uint32_t guess) const;
 
 private:
-    // Of the tree: its number in nodes_, or in leaves_ with kLeaf.
+    // A part of the tree: an index into nodes_, or into leaves_ if kLeaf is set.
     using Part = uint32_t;
     static constexpr Part kLeaf = uint32_t{1} << 31;
 
@@ -52,18 +53,18 @@ private:
         Vec3<float> low, high;
     };
     struct Node {
-        Four3 low{}, high{};  // the boxes of four parts, of which the first are there
+        Four3 low{}, high{};  // the boxes of four parts; only the first part_count exist
         std::array<Part, kLanes> parts{};
         uint32_t part_count = 0;
         uint32_t parent = 0, lane = 0;  // where its own box is
     };
     struct Leaf {
-        Four3 a{}, b{}, c{};  // the corners of four triangles, the last one again where there are fewer
+        Four3 a{}, b{}, c{};  // the corners of four triangles; if there are fewer, the last one is repeated
         uint32_t first_triangle = 0, triangle_count = 0;
         uint32_t parent = 0;
     };
     struct Centroid {
-        Vec3<float> place;  // three times as far from the origin
+        Vec3<float> place;  // the sum of the corners: three times the centroid
         uint32_t triangle = 0;
     };
 

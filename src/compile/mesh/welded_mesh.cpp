@@ -97,7 +97,7 @@ void WeldedMesh::weld(std::span<const uint32_t> indices, std::span<const std::ve
     }
 }
 
-// Triangles whose texture coordinates are the same where they meet.
+// A chart: triangles whose texture coordinates agree where they meet.
 void WeldedMesh::make_charts() {
     chart_of_.resize(point_of_.size());
     std::iota(chart_of_.begin(), chart_of_.end(), 0u);

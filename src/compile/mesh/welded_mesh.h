@@ -1,5 +1,5 @@
-// A mesh as its points: vertices that lie at the same place in every pose, whatever else is different about them, are
-// one. So a mesh holds together where its vertices are double for the sake of normals and texture coordinates.
+// A mesh seen as points: vertices that lie at the same place in every pose are one point, whatever else differs. So a
+// mesh holds together where its vertices are duplicated for the sake of normals and texture coordinates.
 #pragma once
 
 #include "compile/mesh/four_triangles.h"
@@ -19,15 +19,16 @@ struct WeldedFace {
 
 class WeldedMesh {
 public:
-    // Three of `indices`, the character's vertices, are a triangle; those with two corners at one point are left out.
-    // `positions` are [poses][vertices], of which the first is the rest pose.
+    // Every three `indices`, vertices of the character, form a triangle; those with two corners at one point are left
+    // out. `positions` are [poses][vertices], the rest pose first.
     WeldedMesh(const Character& character, std::span<const uint32_t> indices,
                std::span<const std::vector<Vec3<float>>> positions);
 
     size_t point_count() const { return vertices_of_.size(); }
     const std::vector<WeldedFace>& faces() const { return faces_; }
     uint32_t point_of(uint32_t vertex) const { return point_of_[vertex]; }
-    // [groups()]: in the first four poses, of which the first is the rest pose, in the next four, and so on.
+    // [groups()]: the point's places in the first four poses, beginning with the rest pose, then in the next four, and
+    // so on.
     const Four3* places(uint32_t point) const { return &places_[point * groups_]; }
     size_t groups() const { return groups_; }
     Vec3<float> rest_place(uint32_t point) const { return places(point)->at(0); }
@@ -48,7 +49,7 @@ private:
     std::vector<uint32_t> point_of_, section_of_, chart_of_;  // [vertices]
     std::vector<std::vector<uint32_t>> vertices_of_;          // [points]
     std::vector<WeldedFace> faces_;
-    std::vector<Four3> places_;  // [points][groups], the last pose again where there are fewer
+    std::vector<Four3> places_;  // [points][groups]; the last pose is repeated to fill its group
 };
 
 }  // namespace throng

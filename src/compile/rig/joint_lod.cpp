@@ -12,11 +12,11 @@
 namespace throng {
 namespace {
 
-constexpr uint32_t kPoses = 32;  // of all clips together, that displacements are measured in; at least one a clip
-constexpr size_t kMostSteps = 200'000;  // of them in a pose
-constexpr double kShare = 0.5;  // of the error of a level's surface, by which joints that do not move may add to it
+constexpr uint32_t kPoses = 32;         // of all clips together, to measure displacements in; at least one per clip
+constexpr size_t kMostSteps = 200'000;  // displacements measured in a pose
+constexpr double kShare = 0.5;          // of a level's surface error: the most that joints that do not move add to it
 
-// [palette_count], the skin of each entry; of rigid meshes one that no other has.
+// [palette_count]: the skin of each entry; each entry of a rigid mesh counts as a skin of its own.
 std::vector<uint32_t> skins_of_entries(const Character& character) {
     std::vector<uint32_t> skins(character.palette.size());
     for (uint32_t entry = 0; entry < skins.size(); ++entry)
@@ -63,8 +63,8 @@ AffineT<double> difference(const AffineT<double>& a, const AffineT<double>& b) {
     return out;
 }
 
-// How far vertices are displaced at most where neither a joint nor any below it moves, and the palette entries of the
-// one above it stand for theirs.
+// How far vertices are displaced at most if neither a joint nor any below it moves, and the palette entries of its
+// parent stand in for theirs.
 class JointDisplacements {
 public:
     JointDisplacements(const Character& character, const Progress& progress)
@@ -96,8 +96,9 @@ public:
 private:
     static constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-    // From the leaves up. Each joint below is looked at where they are few; else, so that deep skeletons do not take
-    // the square of their depth, the way of all of them with this joint and their own after it are added up.
+    // Goes from the leaves up. If few joints are below a joint, each is measured. Otherwise, so that deep skeletons do
+    // not take the square of their depth, two distances are added: how far all of them move with this joint, and the
+    // largest of their own after that.
     void measure_in(const SampledPose& pose) {
         const size_t most_below = kMostSteps / parents_.size();
         const std::vector<AffineT<double>> model_from_bind = bind_reference(character_.palette,
@@ -135,7 +136,7 @@ private:
     const Character& character_;
     const std::vector<uint32_t>& parents_;
     EntryTable entries_;
-    // [entry], in bind space: of its vertices; and of those that the skin's entries below move, too
+    // [entry], in bind space: of its own vertices; and with those that the skin's entries below it move
     std::vector<Box> boxes_, boxes_below_;
     std::vector<uint32_t> ends_;  // [joint]: joints are depth first, so a subtree is a run
     std::vector<double> bounds_;  // [joint]
@@ -185,7 +186,7 @@ void make_joint_lods(Character& character, const Progress& progress) {
                 character.joint_lods[joint] = level;
         }
         lod.error += static_cast<float>(furthest);
-        // Joints that do not move with those above them may displace by less than on their own
+        // Joints that stop together with those above them can displace by less than on their own
         if (level > 1) lod.error = std::max(lod.error, character.lods[level - 2].error);
     }
 }

@@ -7,14 +7,15 @@
 
 namespace throng {
 
-// [palette_count]: the palette entry that stands for each one in a level of detail, by Character::joint_lods: its
-// own, or that of the same skin of the nearest joint above that moves in the level; kNone where there is none.
+// [palette_count]: the palette entry that stands in for each one in a level of detail, by Character::joint_lods: itself
+// if its joint moves in the level, else the entry, in the same skin, of the nearest joint above that moves; kNone if
+// there is none.
 std::vector<uint32_t> entries_of_lod(const Character& character, uint32_t lod);
 
-// Fills joint_lods, after the levels of detail: in each one so few joints move that the others displace no vertex by
-// more than half of the level's error, and adds how far they do to that error. Measured in the rest pose and in poses
-// of all clips; of a character without clips nothing is known, and joint_lods stay empty. Where a joint does not
-// move, nothing below it does.
+// Fills joint_lods; call it after the levels of detail are made. In each level joints stop moving as long as that
+// displaces no vertex by more than half of the level's error; the largest displacement is added to that error. Measured
+// in the rest pose and in poses of all clips; without clips nothing is known, and joint_lods stay empty. Below a joint
+// that does not move, no joint does.
 void make_joint_lods(Character& character, const Progress& progress = {});
 
 }  // namespace throng

@@ -24,7 +24,7 @@ class ClipAdder {
 public:
     ClipAdder(const Asset& from, const Asset& to) : from_(from), to_(to), transfer_(from, to) {}
 
-    // The clips as they are on `to`, without those that nothing is left of.
+    // The clips as they apply to `to`, without those of which nothing is left.
     std::vector<AssetClip> clips() const {
         std::vector<AssetClip> out;
         for (const AssetClip& clip : from_.clips) {
@@ -45,7 +45,7 @@ public:
         return out;
     }
 
-    // "2 of its 40 animated nodes ('tail', 'wing')", those that move nothing; nothing where there are none.
+    // "2 of its 40 animated nodes ('tail', 'wing')": those that move nothing; empty if there are none.
     std::string without_target() const {
         constexpr size_t kShown = 5;
         std::string list;
@@ -101,7 +101,7 @@ private:
                 set(i, q.x, q.y, q.z, q.w);
             } else if (track.target == TrackTarget::kScale && holds && !is_tangent(track, i) &&
                        length(vector_of(value)) > 0) {
-                const Vec3<double>& s = to_.nodes[node].parent_from_node.scale;  // which may be that of a unit
+                const Vec3<double>& s = to_.nodes[node].parent_from_node.scale;  // which can be a change of units
                 set(i, s.x, s.y, s.z);
             }
         }
@@ -117,7 +117,7 @@ private:
     RigTransfer transfer_;
 };
 
-// Files of Mixamo and of FBX name all of their clips so.
+// Mixamo and FBX files name all of their clips like this.
 bool says_nothing(std::string_view name) {
     return name.empty() || name.find("Take 001") != name.npos || name.find("mixamo.com") != name.npos;
 }
@@ -128,7 +128,7 @@ std::string stem_of(const std::string& file) {
     return stem.empty() ? "clip" : stem;
 }
 
-// What a clip is called beside those in `names`; `stem` is the name of its file without extension.
+// A name for the clip that is not in `names`; `stem` is the name of its file without extension.
 std::string free_name(const std::string& name, const std::string& stem, const std::unordered_set<std::string>& names) {
     if (!says_nothing(name) && !names.contains(name)) return name;
     const std::string base = says_nothing(name) ? stem : stem + " " + name;

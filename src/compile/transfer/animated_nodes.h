@@ -16,14 +16,14 @@ inline bool is_tangent(const AssetTrack& track, size_t value) {
 
 inline Vec3<double> vector_of(const float* value) { return {value[0], value[1], value[2]}; }
 
-// Whether its node stays in its rest pose, as far as exporters' rounding goes.
+// Whether the track leaves its node in the rest pose, apart from exporters' rounding.
 bool holds_rest(const Asset& asset, const AssetTrack& track);
 
 struct AnimatedNode {
     bool has_rotation = false, has_translation = false, has_morphs = false;
     bool turns = false, goes = false;  // away from its rest pose
-    bool moves = false;                // any of these
-    bool changes_length = false;       // its distance to its parent is not that of a bone
+    bool moves = false;                // any of its tracks does so, or it has morphs
+    bool changes_length = false;       // its place relative to its parent varies, unlike a bone's
 };
 
 // [node]

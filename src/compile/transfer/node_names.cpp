@@ -26,7 +26,7 @@ enum class NameForm { kExact, kLoose, kWithoutPrefix, kWithoutNumber };
 // Names as they are compared.
 class Names {
 public:
-    // `is_chosen`: the nodes that matter, of which a prefix may be common to all.
+    // `is_chosen`: the nodes that matter; they can have a common prefix.
     Names(const Asset& asset, const std::vector<bool>& is_chosen) : asset_(asset) {
         bool is_first = true;
         for (uint32_t node = 0; node < is_chosen.size(); ++node) {
@@ -58,7 +58,7 @@ std::vector<uint32_t> find_sources(const Asset& from, const std::vector<bool>& i
                                    const std::vector<bool>& is_joint) {
     struct Step {
         NameForm from, to;
-        bool is_unique = true;  // names that several have in this form tell nothing
+        bool is_unique = true;  // skips names that several nodes have in this form
     };
     constexpr std::array kSteps{Step{NameForm::kExact, NameForm::kExact, false},
                                 Step{NameForm::kLoose, NameForm::kLoose, false},

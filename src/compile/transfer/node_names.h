@@ -1,4 +1,4 @@
-// Nodes of two files that are the same by their names.
+// Matches the nodes of two files by their names.
 #pragma once
 
 #include <throng/asset.h>
@@ -8,8 +8,9 @@
 
 namespace throng {
 
-// [node of `to`] The node of `from` that has its name, or kNone. Joints and what is animated come first. One node moves
-// all that have its name, as where clothes have a skeleton of their own; of several with one name each moves one.
+// [node of `to`]: the node of `from` with the same name, or kNone. Joints and animated nodes come first. A node that is
+// alone with its name moves all joints of that name, as when clothes have a skeleton of their own; if several have one
+// name, each moves one.
 std::vector<uint32_t> find_sources(const Asset& from, const std::vector<bool>& is_animated, const Asset& to,
                                    const std::vector<bool>& is_joint);
 

@@ -8,7 +8,7 @@
 namespace throng {
 namespace {
 
-constexpr double kRounding = 1e-5;  // of rotations, and of what is near to one
+constexpr double kRounding = 1e-5;  // of rotations, and of factors near 1
 
 Quaternion<double> conjugate(const Quaternion<double>& q) { return {-q.x, -q.y, -q.z, q.w}; }
 
@@ -80,7 +80,7 @@ RigTransfer::RigTransfer(const Asset& from, const Asset& to)
     }
 }
 
-// A joint that hangs on a joint.
+// Whether the node is a joint that hangs on a joint.
 bool RigTransfer::is_bone(uint32_t node) const {
     const uint32_t parent = to_.nodes[node].parent;
     return is_joint_[node] && parent != kNone && is_joint_[parent];
@@ -102,7 +102,7 @@ bool RigTransfer::is_as_long(uint32_t node) const {
     return std::abs(old_one - new_one) <= kSameLength * std::max(old_one, new_one);
 }
 
-// Bones keep their length in nearly all clips, so rest poses tell it even where one is a frame of a clip.
+// Bones keep their length in nearly all clips, so rest poses tell it even if a rest pose is a frame of a clip.
 void RigTransfer::compare_bones() {
     constexpr double kMostBones = 0.9;  // hips and faces move
     size_t count = 0, same_count = 0;
@@ -147,7 +147,7 @@ NodeChange RigTransfer::change_of(uint32_t node, const NodeFrame& parent) const 
     return change;
 }
 
-// While `from` rests.
+// The local transform of the node while `from` is in its rest pose.
 Trs<double> RigTransfer::rest_of(uint32_t node) const {
     Trs<double> rest = to_.nodes[node].parent_from_node;
     const uint32_t source = sources_[node];

@@ -19,39 +19,39 @@ struct NodeFrame {
     NodeFrame child(const Trs<double>& parent_from_node) const;
 };
 
-// What a local transform of a node of `from` becomes on one of `to`: a rotation turn * rotation, a translation
-// base + turn * scale * (translation - old_rest).
+// How a local transform of a node of `from` changes for a node of `to`: a rotation becomes turn * rotation, a
+// translation base + turn * scale * (translation - old_rest).
 struct NodeChange {
     bool is_turned = false;     // else `turn` is the identity, and rotations stay as they are, bit for bit
     Quaternion<double> turn{};  // new_parent_from_old_parent
-    double scale = 1;           // of units, and of sizes where it is not a bone of the same length
-    // Where a bone keeps its own length: the rest poses' translations, of `from` and of `to`. Of a root: 0, and what
-    // the two holders' places differ by.
+    double scale = 1;           // of units; and of sizes, unless it is a bone of the same length
+    // If a bone keeps its own length: the rest poses' translations, of `from` and of `to`. For a root: 0, and the
+    // offset between the places of the two nodes that hold it.
     Vec3<double> old_rest{}, base{};
 
     Quaternion<double> rotation(const Quaternion<double>& old) const { return turn * old; }
     Vec3<double> translation(const Vec3<double>& old) const { return base + way(old - old_rest); }
-    // The same for what has a direction and a length but no place, as tangents of splines.
+    // The same for vectors that are no places, such as tangents of splines.
     Vec3<double> way(const Vec3<double>& old) const;
     bool keeps_translations() const {
         return !is_turned && scale == 1 && old_rest == Vec3<double>() && base == Vec3<double>();
     }
 };
 
-// Joints are turned in model space as in `from`, whatever holds them or lies between a joint and its parent. Bones of
-// another length keep their own; other ways are scaled by the mean length of bones.
+// Joints keep the model-space rotations of `from`, whatever holds the rig or lies between a joint and its parent. Bones
+// of another length keep their own length; other translations are scaled by the ratio of mean bone lengths.
 class RigTransfer {
 public:
     RigTransfer(const Asset& from, const Asset& to);
 
-    // Nodes of `to` that move as this one of `from`.
+    // The nodes of `to` that move like this node of `from`.
     const std::vector<uint32_t>& targets(uint32_t source) const { return targets_[source]; }
     const NodeChange& change(uint32_t node) const { return changes_[node]; }
     // What the clips of `from` do to a node of `from`.
     const AnimatedNode& animated(uint32_t source) const { return animated_[source]; }
     bool is_joint(uint32_t node) const { return is_joint_[node]; }
-    // Whether a track is taken over. Exporters write keys without movement for what holds a rig ("Armature"), which may
-    // be turned and scaled in another way here: it keeps its own rest pose.
+    // Whether a track is taken over. Exporters write keys without movement for the node that holds a rig ("Armature").
+    // Here it can be turned and scaled in another way, so it keeps its own rest pose.
     bool takes(uint32_t node, bool holds_rest) const { return is_joint_[node] || !holds_rest; }
 
 private:
@@ -69,7 +69,7 @@ private:
     std::vector<uint32_t> sources_;       // [node of `to`]
     std::vector<std::vector<uint32_t>> targets_;
     std::vector<NodeFrame> old_frames_;  // [node of `from`] in its rest pose
-    std::vector<NodeFrame> frames_;      // [node of `to`] in its own; once changes are known, while `from` rests
+    std::vector<NodeFrame> frames_;      // [node of `to`] in its rest pose; once changes are known, with `from` at rest
     std::vector<NodeChange> changes_;
     bool is_same_skeleton_ = true;
     double size_ratio_ = 1;  // mean length of bones in `to` over that in `from`

@@ -23,11 +23,11 @@ CONSTANT(3, uint, kRounds, 1);
 
 shared StoredAffine shared_products[2 * kSharedJoints];  // [slot][joint]
 
-// Rounds take turns with two slots, so that none is read and written between two barriers. Without shared memory the
-// last round's slot is model.
+// Rounds alternate between two slots, so that no slot is both read and written between two barriers. Without shared
+// memory the last round's slot is model.
 uint slot_of(uint round) { return (kRounds - 1 - round) % 2; }
 
-// As the round finds it.
+// A joint's product as the round finds it.
 Affine load_product(uint instance, uint joint, uint round) {
     if (round == 0) return load_local(instance, joint);
     const uint slot = slot_of(round - 1);

@@ -7,7 +7,7 @@ namespace {
 
 constexpr uint32_t kRadix = 4;
 
-// The ancestor as far up of each joint's ancestor `steps` times as far up as that.
+// Each joint's ancestor `steps` times as far up as the one given.
 std::vector<uint32_t> farther(const std::vector<uint32_t>& ancestors, uint32_t steps) {
     std::vector<uint32_t> out = ancestors;
     for (uint32_t i = 1; i < steps; ++i)

@@ -15,8 +15,8 @@
 
 CONSTANT(1, uint, kCharacters, 1);  // in a workgroup
 
-// links[0] is the number of leaves; then for each: where in links[] its path begins, where the joints that it writes,
-// where it ends.
+// links[0] is the number of leaves; then for each: where in links[] its path begins, where the joints that it writes
+// begin, and where it ends.
 void scan() {
     const uint leaves = link(0);
     for (uint item = gl_LocalInvocationID.x; item < kCharacters * leaves; item += gl_WorkGroupSize.x) {

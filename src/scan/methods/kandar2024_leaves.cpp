@@ -8,7 +8,7 @@ namespace {
 constexpr uint64_t kMostWords = uint64_t{16} << 20;
 constexpr uint32_t kLargestWorkgroup = 256;
 
-// As many characters as leave the fewest lanes of the workgroup's subgroups idle.
+// The number of characters that leaves the fewest lanes of the workgroup's subgroups idle.
 uint32_t characters_per_workgroup(uint32_t leaf_count, uint32_t subgroup_size, uint32_t largest) {
     uint32_t best = 1;
     double best_share = 0;

@@ -28,8 +28,8 @@ CONSTANT(1, uint, kLanes, 1);           // of a chunk
 CONSTANT(2, uint, kCharacters, 1);      // of a team
 CONSTANT(3, uint, kSlots, 1);           // of a team
 CONSTANT(4, uint, kSlotTransforms, 1);  // of the workgroup
-// A team of a part of a subgroup, or of one, has characters of its own. Of several, which are the whole workgroup, each
-// takes every kSubgroups-th chunk.
+// A team that is one subgroup, or a part of one, has characters of its own. If a team is several subgroups, they are
+// the whole workgroup, and each takes every kSubgroups-th chunk.
 CONSTANT(5, uint, kSubgroups, 1);
 shared StoredTransform slots[kSlotTransforms];
 
@@ -78,7 +78,7 @@ void scan() {
         for (uint turn = 0; turn < kSubgroups; ++turn) {
             if (turn == member) {
                 if (exists && from != 0) transform = multiply(unpack(slots[first_slot + from]), transform);
-                subgroupBarrier();  // all have read the slots that are written anew
+                subgroupBarrier();  // all have read the slots that are overwritten next
                 if (exists && keep != 0) slots[first_slot + keep] = pack(transform);
                 subgroupBarrier();
             }

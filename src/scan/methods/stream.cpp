@@ -39,8 +39,8 @@ std::vector<uint32_t> thread_choices(const ScanLimits& limits) {
     return choices;
 }
 
-// On the critical path: the rounds of a team's subgroups run side by side, but they multiply what lies above their
-// chunks one after the other, since the next needs what the one before has put into slots.
+// Multiplications on the critical path: the rounds of a team's subgroups run side by side, but they multiply what lies
+// above their chunks one after the other, since the next needs what the one before has put into slots.
 uint32_t longest_thread(const StreamPlan& stream, uint32_t subgroups) {
     uint32_t longest = stream.longest_lane - stream.round_count;
     for (size_t first = 0; first < stream.rounds.size(); first += subgroups) {
@@ -54,7 +54,7 @@ ScanPlan plan_with(const ScanRig& rig, const ScanLimits& limits, uint32_t thread
     const StreamTeam team(limits, threads);
     const uint32_t lanes = team.lanes;
     const uint32_t invocations = workgroup_size(limits, team), teams = invocations / threads;
-    // So that the chunks do not depend on how many subgroups go through them
+    // As for a team of one subgroup, so that the chunks do not depend on how many subgroups share them
     const uint32_t teams_of_one = workgroup_size(limits, StreamTeam(limits, lanes)) / lanes;
     const StreamPlan stream = plan_stream(
         rig, {.lanes = lanes,
@@ -70,7 +70,7 @@ ScanPlan plan_with(const ScanRig& rig, const ScanLimits& limits, uint32_t thread
         .instances_per_workgroup = teams * stream.characters,
         .constants = {lanes, stream.characters, stream.slots, std::max(stream.slots * teams, 1u), team.subgroups},
         .links = stream_links(stream, rig.parents),
-        // Drivers may prefer larger ones, in which rounds cost more
+        // Drivers may prefer larger subgroups, in which rounds cost more
         .subgroup_size = lanes >= limits.subgroup_size && lanes <= limits.largest_subgroup_size ? lanes : 0,
         .full_subgroups = true,
         .on_chip = true};
@@ -102,8 +102,8 @@ ScanPlan plan_similarity(const ScanRig& rig, const ScanLimits& limits, uint32_t 
     return plan_with(rig, limits, threads, ScanFormat::kSimilarity);
 }
 
-// One subgroup a character, or as many as there is room for and as have a chunk each. The same chunks for any number of
-// characters, and so the same bits: none so small that several may share a chunk.
+// One subgroup a character, or as many as there is room for and as have a chunk each. Characters so small that several
+// may share a chunk get one, so that the chunks, and thus the bits, are the same for any number of characters.
 template <uint32_t kOrder>
 FusedPlace fused_place(const ScanLimits& limits, const FusedNeed& need) {
     FusedPlace place{limits.is_cpu ? 0 : kOrder, preferred_lanes(limits)};

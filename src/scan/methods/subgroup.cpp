@@ -11,7 +11,7 @@ uint32_t workgroup_size(const ScanLimits& limits) {
     return std::min(limits.is_cpu ? limits.subgroup_size : 64, limits.workgroup_size);
 }
 
-// A character on a software device's whole subgroup at most; on a GPU the whole one is the best guess.
+// A character gets at most a whole subgroup; on a GPU that is the best guess, on a software device a single lane.
 std::vector<uint32_t> thread_choices(const ScanLimits& limits) {
     std::vector<uint32_t> choices;
     if (!limits.shuffle) return choices;
@@ -54,7 +54,7 @@ ScanPlan plan_similarity(const ScanRig& rig, const ScanLimits& limits, uint32_t 
     return plan_with(rig, limits, threads, kRowsOfSimilarity);
 }
 
-// A subgroup a character, so that no barrier is left but the one after the tile: see docs/performance.md.
+// A subgroup a character, so that the barrier after the tile is the only one: see docs/performance.md.
 template <uint32_t kOrder>
 FusedPlace fused_place(const ScanLimits& limits, const FusedNeed&) {
     return {limits.is_cpu ? 0 : kOrder, std::min(32u, limits.subgroup_size)};
