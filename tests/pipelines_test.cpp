@@ -28,31 +28,45 @@ SharedKernels::Shared made_up() {
     return {something, reinterpret_cast<const CompiledKernel*>(something.get())};
 }
 
+SharedKernels::Key key(uint32_t setting) { return {.code = {}, .settings = {setting}}; }
+
 TEST(SharedKernels, AreFoundWhileTheyAreUsedAndTheLastOnesLonger) {
     SharedKernels kernels(2);
-    EXPECT_EQ(kernels.find({1}), nullptr);
+    EXPECT_EQ(kernels.find(key(1)), nullptr);
     SharedKernels::Shared first = made_up();
     const SharedKernels::Shared used = made_up();
-    EXPECT_EQ(kernels.add({1}, first), first);
-    EXPECT_EQ(kernels.add({2}, used), used);
-    EXPECT_EQ(kernels.add({1}, made_up()), first) << "another thread was faster";
+    EXPECT_EQ(kernels.add(key(1), first), first);
+    EXPECT_EQ(kernels.add(key(2), used), used);
+    EXPECT_EQ(kernels.add(key(1), made_up()), first) << "another thread was faster";
     const CompiledKernel* const address = first.get();
     first.reset();
-    EXPECT_EQ(kernels.find({1}).get(), address) << "is one of the last two";
-    kernels.add({3}, made_up());
-    EXPECT_EQ(kernels.find({1}).get(), address) << "was asked for after the second";
-    kernels.add({4}, made_up());
-    kernels.add({5}, made_up());
-    EXPECT_EQ(kernels.find({1}), nullptr);
-    EXPECT_EQ(kernels.find({3}), nullptr);
-    EXPECT_EQ(kernels.find({2}), used) << "somebody uses it";
+    EXPECT_EQ(kernels.find(key(1)).get(), address) << "is one of the last two";
+    kernels.add(key(3), made_up());
+    EXPECT_EQ(kernels.find(key(1)).get(), address) << "was asked for after the second";
+    kernels.add(key(4), made_up());
+    kernels.add(key(5), made_up());
+    EXPECT_EQ(kernels.find(key(1)), nullptr);
+    EXPECT_EQ(kernels.find(key(3)), nullptr);
+    EXPECT_EQ(kernels.find(key(2)), used) << "somebody uses it";
     kernels.clear();
-    EXPECT_EQ(kernels.find({5}), nullptr);
-    EXPECT_EQ(kernels.find({2}), used);
+    EXPECT_EQ(kernels.find(key(5)), nullptr);
+    EXPECT_EQ(kernels.find(key(2)), used);
 
     SharedKernels none(0);
-    none.add({1}, made_up());
-    EXPECT_EQ(none.find({1}), nullptr);
+    none.add(key(1), made_up());
+    EXPECT_EQ(none.find(key(1)), nullptr);
+}
+
+TEST(SharedKernels, CodeIsComparedByItsWords) {
+    const std::vector<uint32_t> code{1, 2, 3}, same = code, other{1, 2, 4}, shorter{1, 2};
+    SharedKernels kernels(2);
+    const SharedKernels::Shared used = made_up();
+    kernels.add({code, {7}}, used);
+    EXPECT_EQ(kernels.find({same, {7}}), used);
+    EXPECT_EQ(kernels.find({same, {8}}), nullptr);
+    EXPECT_EQ(kernels.find({other, {7}}), nullptr);
+    EXPECT_EQ(kernels.find({shorter, {7}}), nullptr);
+    EXPECT_EQ(kernels.find({std::span(code).first(2), {7}}), nullptr);
 }
 
 TEST(Pipelines, AreMadeOnceForWhatIsTheSame) {

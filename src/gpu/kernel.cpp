@@ -77,10 +77,8 @@ void CompiledKernel::check_settings(const Gpu& gpu, const KernelSettings& settin
 namespace {
 
 SharedKernels::Key key_of(const KernelSettings& settings) {
-    SharedKernels::Key key{static_cast<uint32_t>(settings.spirv.size()), settings.workgroup_size,
-                           settings.subgroup_size, settings.full_subgroups};
-    key.insert(key.end(), settings.spirv.begin(), settings.spirv.end());
-    key.insert(key.end(), settings.constants.begin(), settings.constants.end());
+    SharedKernels::Key key{settings.spirv, {settings.workgroup_size, settings.subgroup_size, settings.full_subgroups}};
+    key.settings.insert(key.settings.end(), settings.constants.begin(), settings.constants.end());
     return key;
 }
 

@@ -1,6 +1,14 @@
 #include "gpu/shared_kernels.h"
 
+#include <algorithm>
+
 namespace throng {
+
+bool SharedKernels::Key::operator<(const Key& other) const {
+    if (settings != other.settings) return settings < other.settings;
+    const bool is_same_memory = code.data() == other.code.data() && code.size() == other.code.size();
+    return !is_same_memory && std::ranges::lexicographical_compare(code, other.code);
+}
 
 SharedKernels::Shared SharedKernels::find(const Key& key) {
     const std::lock_guard lock(mutex_);

@@ -7,6 +7,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <span>
 #include <vector>
 
 namespace throng {
@@ -16,8 +17,13 @@ class CompiledKernel;  // gpu/kernel.cpp
 // Looks up pipelines in use by the code and settings that they were made from. Thread-safe.
 class SharedKernels {
 public:
-    // Everything that the pipeline depends on.
-    using Key = std::vector<uint32_t>;
+    // Everything that the pipeline depends on. Code is compared by its words, but not copied: a large kernel has 100
+    // KB.
+    struct Key {
+        std::span<const uint32_t> code;  // static
+        std::vector<uint32_t> settings;
+        bool operator<(const Key& other) const;
+    };
     using Shared = std::shared_ptr<const CompiledKernel>;
 
     // How many pipelines are kept after their last user is gone, so that a crowd that is made anew, a little changed,
