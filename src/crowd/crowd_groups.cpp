@@ -69,12 +69,12 @@ std::vector<CrowdState::StageState> CrowdState::stage_states() const {
         StageState& state = all.emplace_back(StageState{.stage = stage.get(), .of_crowd = {}, .of_groups = {}});
         StateArchive of_crowd;
         stage->exchange(of_crowd);
-        state.of_crowd = of_crowd.written();
+        state.of_crowd = of_crowd.take();
         for (uint32_t group = 0; group < groups.size(); ++group) {
             if (groups[group].is_gone()) continue;
             StateArchive of_group;
             stage->exchange_group(of_group, group);
-            state.of_groups[group] = of_group.written();
+            state.of_groups[group] = of_group.take();
         }
     }
     return all;

@@ -193,7 +193,7 @@ std::vector<std::byte> CrowdState::save_state() {
     exchange(archive);
     uint64_t checksum = crc64(archive.written());
     archive.value(checksum);
-    return archive.written();
+    return archive.take();
 }
 
 std::vector<std::byte> CrowdState::download_all(std::span<const KeptBuffer> kept, uint64_t size_bytes) const {

@@ -22,6 +22,7 @@ public:
     bool reads() const { return reads_; }
     bool is_at_end() const { return unread_.empty(); }
     const std::vector<std::byte>& written() const { return written_; }
+    std::vector<std::byte> take() { return std::move(written_); }
 
     // Numbers of instances in the bytes are those of the crowd that wrote them; `renumber` returns the number in the
     // one that reads them, or kNone where the instance is not there. Unset: they are the same.
@@ -45,9 +46,8 @@ public:
             if (size_bytes > 0) std::memcpy(all.data(), unread_.data(), size_bytes);
             unread_ = unread_.subspan(size_bytes);
         } else {
-            const size_t first = written_.size();
-            written_.resize(first + size_bytes);
-            if (size_bytes > 0) std::memcpy(written_.data() + first, all.data(), size_bytes);
+            const auto bytes = std::as_bytes(all);
+            written_.insert(written_.end(), bytes.begin(), bytes.end());
         }
     }
     template <class T>
