@@ -67,7 +67,7 @@ struct CrowdState {
     void watch(const Instances& instances);
     void request_poses(const Instances& instances);
     std::vector<Feedback> take_feedback();
-    // Whether update() computes natively; with occlusion it does not.
+    // Whether update() computes natively; on a software device not with occlusion, which a native device refuses.
     bool is_native(bool occlusion) const;
     // Upload the first contents of the buffers, unless an update or either of these calls has done so. The second
     // waits for the upload.

@@ -222,7 +222,7 @@ void Group::make_lods(Uploads& uploads, const Character& character) {
 // For a set of joints that add_fused() has added.
 void Group::make_native(SharedRigs& rigs, const Character& character, const CrowdSettings& settings, uint32_t lod) {
     if (!native || fused.empty()) return;
-    // Where most joints move, all of them in the palette's order are written faster than these (docs/native.md).
+    // If more than a third of the joints move, writing all of them in the palette's order is faster (docs/native.md).
     constexpr uint32_t kWorthIt = 3;
     FusedJoints& joints = fused[lod];
     if (lod > 0 && kWorthIt * joints.joint_count > joint_count)

@@ -1,5 +1,5 @@
 // Commands that an application's shaders have written for groups with CrowdGroup::command_capacity. An update obeys
-// them before all else.
+// them after it has applied what the CPU's calls have set, and before everything else.
 #pragma once
 
 #include "command/command_io.h"
