@@ -11,15 +11,16 @@
 namespace throng::test {
 namespace {
 
-constexpr std::array<std::string_view, 4> kNames{"gpu_assisted", "subgroups", "native", "other_driver"};  // [Subset]
+constexpr std::array<std::string_view, 4> kSubsetNames{"gpu_assisted", "subgroups", "native",
+                                                       "other_driver"};  // [Subset]
 
 struct Patterns {
     std::vector<std::string> taken, left_out;
 };
 
 // Filled before main().
-std::array<Patterns, kNames.size()>& patterns() {
-    static std::array<Patterns, kNames.size()> of_subsets;
+std::array<Patterns, kSubsetNames.size()>& patterns() {
+    static std::array<Patterns, kSubsetNames.size()> of_subsets;
     return of_subsets;
 }
 
@@ -57,8 +58,8 @@ InSubset::InSubset(std::initializer_list<Subset> subsets, std::initializer_list<
 }
 
 std::string filter_of_subset(std::string_view name) {
-    for (size_t subset = 0; subset < kNames.size(); ++subset) {
-        if (kNames[subset] != name) continue;
+    for (size_t subset = 0; subset < kSubsetNames.size(); ++subset) {
+        if (kSubsetNames[subset] != name) continue;
         Patterns of_subset = patterns()[subset];
         if (static_cast<Subset>(subset) == Subset::kOtherDriver) {
             const Patterns& base = patterns()[static_cast<size_t>(Subset::kGpuAssisted)];
