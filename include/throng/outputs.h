@@ -43,7 +43,7 @@ struct BufferView {
 };
 
 // The buffers of an OutputBlock on a native device, in host memory and with the same shapes; empty on other devices.
-// What is not const may be written between two updates.
+// The application may write the spans that are not const between two updates.
 struct HostOutputs {
     std::span<const std::byte> skin{}, previous_skin{};
     std::span<const Affine> model{}, placement{}, socket{};

@@ -15,7 +15,7 @@
 
 namespace throng {
 
-// What is read back of an instance, and where it lies on the device.
+// Where the device has the data of a watched instance that feedback copies to the CPU.
 struct Watched {
     uint32_t instance = 0;                   // of the crowd
     uint32_t place = 0;                      // in the order that the application asked for

@@ -244,7 +244,7 @@ void Gpu::create_device(const DeviceSettings& settings, VkPhysicalDevice physica
     has_int64 = available.features.shaderInt64 == VK_TRUE;
     has_full_subgroups = available13.computeFullSubgroups == VK_TRUE;
     can_choose_subgroup = can_choose_subgroup && available13.subgroupSizeControl == VK_TRUE;
-    // What is required, and what is used if the device has it.
+    // VK_TRUE: features that throng requires. The others are optional: enabled if the device has them.
     VkPhysicalDeviceVulkan13Features features13{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_FEATURES,
                                                 .subgroupSizeControl = available13.subgroupSizeControl,
                                                 .computeFullSubgroups = available13.computeFullSubgroups,

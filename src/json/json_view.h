@@ -14,7 +14,7 @@ namespace throng {
 
 using Json = nlohmann::ordered_json;  // members in the order of the text
 
-// Who wrote a file. Messages to a person give the line, so they need not quote the value there.
+// Who wrote a file: messages about a program's (glTF) quote the value; those about a person's give the line instead.
 enum class JsonAuthor : uint8_t { kProgram, kPerson };
 
 // The place of a member or an element of `place`: `layers`, `layers[0].states.move`, `masks["left arm"]`.

@@ -22,7 +22,8 @@ std::string text_of(const fs::path& file) {
     return {std::istreambuf_iterator<char>(in), {}};
 }
 
-// Of the folders: the others that their C++ includes. What C++ and GLSL share, anybody may.
+// For each folder, the others whose headers its C++ includes. Headers and texts that C++ and GLSL share do not count:
+// any folder may include those.
 std::map<std::string, std::set<std::string>> folders_included() {
     std::map<std::string, std::set<std::string>> out;
     const std::regex include(R"re(#include "(\w+)/([\w/.]+)")re"), shared(R"(.*(_io\.h|\.glsl))");
@@ -71,7 +72,7 @@ TEST(Folders, AreInTheTableOfParts) {
             << folder;
 }
 
-// Else the linker says what is missing, and not why.
+// Otherwise only the linker complains, about functions, and does not say that a folder is not built.
 TEST(Folders, ArePartsOfTheBuild) {
     const std::string build = text_of(fs::path(THRONG_SOURCE_DIR) / "CMakeLists.txt");
     const std::regex list(R"(throng_part\([^)]*?FOLDERS([ \w/\n]*?)(SOURCES|DEPENDS|EXCEPT|\)))");

@@ -46,8 +46,8 @@ inline Four3 cross(const Four3& a, const Four3& b) {
 inline Four3 lower(const Four3& a, const Four3& b) { return {lower(a.x, b.x), lower(a.y, b.y), lower(a.z, b.z)}; }
 inline Four3 higher(const Four3& a, const Four3& b) { return {higher(a.x, b.x), higher(a.y, b.y), higher(a.z, b.z)}; }
 
-// What is computed once for the distances of many points from four triangles. A triangle too thin for floats to have a
-// normal is treated as its edges.
+// Four triangles, with what their distances from many points have in common, computed once. A triangle too thin for
+// floats to have a normal is treated as its edges.
 class FourTriangles {
 public:
     FourTriangles(const Four3& a, const Four3& b, const Four3& c) : corners_{a, b, c}, edges_{b - a, c - b, a - c} {
