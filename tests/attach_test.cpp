@@ -14,7 +14,7 @@ namespace throng::test {
 namespace {
 
 const InSubset kAttachInSubsets({Subset::kGpuAssisted}, {"*Attach*.*/Staged", "*Attach*.*/Fused"}),
-    kAttachOnOtherDrivers({Subset::kOtherDriver}, {"-*Attach*.BatchesChangeNothing/*"}),
+    kAttachOnOtherDrivers({Subset::kOtherDriver}, {"-*Attach*.BatchesChangeNothing/*", "-*Attach*.*/Fused"}),
     kAttachNatively({Subset::kNative}, {"*Attach.*", "*AttachInRows.*"});
 
 constexpr uint32_t kBodies = 40, kThings = 30;

@@ -11,7 +11,8 @@ namespace throng::test {
 namespace {
 
 const InSubset kChangeInSubsets({Subset::kGpuAssisted, Subset::kNative}, {"Changes.*"}),
-    kChangeOnOtherDrivers({Subset::kOtherDriver}, {"-Changes.InOnePieceAreThoseOfCommandsOfTheirOwn"});
+    kChangeOnOtherDrivers({Subset::kOtherDriver},
+                          {"-Changes.InOnePieceAreThoseOfCommandsOfTheirOwn", "-Changes.OfWhoIsThereToo"});
 
 constexpr uint32_t kEach = 60;  // instances of a group: every other one changes, which is many
 

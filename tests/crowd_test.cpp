@@ -18,6 +18,10 @@ const test::InSubset kCrowdInSubsets({test::Subset::kGpuAssisted},
                                       "Crowd.TheLargestCharacterWorksWithEveryScan",
                                       "Crowd.OnlyChangedInstancesAreSetAnew", "Crowd.PlacementsReachTheDevice",
                                       "Crowd.RecordsIntoTheCallersCommandBuffer"});
+const test::InSubset kCrowdOnOtherDrivers({test::Subset::kOtherDriver},
+                                          {"-Crowd.ManyLargeCharacters*", "-Crowd.TheLargestCharacter*",
+                                           "-Crowd.OnlyChangedInstancesAreSetAnew", "-Crowd.PlacementsReachTheDevice",
+                                           "-Crowd.RecordsIntoTheCallersCommandBuffer"});
 const test::InSubset kWithAMethodGiven({test::Subset::kSubgroups}, {"Crowd.*", "-Crowd.AutoChoosesAScanAndSaysWhy"});
 const test::InSubset kCrowdNatively({test::Subset::kNative}, {"Crowd.*", "-Crowd.RecordsIntoTheCallersCommandBuffer",
                                                               "-Crowd.ManySmallCharactersAreSplitIntoBatches"});

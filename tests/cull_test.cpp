@@ -20,6 +20,7 @@ namespace {
 
 const InSubset kCullInSubsets({Subset::kGpuAssisted, Subset::kSubgroups},
                               {"Cull.ListsWhatTheReferenceSees", "Cull.BatchesChangeNothing"});
+const InSubset kCullOnOtherDrivers({Subset::kOtherDriver}, {"-Cull.BatchesChangeNothing"});
 const InSubset kCullNatively({Subset::kNative}, {"Cull.*", "-Cull.TiledMethodsAnimateTheListToo"});
 
 constexpr uint32_t kCullWidth = 160, kCullHeight = 120;

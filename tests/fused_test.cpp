@@ -28,6 +28,11 @@ const test::InSubset kFusedOnOtherDrivers({test::Subset::kOtherDriver},
                                           {"-Fused/FusedMethod.*_1", "-Fused/FusedMethod.*_300"});
 const test::InSubset kFusedWithOtherSubgroups({test::Subset::kSubgroups},
                                               {"Fused.*", "Fused/*", "-Fused.WhatDoesNotFitIsStagedUnlessAskedFor"});
+// Methods that exchange registers; rows are of `stream`.
+const test::InSubset kFusedWithWideSubgroups({test::Subset::kWideSubgroups},
+                                             {"Fused/FusedMethod.*/stream*", "Fused/FusedMethod.*/subgroup*",
+                                              "Fused/FusedMethod.*/fragments*", "Fused/FusedRows.*", "Fused.AnyNumber*",
+                                              "Fused.RowsOfScalesFollowTheReference"});
 const test::InSubset kFusedNatively({test::Subset::kNative},
                                     {"Fused.*", "Fused/FusedMethod.*", "-Fused.AGpuTakesTheFirstMethodThatFits",
                                      "-Fused.SharedMemoryIsTheTileAndTheMethodsOwn",

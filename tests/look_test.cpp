@@ -14,7 +14,7 @@ namespace throng::test {
 namespace {
 
 const InSubset kLookInSubsets({Subset::kGpuAssisted}, {"*Looks.WhatIsHiddenIsAsIfItWereNotThere/ByShaders"}),
-    kLookNatively({Subset::kNative}, {"*Looks.*"});
+    kLookOnOtherDrivers({Subset::kOtherDriver}, {"-*Looks.*"}), kLookNatively({Subset::kNative}, {"*Looks.*"});
 
 // A creature in two sections, "creature" by name: the second has every third triangle and a material of its own.
 Asset in_two_sections() {

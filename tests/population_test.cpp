@@ -17,6 +17,7 @@ namespace {
 
 const InSubset kPopulationInSubsets({Subset::kGpuAssisted},
                                     {"Population.MayBeEmpty", "Population.EventsAreOfWhoeverWasThere"});
+const InSubset kPopulationOnOtherDrivers({Subset::kOtherDriver}, {"-Population.*"});
 const InSubset kPopulationNatively({Subset::kNative}, {"Population.*", "-Population.DiscardedBirthsAndDeaths*"});
 
 // A crowd, and for each set of instances that came at the same time one that was made then and has no others.

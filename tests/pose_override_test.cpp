@@ -16,6 +16,7 @@ namespace {
 
 const InSubset kPoseOverrideInSubsets({Subset::kGpuAssisted, Subset::kSubgroups},
                                       {"PoseOverride.TwoClipsFollowTheReference"});
+const InSubset kPoseOverrideOnOtherDrivers({Subset::kOtherDriver}, {"-PoseOverride.*"});
 const InSubset kPoseOverrideNatively({Subset::kNative}, {"PoseOverride.*"});
 
 // The rest pose, bent at all joints; less than makes it unclear which way round is the shorter one.

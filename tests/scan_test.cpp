@@ -23,12 +23,11 @@ namespace {
 
 // Those that have each method, not the whole grid: GPU-assisted validation instruments every pipeline that is made, and
 // scans make one for each skeleton.
-const test::InSubset kInBoth({test::Subset::kGpuAssisted, test::Subset::kSubgroups},
-                             {"Scan.EveryOnChipVariantIsExact"});
-const test::InSubset kScanUnderValidation({test::Subset::kGpuAssisted}, {"Scan.EveryMethodIsExactWithNarrowWords"});
-const test::InSubset kScanWithOtherSubgroups({test::Subset::kSubgroups}, {"Scan.EveryNumberOfThreadsIsExact",
-                                                                          "Scan.EveryMethodIsExactWithinLowerLimits",
-                                                                          "Scan.EveryMethodRoundsLittle"});
+const test::InSubset kScanUnderValidation({test::Subset::kGpuAssisted},
+                                          {"Scan.EveryOnChipVariantIsExact", "Scan.EveryMethodIsExactWithNarrowWords"});
+const test::InSubset kScanWithOtherSubgroups({test::Subset::kSubgroups}, {"Scan.EveryNumberOfThreadsIsExact"});
+const test::InSubset kScanInBoth({test::Subset::kSubgroups, test::Subset::kWideSubgroups},
+                                 {"Scan.EveryMethodRoundsLittle"});
 const test::InSubset kScanNatively({test::Subset::kNative},
                                    {"Scan.EveryMethodIsExact", "Scan.EveryMethodIsExactForTheLargestRigs",
                                     "Scan.EveryMethodRoundsLittle"});

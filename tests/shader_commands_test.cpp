@@ -17,6 +17,7 @@ namespace {
 
 const InSubset kShaderCommandsInSubsets({Subset::kGpuAssisted},
                                         {"ShaderCommands.RandomBitsDoNoHarm", "ShaderCommands/*.DoWhatCallsDo/Device"}),
+    kShaderCommandsOnOtherDrivers({Subset::kOtherDriver}, {"-ShaderCommands/*"}),
     kShaderCommandsNatively({Subset::kNative}, {"*ShaderCommands*"});
 
 constexpr uint32_t kGroups = 6, kDirect = 5, kGroupCapacity = 200;

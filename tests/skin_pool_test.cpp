@@ -20,6 +20,7 @@ namespace throng::test {
 namespace {
 
 const InSubset kSkinPoolInSubsets({Subset::kGpuAssisted}, {"SkinPool.WhatHasNoRowSharesAPose"}),
+    kSkinPoolOnOtherDrivers({Subset::kOtherDriver}, {"-SkinPool.*"}),
     kSkinPoolWithOtherSubgroups({Subset::kSubgroups}, {"SkinPool.OnTheDeviceToo"});
 const InSubset kSkinPoolNatively({Subset::kNative}, {"SkinPool.*"});
 

@@ -18,6 +18,7 @@ namespace {
 
 const InSubset kSkinStageInSubsets({Subset::kGpuAssisted}, {"SkinStage.WithAViewWhatItListsIsSkinned",
                                                             "SkinStage.DualQuaternionsFollowTheReference"});
+const InSubset kSkinStageOnOtherDrivers({Subset::kOtherDriver}, {"-SkinStage.*"});
 const InSubset kSkinStageNatively({Subset::kNative}, {"SkinStage.*"});
 
 constexpr uint32_t kSkinStageWidth = 160, kSkinStageHeight = 120;

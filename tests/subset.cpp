@@ -11,7 +11,7 @@
 namespace throng::test {
 namespace {
 
-constexpr std::array<std::string_view, 4> kSubsetNames{"gpu_assisted", "subgroups", "native",
+constexpr std::array<std::string_view, 5> kSubsetNames{"gpu_assisted", "subgroups", "wide_subgroups", "native",
                                                        "other_driver"};  // [Subset]
 
 struct Patterns {

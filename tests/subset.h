@@ -11,9 +11,11 @@ enum class Subset {
     // "gpu_assisted": under GPU-assisted validation, which finds accesses out of bounds. A kernel may take seconds
     // there, so these are few, but among them run the kernels of every stage and scan method.
     kGpuAssisted,
-    kSubgroups,  // "subgroups": invocations that work together, with other subgroup sizes
-    kNative,     // "native": on a device without Vulkan
-    // "other_driver": those of "gpu_assisted", but for what is left out here: other numbers for the same shaders.
+    kSubgroups,      // "subgroups": invocations that work together, with subgroups of another size
+    kWideSubgroups,  // "wide_subgroups": those of them that exchange registers, with larger subgroups
+    kNative,         // "native": on a device without Vulkan
+    // "other_driver": those of "gpu_assisted", but for what is left out here: the same shaders with other numbers, and
+    // tests that take long for shaders which others run too.
     kOtherDriver,
 };
 

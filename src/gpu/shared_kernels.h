@@ -28,7 +28,7 @@ public:
 
     // How many pipelines are kept after their last user is gone, so that a crowd that is made anew, a little changed,
     // compiles little.
-    static constexpr size_t kKept = 64;
+    static constexpr size_t kKept = 256;
     // `kept` is 0 for devices of the application, which it may destroy before this object.
     explicit SharedKernels(size_t kept) : kept_count_(kept) {}
 
