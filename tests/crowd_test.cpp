@@ -376,6 +376,26 @@ TEST(Crowd, WrongSettingsAreRefused) {
     EXPECT_TRUE(Crowd::create(test_device(), {.groups = {{&character, 0}, {&character, 1}, {&character, 0}}}));
 }
 
+TEST(Crowd, MoreThanTheDevicesMemoryIsRefused) {
+    const Character character = small_character();
+    const CrowdSettings fits{.groups = {{.character = &character, .instance_count = 2, .sockets = {0}}}};
+    const auto refused = [](const CrowdSettings& settings, const std::string& says) {
+        const Result<Crowd> crowd = Crowd::create(test_device(), settings);
+        ASSERT_FALSE(crowd);
+        EXPECT_EQ(crowd.error().code, ErrorCode::kLimit);
+        EXPECT_NE(crowd.error().text().find(says), std::string::npos) << crowd.error().text();
+    };
+    ASSERT_TRUE(Crowd::create(test_device(), fits));
+    CrowdSettings settings = fits;
+    settings.groups[0].instance_count = UINT32_MAX;
+    refused(settings, "matrices");
+    for (uint32_t CrowdSettings::*capacity : {&CrowdSettings::event_capacity, &CrowdSettings::watch_capacity}) {
+        settings = fits;
+        settings.*capacity = UINT32_MAX;
+        refused(settings, "_capacity");
+    }
+}
+
 TEST(Crowd, TheSameInputsGiveTheSameBits) {
     const Character character = make_character({.name = "unscaled", .scale_spread = 0});
     for (const ScanMethodInfo& method : scan_methods()) {

@@ -46,7 +46,7 @@ void CrowdState::check_groups(const CrowdSettings& settings) const {
     if (settings.frames_in_flight < 1 || settings.frames_in_flight > kMostInFlight)
         throw Failure(ErrorCode::kInvalidArgument, "frames in flight", settings.frames_in_flight, "; 1 to ",
                       kMostInFlight);
-    check_memory(pose_bytes(settings));
+    check_memory("matrices and state", pose_bytes(settings));
 }
 
 void CrowdState::make_groups(Uploads& uploads, const CrowdSettings& settings) {
@@ -70,11 +70,10 @@ void CrowdState::make_groups(Uploads& uploads, const CrowdSettings& settings) {
 }
 
 // Refuses at once what cannot fit, before gigabytes are allocated on the way to failing.
-void CrowdState::check_memory(uint64_t needed_bytes) const {
+void CrowdState::check_memory(std::string_view what, uint64_t needed_bytes) const {
     if (needed_bytes > gpu->largest_heap_bytes())
-        throw Failure(ErrorCode::kLimit, "crowd",
-                      std::to_string(needed_bytes >> 20) + " MiB of matrices and state exceed the device's memory of " +
-                          std::to_string(gpu->largest_heap_bytes() >> 20) + " MiB");
+        throw Failure(ErrorCode::kLimit, "crowd", needed_bytes >> 20, " MiB of ", what,
+                      " exceed the device's memory of ", gpu->largest_heap_bytes() >> 20, " MiB");
 }
 
 // As few batches as the device's limits allow.
@@ -224,6 +223,8 @@ void CrowdState::make_feedback() {
     }
     if (!any) return;
     const uint64_t instance_bytes = watch_capacity_ * most_bytes + pose_request_capacity_ * most_skin_bytes;
+    check_memory("feedback (event_capacity, watch_capacity, pose_request_capacity)",
+                 FeedbackRing::bytes_needed(settings_.event_capacity, instance_bytes));
     if (feedback) return feedback->make_room(instance_bytes);
     feedback.emplace(gpu, settings_.event_capacity, instance_bytes);
     if (population) feedback->restart(population->update_count());

@@ -60,7 +60,7 @@ void CrowdState::check_goes_with(const CrowdState& other) const {
     }
     if (uint64_t{instance_count} + other.instance_count > UINT32_MAX)
         throw Failure(ErrorCode::kLimit, kPlace, "more than 4,294,967,295 instances");
-    check_memory(size_bytes() + other.size_bytes());
+    check_memory("matrices and state", size_bytes() + other.size_bytes());
 }
 
 std::vector<CrowdState::StageState> CrowdState::stage_states() const {

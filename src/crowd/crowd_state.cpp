@@ -57,7 +57,7 @@ CrowdState::CrowdState(std::shared_ptr<Gpu> gpu_in, const CrowdSettings& asked)
         needed_bytes += count * plans[i].instance_bytes() + batch_count_of(plans[i], count) * plans[i].batch_bytes() +
                         PoseStage::native_bytes(groups[i]);
     }
-    check_memory(needed_bytes);
+    check_memory("matrices and state", needed_bytes);
     for (uint32_t i = 0; i < groups.size(); ++i) make_batches(uploads, plans[i], i, settings.groups[i].instance_count);
     outputs.resize(frame_slot_count(settings));
     make_outputs();

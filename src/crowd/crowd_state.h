@@ -131,7 +131,7 @@ private:
     void check_groups(const CrowdSettings& settings) const;
     void make_groups(Uploads& uploads, const CrowdSettings& settings);
     BatchPlan plan_batches(const Group& group, const CrowdSettings& settings) const;
-    void check_memory(uint64_t needed_bytes) const;
+    void check_memory(std::string_view what, uint64_t needed_bytes) const;
     uint64_t batch_count_of(const BatchPlan& plan, uint32_t count) const;
     void make_batches(Uploads& uploads, const BatchPlan& plan, uint32_t group, uint32_t count);
     OutputBlock output_of(const Batch& batch, uint32_t slot) const;

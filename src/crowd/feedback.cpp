@@ -23,16 +23,22 @@ Affine over_the_ground(const io::vec4& move) {
     return affine;
 }
 
+uint64_t event_bytes(uint32_t capacity) { return sizeof(io::EventHead) + capacity * uint64_t{sizeof(io::EventRecord)}; }
+
 }  // namespace
 
 FeedbackRing::FeedbackRing(std::shared_ptr<Gpu> gpu, uint32_t event_capacity, uint64_t instance_bytes)
     : gpu_(std::move(gpu)), event_capacity_(event_capacity), instance_bytes_(instance_bytes) {
-    const uint64_t size_bytes = sizeof(io::EventHead) + event_capacity * uint64_t{sizeof(io::EventRecord)};
-    events_ = Buffer(gpu_, "events", size_bytes, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT);
+    events_ = Buffer(gpu_, "events", event_bytes(event_capacity), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT);
     for (Slot& slot : slots_) {
         slot.copy = make_copy();
         slot.done = DeviceEvent(gpu_);
     }
+}
+
+uint64_t FeedbackRing::bytes_needed(uint32_t event_capacity, uint64_t instance_bytes) {
+    const uint64_t events_bytes = event_bytes(event_capacity);
+    return events_bytes + kSlots * (events_bytes + instance_bytes);
 }
 
 Buffer FeedbackRing::make_copy() const {

@@ -43,6 +43,8 @@ class FeedbackRing {
 public:
     // `instance_bytes`: the most that end() copies of watched instances and of poses.
     FeedbackRing(std::shared_ptr<Gpu> gpu, uint32_t event_capacity, uint64_t instance_bytes);
+    // What its buffers take, once all slots are in use.
+    static uint64_t bytes_needed(uint32_t event_capacity, uint64_t instance_bytes);
     FeedbackRing(const FeedbackRing&) = delete;
     FeedbackRing& operator=(const FeedbackRing&) = delete;
 
@@ -68,6 +70,7 @@ public:
     uint64_t size_bytes() const;
 
 private:
+    static constexpr size_t kSlots = 4;
     struct Update {
         uint64_t number = 0;   // 0: none
         bool is_read = false;  // by take()
@@ -92,7 +95,7 @@ private:
     uint32_t event_capacity_;
     uint64_t instance_bytes_;
     Buffer events_;
-    std::array<Slot, 4> slots_;
+    std::array<Slot, kSlots> slots_;
     std::vector<CopyFrom> copies_;  // of one end(); kept to reuse the memory
     uint64_t update_count_ = 0;
 };
