@@ -48,6 +48,7 @@ TEST(SharedKernels, AreFoundWhileTheyAreUsedAndTheLastOnesLonger) {
     EXPECT_EQ(kernels.find(key(1)), nullptr);
     EXPECT_EQ(kernels.find(key(3)), nullptr);
     EXPECT_EQ(kernels.find(key(2)), used) << "somebody uses it";
+    EXPECT_EQ(kernels.in_use(), std::vector{used}) << "the fifth is only kept";
     kernels.clear();
     EXPECT_EQ(kernels.find(key(5)), nullptr);
     EXPECT_EQ(kernels.find(key(2)), used);

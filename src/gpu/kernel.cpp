@@ -85,7 +85,7 @@ SharedKernels::Key key_of(const KernelSettings& settings) {
 }  // namespace
 
 void make_pipelines(Gpu& gpu) {
-    for (const SharedKernels::Shared& kernel : gpu.kernels.all()) kernel->pipeline(gpu);
+    for (const SharedKernels::Shared& kernel : gpu.kernels.in_use()) kernel->pipeline(gpu);
 }
 
 Kernel::Kernel(std::shared_ptr<Gpu> gpu, const KernelSettings& settings) : gpu_(std::move(gpu)), name_(settings.name) {

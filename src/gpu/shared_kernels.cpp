@@ -28,11 +28,14 @@ SharedKernels::Shared SharedKernels::add(Key key, const Shared& made) {
     return shared;
 }
 
-std::vector<SharedKernels::Shared> SharedKernels::all() {
+std::vector<SharedKernels::Shared> SharedKernels::in_use() {
     const std::lock_guard lock(mutex_);
     std::vector<Shared> found;
-    for (const auto& [key, weak] : by_key_)
-        if (Shared shared = weak.lock()) found.push_back(std::move(shared));
+    for (const auto& [key, weak] : by_key_) {
+        Shared shared = weak.lock();
+        const auto own_count = 1 + std::ranges::count(kept_, shared);
+        if (shared && shared.use_count() > own_count) found.push_back(std::move(shared));
+    }
     return found;
 }
 

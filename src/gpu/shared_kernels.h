@@ -36,8 +36,8 @@ public:
     Shared find(const Key& key);
     // Returns the one to use: that of another thread if it was faster.
     Shared add(Key key, const Shared& made);
-    // All that are in use or kept.
-    std::vector<Shared> all();
+    // Without those that are only kept.
+    std::vector<Shared> in_use();
     void clear();
 
 private:
