@@ -114,6 +114,20 @@ TEST(Crowd, MoreThanTheDevicesMemoryIsRefused) {
     }
 }
 
+// Also where only both together do not fit: the device's buffers, and what the host keeps of each instance.
+TEST(Crowd, MoreThanTheHostsMemoryIsRefused) {
+    if (!test_gpu()->is_native() && !test_gpu()->is_cpu()) GTEST_SKIP() << "the device has memory of its own";
+    const Character character = small_character();
+    const auto size_of = [&](uint32_t count) {
+        return Crowd::create(test_device(), {.groups = {{&character, count}}}).expect().size_bytes();
+    };
+    const uint64_t instance_bytes = (size_of(3000) - size_of(1000)) / 2000;
+    const auto fit = static_cast<uint32_t>(0.95 * double(test_gpu()->largest_heap_bytes()) / double(instance_bytes));
+    const Result<Crowd> crowd = Crowd::create(test_device(), {.groups = {{&character, fit}}});
+    ASSERT_FALSE(crowd);
+    EXPECT_EQ(crowd.error().code, ErrorCode::kLimit);
+}
+
 template <class Value>
 void expect_moved_from(const Result<Value>& result) {
     ASSERT_FALSE(result);

@@ -35,6 +35,7 @@ bool AttachStage::is_needed(const CrowdSettings& settings) {
 }
 
 void AttachStage::plan(BatchPlan& plan) {
+    plan.add_host(sizeof(attachments_[0]));
     if (plan.group().is_carried) plan.add_storage(io::kAttachmentsBuffer, sizeof(io::InstanceAttachment));
 }
 

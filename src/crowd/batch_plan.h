@@ -47,10 +47,13 @@ public:
     // Keeps batches small enough for a buffer that they share and do not own, such as the arena of the staged update:
     // an instance takes this much of it.
     void limit(uint64_t instance_bytes) { largest_bytes_ = std::max(largest_bytes_, instance_bytes); }
+    // What a stage keeps of an instance besides, on the host.
+    void add_host(uint64_t instance_bytes) { host_bytes_ += instance_bytes; }
     const Group& group() const { return group_; }
     const CrowdSettings& settings() const { return settings_; }
     // What an instance takes of all buffers together.
     uint64_t instance_bytes() const;
+    uint64_t host_bytes() const { return host_bytes_; }    // what an instance takes on the host
     uint64_t batch_bytes() const { return batch_bytes_; }  // what a batch takes besides, whatever its size
     // The most that an instance takes of any one buffer, which decides how many instances form a batch.
     uint64_t largest_bytes() const { return largest_bytes_; }
@@ -73,7 +76,7 @@ private:
     const Group& group_;
     const CrowdSettings& settings_;
     std::vector<Entry> entries_;
-    uint64_t largest_bytes_ = 0, batch_bytes_ = 0;
+    uint64_t largest_bytes_ = 0, batch_bytes_ = 0, host_bytes_ = 0;
 };
 
 // For how many updates skin matrices are kept at a time.

@@ -24,6 +24,7 @@ bool blends(const io::InstancePlayback& playback) { return playback.weight > 0 &
 }  // namespace
 
 void ControlStage::plan(BatchPlan& plan) {
+    plan.add_host(sizeof(playbacks_[0]));
     if (plan.group().controller) return;
     plan.add_filled(io::kPlaybacksBuffer, std::vector{rest_of(plan.group())});
     if (!plan.group().varies) return plan.add_storage(io::kCursorsBuffer, sizeof(io::InstanceCursor));

@@ -50,6 +50,7 @@ bool LookStage::is_needed(const CrowdSettings& settings) {
 }
 
 void LookStage::plan(BatchPlan& plan) {
+    plan.add_host(sizeof(looks_[0]));
     if (plan.group().outfit_count > 0) plan.add_filled(io::kInstanceLooksBuffer, std::vector<InstanceLook>(1));
 }
 

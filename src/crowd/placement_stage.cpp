@@ -21,6 +21,11 @@ io::RootState standing_at(const Affine& world_from_model) {
     return root;
 }
 
+void PlacementStage::plan(BatchPlan& plan) {
+    plan.add_table<Affine>(io::kPlacementsBuffer);
+    plan.add_host(sizeof(placements_[0]) + sizeof(set_for_[0]));
+}
+
 PlacementStage::PlacementStage(const StageContext& context)
     : Stage(context),
       placements_(context.instance_count),

@@ -17,7 +17,7 @@ io::RootState standing_at(const Affine& world_from_model);
 
 class PlacementStage : public Stage {
 public:
-    static void plan(BatchPlan& plan) { plan.add_table<Affine>(io::kPlacementsBuffer); }
+    static void plan(BatchPlan& plan);
     explicit PlacementStage(const StageContext& context);
 
     void set(const Instances& instances, const Each<Affine>& world_from_model);

@@ -38,7 +38,9 @@ CrowdSettings with_capacity(CrowdSettings settings) {
 }
 
 void PopulationStage::plan(BatchPlan& plan) {
-    if (plan.group().varies) plan.add_filled_table(io::kBirthsBuffer, std::vector<uint32_t>(1));
+    if (!plan.group().varies) return;
+    plan.add_filled_table(io::kBirthsBuffer, std::vector<uint32_t>(1));
+    plan.add_host(sizeof(Population::births[0]) + sizeof(Population::generations[0]));
 }
 
 PopulationStage::PopulationStage(const StageContext& context)
