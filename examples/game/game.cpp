@@ -5,6 +5,7 @@
 //   game creature.glb guard.json lantern.glb beast.glb picture.png [2000]
 // (./run throng generate makes such files; examples/controllers has the controller; the number: of attackers at most)
 #include "frames.h"
+#include "times.h"
 
 #include <throng/throng.h>
 
@@ -14,7 +15,6 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
-#include <ctime>
 #include <deque>
 #include <functional>
 #include <future>
@@ -32,24 +32,6 @@ constexpr float kFrame_s = 1.0f / 60;
 constexpr uint32_t kFrames = 600, kWaveEvery = 60, kMostDying = 600, kMostAtOnce = 32;
 constexpr uint32_t kDropEvery = 60, kLoadAt = 150, kSaveAt = 400, kReplayed = 60, kBeasts = 20;
 constexpr double kFalls_s = 0.6, kLies_s = 1.5;
-
-double now_ms(clockid_t clock) {
-    timespec now{};
-    clock_gettime(clock, &now);
-    return 1e3 * static_cast<double>(now.tv_sec) + 1e-6 * static_cast<double>(now.tv_nsec);
-}
-
-// Processor time of the calling thread, and time by the clock, which includes time when others had the processor.
-struct Taken {
-    double own_ms = 0, clock_ms = 0;
-};
-class Stopwatch {
-public:
-    Taken taken() const { return {now_ms(CLOCK_THREAD_CPUTIME_ID) - own_ms_, now_ms(CLOCK_MONOTONIC) - clock_ms_}; }
-
-private:
-    double own_ms_ = now_ms(CLOCK_THREAD_CPUTIME_ID), clock_ms_ = now_ms(CLOCK_MONOTONIC);
-};
 
 Affine scaled(float scale) { return {{{{scale, 0, 0, 0}, {0, scale, 0, 0}, {0, 0, scale, 0}}}}; }
 
@@ -96,12 +78,12 @@ public:
     // Records the next update, which may still be dropped. Returns how long that took.
     Taken record(VkCommandBuffer commands) {
         const Stopwatch stopwatch;
-        crowd_.record(commands, kFrame_s).expect();
+        crowd_->record(commands, kFrame_s).expect();
         ++world.updates;
         return stopwatch.taken();
     }
     void drop() {
-        crowd_.discard_last_record().expect();
+        crowd_->discard_last_record().expect();
         --world.updates;
     }
 
@@ -112,14 +94,14 @@ public:
     // All frames must have finished.
     Saved save() {
         hear(world.updates);
-        return {crowd_.save_state().expect(), world};
+        return {(*crowd_).save_state().expect(), world};
     }
     void restore(const Saved& saved) {
-        crowd_.restore_state(saved.crowd).expect();
+        (*crowd_).restore_state(saved.crowd).expect();
         world = saved.world;
     }
 
-    Crowd& crowd() { return crowd_; }
+    TimedCrowd& crowd() { return crowd_; }
     World world;
 
     // Settings that a crowd needs so that its groups can be added to the game's crowd.
@@ -157,7 +139,7 @@ private:
 
     // From all sides, as many as there is room for. Each wave has a colour, and one in four of it is armoured.
     void send_wave(uint32_t wave) {
-        const uint32_t room = most_ - crowd_.alive_count(0).expect(), wave_size = most_ / 5,
+        const uint32_t room = most_ - crowd_->alive_count(0).expect(), wave_size = most_ / 5,
                        count = std::min(wave_size, room);
         world.refused += wave_size - count;
         std::vector<Affine> places;
@@ -167,8 +149,8 @@ private:
             const float c = std::cos(angle), s = std::sin(angle);
             places.push_back({{{{-c, 0, -s, distance * s}, {0, 1, 0, 0}, {s, 0, -c, distance * c}}}});
         }
-        const std::vector<InstanceHandle> bodies = crowd_.spawn(0, places).expect(),
-                                          things = crowd_.spawn(1, places).expect();
+        const std::vector<InstanceHandle> bodies = crowd_->spawn(0, places).expect(),
+                                          things = crowd_->spawn(1, places).expect();
         std::uniform_real_distribution<float> aside(-6, 6);
         std::vector<Vec3<float>> goals;
         std::vector<InstanceLook> looks;
@@ -180,9 +162,9 @@ private:
             hands.push_back({.carrier = bodies[i], .socket_from_model = socket_from_thing_});
             world.attackers[bodies[i].instance] = {bodies[i], things[i], places[i]};
         }
-        crowd_.set_destination(bodies, goals).expect();
-        crowd_.set_look(bodies, looks).expect();
-        crowd_.attach(things, hands).expect();
+        crowd_->set_destination(bodies, goals).expect();
+        crowd_->set_look(bodies, looks).expect();
+        crowd_->attach(things, hands).expect();
         world.born += count;
     }
 
@@ -190,11 +172,11 @@ private:
     // nothing waits for the GPU. Feedback that came back sooner is kept, so that a restored game hears the same at the
     // same time.
     void hear(uint64_t update) {
-        for (Feedback& feedback : crowd_.feedback().expect()) unheard_.push_back(std::move(feedback));
+        for (Feedback& feedback : crowd_->feedback().expect()) unheard_.push_back(std::move(feedback));
         for (; !unheard_.empty() && unheard_.front().update <= update; unheard_.pop_front()) {
             const Feedback& feedback = unheard_.front();
             for (const CharacterEvent& event : feedback.events)
-                ++(crowd_.is_alive(event.instance) ? world.steps : world.steps_of_the_gone);
+                ++((*crowd_).is_alive(event.instance) ? world.steps : world.steps_of_the_gone);
             for (const WatchedInstance& watched : feedback.watched) {
                 const auto found = world.attackers.find(watched.instance.instance);
                 if (found == world.attackers.end() || found->second.body != watched.instance) continue;
@@ -230,9 +212,9 @@ private:
             ++world.died;
             return true;
         });
-        crowd_.despawn(gone).expect();
-        crowd_.clear_destination(hit).expect();
-        crowd_.request_poses(hit).expect();
+        crowd_->despawn(gone).expect();
+        crowd_->clear_destination(hit).expect();
+        crowd_->request_poses(hit).expect();
     }
 
     // They fall on their backs, stiff; a real game would have physics here instead.
@@ -254,20 +236,20 @@ private:
             }
             one.falls_s += double{kFrame_s};
         }
-        crowd_.set_pose(falling, poses).expect();
+        crowd_->set_pose(falling, poses).expect();
     }
 
     void watch() {
         std::vector<InstanceHandle> bodies;
         for (const auto& [instance, attacker] : world.attackers) bodies.push_back(attacker.body);
-        crowd_.watch(bodies).expect();
+        crowd_->watch(bodies).expect();
     }
 
     uint32_t most_;
     const Character& body_;
     float size_;
     Affine socket_from_thing_;
-    Crowd crowd_;
+    TimedCrowd crowd_;
     std::deque<Feedback> unheard_;
 };
 
@@ -293,15 +275,6 @@ struct Beasts {
     VkCommandBuffer commands = VK_NULL_HANDLE;  // to be submitted before the first update
 };
 
-void print(const char* what, std::vector<Taken> all) {
-    std::printf("%-28s", what);
-    for (double Taken::*const ms : {&Taken::own_ms, &Taken::clock_ms}) {
-        std::ranges::sort(all, {}, ms);
-        std::printf("  median %.3f, worst %.3f", all[all.size() / 2].*ms, all.back().*ms);
-    }
-    std::printf("\n");
-}
-
 // A number of frames of the game.
 class Loop {
 public:
@@ -323,7 +296,7 @@ public:
                 beasts_ = loading_.get();
                 of_beasts = beasts_->commands;
                 const Stopwatch joins;
-                game_.crowd().add_groups(std::move(beasts_->crowd)).expect();
+                game_.crowd()->add_groups(std::move(beasts_->crowd)).expect();
                 joining.push_back(joins.taken());
             }
             calls.push_back(game_.play(frame));
@@ -381,7 +354,7 @@ int main(int argc, char** argv) {
 
     const World& world = game.world;
     std::printf("%u attackers came, %u died, %u are there; %u found no room\n", world.born, world.died,
-                game.crowd().alive_count(0).expect(), world.refused);
+                (*game.crowd()).alive_count(0).expect(), world.refused);
     std::printf("%u steps, and %u of attackers that had gone when they were heard\n", world.steps,
                 world.steps_of_the_gone);
     std::printf("saved in %zu bytes; restored, the same %u frames %s\n", saved.crowd.size(), kReplayed,
@@ -389,12 +362,13 @@ int main(int argc, char** argv) {
     std::printf("%28s  %-28s  by the clock\n", "ms", "of the game's thread alone");
     print("record() of a frame:", loop.records);
     print("other calls of a frame:", loop.calls);
+    print("any one of these calls:", game.crowd().calls);
     print("a frame, all of it:", loop.otherwise);
     print("a frame while beasts load:", loop.while_loading);
     print("taking them into the crowd:", loop.joining);
 
     Renderer renderer = Renderer::create(device, {.width = 1280, .height = 720}).expect();
-    const Camera camera = fit_camera(main_bounds(game.crowd()), 16.0f / 9);
-    write_png(argv[5], renderer.render(game.crowd(), camera).expect().picture).expect();
+    const Camera camera = fit_camera(main_bounds(*game.crowd()), 16.0f / 9);
+    write_png(argv[5], renderer.render(*game.crowd(), camera).expect().picture).expect();
     return is_same && loop.has_beasts() && world.died > 0 && world.steps > 0 ? 0 : 1;
 }

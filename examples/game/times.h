@@ -1,0 +1,63 @@
+// How long the game's calls take: by processor time of the calling thread, and by the clock, which includes time when
+// others had the processor.
+#pragma once
+
+#include <throng/throng.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <ctime>
+#include <utility>
+#include <vector>
+
+inline double now_ms(clockid_t clock) {
+    timespec now{};
+    clock_gettime(clock, &now);
+    return 1e3 * static_cast<double>(now.tv_sec) + 1e-6 * static_cast<double>(now.tv_nsec);
+}
+
+struct Taken {
+    double own_ms = 0, clock_ms = 0;
+};
+
+class Stopwatch {
+public:
+    Taken taken() const { return {now_ms(CLOCK_THREAD_CPUTIME_ID) - own_ms_, now_ms(CLOCK_MONOTONIC) - clock_ms_}; }
+
+private:
+    double own_ms_ = now_ms(CLOCK_THREAD_CPUTIME_ID), clock_ms_ = now_ms(CLOCK_MONOTONIC);
+};
+
+// A crowd that times each call by `->`, to the end of the expression; `*` gives the crowd itself.
+class TimedCrowd {
+public:
+    explicit TimedCrowd(throng::Crowd crowd) : crowd_(std::move(crowd)) {}
+
+    class Call {
+    public:
+        explicit Call(TimedCrowd& of) : of_(of) {}
+        ~Call() { of_.calls.push_back(stopwatch_.taken()); }
+        Call(const Call&) = delete;
+        throng::Crowd* operator->() { return &of_.crowd_; }
+
+    private:
+        TimedCrowd& of_;
+        Stopwatch stopwatch_;
+    };
+    Call operator->() { return Call(*this); }
+    throng::Crowd& operator*() { return crowd_; }
+
+    std::vector<Taken> calls;
+
+private:
+    throng::Crowd crowd_;
+};
+
+inline void print(const char* what, std::vector<Taken> all) {
+    std::printf("%-28s", what);
+    for (double Taken::*const ms : {&Taken::own_ms, &Taken::clock_ms}) {
+        std::ranges::sort(all, {}, ms);
+        std::printf("  median %.3f, worst %.3f", all[all.size() / 2].*ms, all.back().*ms);
+    }
+    std::printf("\n");
+}
