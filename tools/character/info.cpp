@@ -235,10 +235,10 @@ struct InfoOptions {
 };
 
 void run_info(const InfoOptions& options) {
+    const Character character = unwrap(load_kept_character(options.file, options.compile));
     // The file can be described without a device too, but a device that was asked for must exist.
     const Result<Device> device = Device::create({.select = options.device});
     if (!device && !options.device.empty()) throw CommandError(device.error().text());
-    const Character character = unwrap(load_kept_character(options.file, options.compile));
     nlohmann::json json = options.json ? to_json(character) : nlohmann::json();
     if (options.json && options.joints) json["rig"] = joints_json(character.rig);
     if (!options.json) print_text(character);
