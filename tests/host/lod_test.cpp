@@ -42,17 +42,26 @@ double distance_to_face(const Vec3<double>& p, const std::array<Vec3<double>, 3>
     return inside ? std::abs(dot(p - t[0], normal)) / std::sqrt(squared) : nearest;
 }
 
-using Face = std::array<Vec3<double>, 3>;
+struct Face {
+    std::array<Vec3<double>, 3> corners;
+    double radius = 0;  // about the first corner, for which most faces are found to be too far away
+};
 
 double distance_to_mesh(const Vec3<double>& p, std::span<const Face> mesh) {
     double nearest = 1e300;
-    for (const Face& triangle : mesh) nearest = std::min(nearest, distance_to_face(p, triangle));
+    for (const Face& face : mesh)
+        if (length(p - face.corners[0]) - face.radius < nearest)
+            nearest = std::min(nearest, distance_to_face(p, face.corners));
     return nearest;
 }
 
 std::vector<Face> triangles_of(std::span<const uint32_t> indices, std::span<const Vec3<double>> positions) {
     std::vector<Face> triangles(indices.size() / 3);
-    for (size_t k = 0; k < indices.size(); ++k) triangles[k / 3][k % 3] = positions[indices[k]];
+    for (size_t k = 0; k < indices.size(); ++k) triangles[k / 3].corners[k % 3] = positions[indices[k]];
+    for (Face& face : triangles) {
+        const auto& [a, b, c] = face.corners;
+        face.radius = std::max(length(b - a), length(c - a));
+    }
     return triangles;
 }
 
@@ -76,9 +85,11 @@ double furthest_from_level(const Character& character, size_t level, const Refer
             std::span(character.indices).subspan(section.first_index, section.index_count), of_section(fine));
         for (const Vec3<double>& vertex : of_section(fine))
             furthest = std::max(furthest, distance_to_mesh(vertex, coarse_mesh));
-        for (const auto& [a, b, c] : coarse_mesh)
+        for (const Face& face : coarse_mesh) {
+            const auto& [a, b, c] = face.corners;
             for (const Vec3<double>& middle : {(a + b + c) * (1 / 3.0), (a + b) * 0.5, (b + c) * 0.5, (c + a) * 0.5})
                 furthest = std::max(furthest, distance_to_mesh(middle, fine_mesh));
+        }
     }
     return furthest;
 }
