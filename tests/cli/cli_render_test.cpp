@@ -95,6 +95,9 @@ TEST_F(CliRender, LooksAreChosenForEachCharacter) {
                         "--looks fox.glb=looks.json: there is no file 'fox.glb'. There are: "));
     EXPECT_TRUE(refuses({"--looks", "a.json", "--looks", "b.json"}, "--looks b.json: there is one already, 'a.json'"));
     EXPECT_TRUE(refuses({"--looks", "walker.glb="}, "--looks walker.glb=: nothing is given behind '='"));
+    std::filesystem::copy_file("walker.glb", "a=b.glb");
+    EXPECT_TRUE(run_tool({"render", "a=b.glb", "--looks", "a=b.glb=c=d.json", "--out", "a=b.png"})
+                    .refused("c=d.json: no such file"));
 }
 
 TEST_F(CliRender, PicturesAreWrittenAsTheirNamesSay) {

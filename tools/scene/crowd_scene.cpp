@@ -30,18 +30,33 @@ void check_lengths(const SceneOptions& options) {
         throw UsageError("--counts: " + std::to_string(sum) + " characters in all; give from 1 to 10000000");
 }
 
+bool is_without_folder(const std::string& name, const std::string& file) {
+    return std::filesystem::path(file).filename() == name;
+}
+
 // Which of the files has this name: with its folder, or without it if that is unambiguous.
 size_t file_named(const std::vector<std::string>& files, const std::string& name, const std::string& option) {
     size_t found = files.size(), count = 0;
     KnownNames known("file");
     for (size_t i = 0; i < files.size(); ++i) {
         if (files[i] == name) return i;
-        if (std::filesystem::path(files[i]).filename() == name) found = i, ++count;
+        if (is_without_folder(name, files[i])) found = i, ++count;
         known.add(files[i]);
     }
     if (count == 1) return found;
     if (count > 1) throw UsageError(option + ": several of the files are called '" + name + "'; name its folder too");
     throw UsageError(option + ": " + known.unknown(name));
+}
+
+// The '=' of "FILE=VALUE". Names may have one too: the last that stands behind the name of a file, otherwise the first.
+size_t equals_sign(const std::vector<std::string>& files, const std::string& one) {
+    size_t found = one.find('=');
+    for (size_t at = found; at != std::string::npos; at = one.find('=', at + 1)) {
+        const std::string name = one.substr(0, at);
+        if (std::ranges::any_of(files, [&](const auto& file) { return file == name || is_without_folder(name, file); }))
+            found = at;
+    }
+    return found;
 }
 
 // The value of an option for each file, from "VALUE" for all files or "FILE=VALUE"; empty if it has none.
@@ -55,7 +70,7 @@ std::vector<std::string> of_files(const std::vector<std::string>& files, const s
         value = given_value;
     };
     for (const std::string& one : given) {
-        const size_t equals = one.find('=');
+        const size_t equals = equals_sign(files, one);
         if (equals == std::string::npos) {
             set(of_all, one, one);
             continue;
