@@ -236,7 +236,8 @@ public:
     bool is_alive(const InstanceHandle& instance) const;
     // The handle of the instance that has this number now. Errors: kInvalidArgument (there is none).
     Result<InstanceHandle> handle(uint32_t instance) const;
-    // How many instances of a group are there. Errors: kInvalidArgument (no such group).
+    // How many instances of a group are there. Errors: kInvalidArgument (no such group, or one with
+    // CrowdGroup::shaders_populate).
     Result<uint32_t> alive_count(uint32_t group) const;
 
     // All instance numbers, in use or not; and those of one group. In groups without CrowdGroup::capacity all are

@@ -10,6 +10,7 @@ namespace throng {
 std::vector<std::byte> read_file(const std::filesystem::path& path, uint64_t limit_bytes, const std::string& place,
                                  const char* too_large, const Progress& progress) {
     namespace fs = std::filesystem;
+    if (path.empty()) throw Failure(ErrorCode::kFile, place, "the name of the file is empty");
     std::error_code error;
     const fs::file_status status = fs::status(path, error);
     // `place` names the file without its folder, which may be what is wrong.

@@ -50,6 +50,9 @@ TEST(Import, NoFile) {
     ASSERT_FALSE(missing.ok());
     EXPECT_EQ(missing.error().code, ErrorCode::kFile);
     EXPECT_EQ(missing.error().text(), "fox.glb: no such file: /nowhere/fox.glb");
+    const auto nameless = load_asset("");
+    ASSERT_FALSE(nameless.ok());
+    EXPECT_EQ(nameless.error().message, "the name of the file is empty");
     const TemporaryFolder folder;
     const auto directory = load_asset(folder.path());
     ASSERT_FALSE(directory.ok());
