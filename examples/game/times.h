@@ -28,7 +28,8 @@ private:
     double own_ms_ = now_ms(CLOCK_THREAD_CPUTIME_ID), clock_ms_ = now_ms(CLOCK_MONOTONIC);
 };
 
-// A crowd that times each call by `->`, to the end of the expression; `*` gives the crowd itself.
+// A crowd that times each call by `->`, to the end of the expression. `*` gives the crowd itself: for calls that take
+// less time than timing them, and for those that no frame waits for.
 class TimedCrowd {
 public:
     explicit TimedCrowd(throng::Crowd crowd) : crowd_(std::move(crowd)) {}

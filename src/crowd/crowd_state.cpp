@@ -56,7 +56,8 @@ CrowdState::CrowdState(std::shared_ptr<Gpu> gpu_in, const CrowdSettings& asked)
         const uint32_t count = settings.groups[i].instance_count;
         needed_bytes += count * plans[i].instance_bytes() + batch_count_of(plans[i], count) * plans[i].batch_bytes() +
                         PoseStage::native_bytes(groups[i]);
-        if (gpu->is_native() || gpu->is_cpu()) needed_bytes += count * plans[i].host_bytes();  // of the same memory
+        const bool shares_host_memory = gpu->is_native() || gpu->is_cpu();
+        if (shares_host_memory) needed_bytes += count * plans[i].host_bytes();
     }
     check_memory("matrices and state", needed_bytes);
     for (uint32_t i = 0; i < groups.size(); ++i) make_batches(uploads, plans[i], i, settings.groups[i].instance_count);

@@ -30,8 +30,8 @@ void check_lengths(const SceneOptions& options) {
         throw UsageError("--counts: " + std::to_string(sum) + " characters in all; give from 1 to 10000000");
 }
 
-bool is_without_folder(const std::string& name, const std::string& file) {
-    return std::filesystem::path(file).filename() == name;
+bool is_called(const std::string& file, const std::string& name) {
+    return file == name || std::filesystem::path(file).filename() == name;
 }
 
 // Which of the files has this name: with its folder, or without it if that is unambiguous.
@@ -40,7 +40,7 @@ size_t file_named(const std::vector<std::string>& files, const std::string& name
     KnownNames known("file");
     for (size_t i = 0; i < files.size(); ++i) {
         if (files[i] == name) return i;
-        if (is_without_folder(name, files[i])) found = i, ++count;
+        if (is_called(files[i], name)) found = i, ++count;
         known.add(files[i]);
     }
     if (count == 1) return found;
@@ -53,8 +53,7 @@ size_t equals_sign(const std::vector<std::string>& files, const std::string& one
     size_t found = one.find('=');
     for (size_t at = found; at != std::string::npos; at = one.find('=', at + 1)) {
         const std::string name = one.substr(0, at);
-        if (std::ranges::any_of(files, [&](const auto& file) { return file == name || is_without_folder(name, file); }))
-            found = at;
+        if (std::ranges::any_of(files, [&](const std::string& file) { return is_called(file, name); })) found = at;
     }
     return found;
 }
