@@ -60,7 +60,7 @@ TEST_F(FramesInFlight, EachSlotKeepsItsOwn) {
             set(one);
             set(crowd);
             std::deque<std::pair<uint32_t, Contents>> expected;  // of slots, the newest last
-            for (int frame = 0; frame < 8; ++frame) {
+            for (int frame = 0; frame < 12; ++frame) {
                 const CrowdView seen = view(frame);
                 ASSERT_TRUE(one.update(0.05f, culls ? &seen : nullptr));
                 if (test_gpu()->is_native() || frame % 3 != 1) {

@@ -427,7 +427,7 @@ TEST(Pack, TestRigsKeepTheBound) {
 
 TEST(Pack, ADeepChainKeepsTheBound) {
     THRONG_SKIP_WHERE_SANITIZED();
-    expect_within(make_asset({.joint_count = 120, .shape = RigShape::kChain, .scale_spread = 0, .key_count = 10}),
+    expect_within(make_asset({.joint_count = 120, .shape = RigShape::kChain, .scale_spread = 0, .key_count = 20}),
                   kBounds, 150);
 }
 
