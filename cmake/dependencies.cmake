@@ -10,5 +10,7 @@ find_path(STB_INCLUDE_DIR stb/stb_image.h REQUIRED)  # libstb-dev
 find_path(VOLK_INCLUDE_DIR volk.h REQUIRED)          # libvulkan-volk-dev
 find_path(LIBDEFLATE_INCLUDE_DIR libdeflate.h REQUIRED)  # libdeflate-dev
 find_library(LIBDEFLATE_LIBRARY deflate REQUIRED)
+find_path(LZMA_INCLUDE_DIR lzma.h REQUIRED)  # liblzma-dev
+find_library(LZMA_LIBRARY lzma REQUIRED)
 find_path(WEBP_INCLUDE_DIR webp/decode.h REQUIRED)  # libwebp-dev
 find_library(WEBP_LIBRARY webp REQUIRED)

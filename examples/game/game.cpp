@@ -94,12 +94,18 @@ public:
     // All frames must have finished.
     Saved save() {
         hear(world.updates);
-        return {(*crowd_).save_state().expect(), world};
+        const Stopwatch stopwatch;
+        std::vector<std::byte> bytes = (*crowd_).save_state().expect();
+        saving.push_back(stopwatch.taken());
+        return {std::move(bytes), world};
     }
     void restore(const Saved& saved) {
+        const Stopwatch stopwatch;
         (*crowd_).restore_state(saved.crowd).expect();
+        restoring.push_back(stopwatch.taken());
         world = saved.world;
     }
+    std::vector<Taken> saving, restoring;
 
     TimedCrowd& crowd() { return crowd_; }
     World world;
@@ -366,6 +372,8 @@ int main(int argc, char** argv) {
     print("a frame, all of it:", loop.otherwise);
     print("a frame while beasts load:", loop.while_loading);
     print("taking them into the crowd:", loop.joining);
+    print("save_state():", game.saving);
+    print("restore_state():", game.restoring);
 
     Renderer renderer = Renderer::create(device, {.width = 1280, .height = 720}).expect();
     const Camera camera = fit_camera(main_bounds(*game.crowd()), 16.0f / 9);

@@ -19,7 +19,7 @@ void CrowdState::watch(const Instances& instances) {
                       std::to_string(instances.size()) + " instances; CrowdSettings::watch_capacity is " +
                           std::to_string(watch_capacity_));
     check_there(instances, "watch");
-    std::vector<Watched> watched;
+    watched_.clear();
     for (uint32_t i = 0; i < instances.size(); ++i) {
         const uint32_t instance = instances.number(i);
         const Batch& batch = batch_of(instance);
@@ -42,10 +42,9 @@ void CrowdState::watch(const Instances& instances) {
             one.layers = all(batch[io::kLayersBuffer], group.controller->layer_count * sizeof(io::LayerState));
             one.layer_kinds = group.controller->layer_kinds;
         }
-        watched.push_back(one);
+        watched_.push_back(one);
     }
-    std::ranges::sort(watched, {}, &Watched::instance);
-    watched_ = std::move(watched);
+    std::ranges::sort(watched_, {}, &Watched::instance);
 }
 
 void CrowdState::request_poses(const Instances& instances) {

@@ -145,10 +145,11 @@ void CrowdState::exchange(StateArchive& archive) {
         archive.value(batch.has_updated);
         archive.values(std::span(batch.inertia_states.get(), batch.inertia_bytes));
     }
-    std::vector<Watched> as_asked = watched_;
+    std::vector<const Watched*> as_asked;
+    for (const Watched& one : watched_) as_asked.push_back(&one);
     std::ranges::sort(as_asked, {}, &Watched::place);
     std::vector<uint32_t> watched;
-    for (const Watched& one : as_asked) watched.push_back(one.instance);
+    for (const Watched* one : as_asked) watched.push_back(one->instance);
     archive.list(watched, instance_count);
     if (watched.size() > watch_capacity_)
         throw Failure(ErrorCode::kInvalidArgument, "crowd state", "it does not fit this crowd: ", watched.size(),
@@ -186,28 +187,29 @@ std::vector<std::byte> CrowdState::save_state() {
               .update_count = feedback ? feedback->update_count() : 0};
     for (const KeptBuffer& one : kept) head.buffers_bytes += one.buffer->size_bytes();
     StateArchive archive;
+    constexpr uint64_t kMostOnHost = 256;  // of an instance, if no pose is set; more costs a copy
+    archive.reserve(sizeof head + head.buffers_bytes + instance_count * kMostOnHost);
     archive.value(head);
-    std::vector<std::byte> contents = download_all(kept, head.buffers_bytes);
+    const std::span<std::byte> contents = archive.room_for(head.buffers_bytes);
+    download_all(kept, contents);
     if (!has_updated_) clear_playbacks(kept, contents);
-    archive.values(std::span(contents));
     exchange(archive);
     uint64_t checksum = crc64(archive.written());
     archive.value(checksum);
     return archive.take();
 }
 
-std::vector<std::byte> CrowdState::download_all(std::span<const KeptBuffer> kept, uint64_t size_bytes) const {
-    std::vector<std::byte> contents(size_bytes);
-    if (size_bytes == 0) return contents;
+void CrowdState::download_all(std::span<const KeptBuffer> kept, std::span<std::byte> contents) const {
+    if (contents.empty()) return;
     size_t at = 0;
     if (gpu->is_native()) {
         for (const auto& [batch, number, buffer] : kept) {
             std::memcpy(contents.data() + at, buffer->mapped(), buffer->size_bytes());
             at += buffer->size_bytes();
         }
-        return contents;
+        return;
     }
-    const Buffer staging(gpu, "saved state", size_bytes, 0, MemoryKind::kReadback);
+    const Buffer staging(gpu, "saved state", contents.size(), 0, MemoryKind::kReadback);
     gpu->submit_and_wait([&](VkCommandBuffer commands) {
         memory_barrier(*gpu, commands, kShaderWrite | kTransferWrite, kTransferRead);
         for (const auto& [batch, number, buffer] : kept) {
@@ -216,8 +218,7 @@ std::vector<std::byte> CrowdState::download_all(std::span<const KeptBuffer> kept
         }
         memory_barrier(*gpu, commands, kTransferWrite, kHostRead);
     });
-    std::memcpy(contents.data(), staging.mapped(), size_bytes);
-    return contents;
+    std::memcpy(contents.data(), staging.mapped(), contents.size());
 }
 
 // Checks before anything changes. If an error only shows while reading, what has been read is taken back.
@@ -247,6 +248,7 @@ void CrowdState::restore_state(std::span<const std::byte> state) {
         at += buffer->size_bytes();
     }
     StateArchive as_it_was;
+    as_it_was.reserve(rest.size() - buffers_bytes);  // about as much
     exchange(as_it_was);
     try {
         StateArchive archive(rest.subspan(buffers_bytes));

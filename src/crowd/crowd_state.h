@@ -159,7 +159,7 @@ private:
     StateFit state_fit() const;
     std::vector<KeptBuffer> kept_buffers() const;
     void exchange(StateArchive& archive);
-    std::vector<std::byte> download_all(std::span<const KeptBuffer> kept, uint64_t size_bytes) const;
+    void download_all(std::span<const KeptBuffer> kept, std::span<std::byte> contents) const;
     static void clear_playbacks(std::span<const KeptBuffer> kept, std::span<std::byte> contents);
     void upload_all(std::span<const KeptBuffer> kept, std::span<const std::byte> contents) const;
     void check_agents(const Instances& instances) const;

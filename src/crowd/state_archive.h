@@ -50,6 +50,12 @@ public:
             written_.insert(written_.end(), bytes.begin(), bytes.end());
         }
     }
+    void reserve(size_t size_bytes) { written_.reserve(size_bytes); }
+    // Room for this many more bytes, to write to before anything else is written.
+    std::span<std::byte> room_for(size_t size_bytes) {
+        written_.resize(written_.size() + size_bytes);
+        return std::span(written_).last(size_bytes);
+    }
     template <class T>
     void value(T& one) {
         values(std::span<T>(&one, 1));
