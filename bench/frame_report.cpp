@@ -20,7 +20,7 @@ Ink ink_of(const Json& record) {
 
 std::string stages_of(const Json& record) {
     std::string all;
-    for (const char* stage : kStageNames)
+    for (const char* stage : stage_names())
         if (const double ms = number(record, std::string("stages/") + stage); !std::isnan(ms))
             all += (all.empty() ? "" : ", ") + std::string(stage) + " " + digits(ms);
     return all;

@@ -40,7 +40,7 @@ void UpdateTimes::take(const GpuLoad& load, Crowd& crowd, float time_step_s, con
     const double host_ms = watch.elapsed_s() * 1e3;
     const StageTimes times = value_of(crowd.stage_times());
     take(believed_reading(load.gpu(), times.total(), host_ms));
-    for (size_t s = 0; s < kStageNames.size(); ++s) stage_ms_[s].push_back(times.ms[s]);
+    for (size_t s = 0; s < stage_names().size(); ++s) stage_ms_[s].push_back(times.ms[s]);
 }
 
 size_t UpdateTimes::count_by_host() const {
@@ -57,8 +57,8 @@ void UpdateTimes::add_to(Json& record) const {
     if (readings_.empty()) return;
     record["samples"] = count();
     record["ms"] = spread_json(total());
-    for (size_t s = 0; s < kStageNames.size(); ++s)
-        if (const double ms = stage(s).median; ms > 0) record["stages"][kStageNames[s]] = ms;
+    for (size_t s = 0; s < stage_names().size(); ++s)
+        if (const double ms = stage(s).median; ms > 0) record["stages"][stage_names()[s]] = ms;
 }
 
 }  // namespace throng::bench

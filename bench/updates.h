@@ -41,7 +41,7 @@ public:
 
 private:
     std::vector<Reading> readings_;
-    std::array<std::vector<double>, kStageNames.size()> stage_ms_;
+    std::array<std::vector<double>, kStageLimit> stage_ms_;
 };
 
 }  // namespace throng::bench

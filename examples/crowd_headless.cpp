@@ -57,8 +57,8 @@ int main(int argc, char** argv) {
         for (size_t stage = 0; stage < times.ms.size(); ++stage) sum.ms[stage] += times.ms[stage];
     }
     std::printf("%u characters, mean of %d updates:", crowd.instance_count(), kFrames);
-    for (size_t stage = 0; stage < sum.ms.size(); ++stage)
-        if (sum.ms[stage] > 0) std::printf(" %s %.3f ms,", kStageNames[stage], sum.ms[stage] / kFrames);
+    for (size_t stage = 0; stage < stage_names().size(); ++stage)
+        if (sum.ms[stage] > 0) std::printf(" %s %.3f ms,", stage_names()[stage], sum.ms[stage] / kFrames);
     std::printf(" total %.3f ms\n", sum.total() / kFrames);
 
     // One individual's joints in model space; a joint's position is the last column of its matrix.

@@ -375,6 +375,11 @@ TEST(Crowd, MeasuresItsStages) {
         EXPECT_LT(time_ms, 60'000);
     }
     EXPECT_GT(times->total(), 0);
+    double sum = 0;
+    for (const char* name : stage_names()) sum += times->of(name);
+    EXPECT_EQ(sum, times->total());
+    EXPECT_EQ(times->of("no such stage"), 0);
+    EXPECT_EQ(index_of_stage("no such stage"), stage_names().size());
     Crowd without = create({.groups = {{&character, 1}}, .timestamps = false});
     ASSERT_TRUE(without.update(0));
     EXPECT_FALSE(without.stage_times());

@@ -187,8 +187,8 @@ std::vector<std::byte> CrowdState::save_state() {
               .update_count = feedback ? feedback->update_count() : 0};
     for (const KeptBuffer& one : kept) head.buffers_bytes += one.buffer->size_bytes();
     StateArchive archive;
-    constexpr uint64_t kMostOnHost = 256;  // of an instance, if no pose is set; more costs a copy
-    archive.reserve(sizeof head + head.buffers_bytes + instance_count * kMostOnHost);
+    constexpr uint64_t kHostBytes = 256;  // of an instance, about; where poses are set it is more, and bytes move once
+    archive.reserve(sizeof head + head.buffers_bytes + instance_count * kHostBytes);
     archive.value(head);
     const std::span<std::byte> contents = archive.room_for(head.buffers_bytes);
     download_all(kept, contents);

@@ -23,7 +23,7 @@ struct Update {
     io::CullView view = {};       // of cull_view_of()
     StageTimer* timer = nullptr;  // null without CrowdSettings::timestamps
 
-    // To be called after the stage's last command, so that its time is known under this name of kStageNames.
+    // To be called after the stage's last command, so that its time is known under this name of stage_names().
     void end_stage(std::string_view name) const {
         if (timer) timer->end_stage(commands, name);
     }

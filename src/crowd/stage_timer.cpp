@@ -17,7 +17,7 @@ void StageTimer::begin(VkCommandBuffer commands) {
 
 void StageTimer::end_stage(VkCommandBuffer commands, std::string_view name) {
     const size_t stage = index_of_stage(name);
-    if (stage >= kStageNames.size()) throw std::logic_error("kStageNames has no " + std::string(name));
+    if (stage >= stage_names().size()) throw std::logic_error("stage_names() has no " + std::string(name));
     end(commands, stage);
 }
 

@@ -14,10 +14,10 @@ public:
     // begin() once an update, then end_stage() after each stage, at most most_stages times; a stage may come several
     // times. publish() after the last one, and again where an update goes on.
     void begin(VkCommandBuffer commands);
-    // `name`: one of kStageNames.
+    // `name`: one of stage_names().
     void end_stage(VkCommandBuffer commands, std::string_view name);
     // Leaves out the time since the last stage, which is not the update's.
-    void leave_out(VkCommandBuffer commands) { end(commands, kStageNames.size()); }
+    void leave_out(VkCommandBuffer commands) { end(commands, kStageLimit); }
     void publish(VkCommandBuffer commands) { stamps_.publish(commands); }
 
     // Times of the newest update that has finished. Throws kInvalidArgument where there is none.
@@ -26,7 +26,7 @@ public:
     std::optional<StageTimes> take_newest();
 
 private:
-    // `stage`: index into kStageNames; their number for none.
+    // `stage`: index into stage_names(); kStageLimit for none.
     void end(VkCommandBuffer commands, size_t stage);
     std::vector<size_t>& stages_of(uint64_t frame) { return stages_[frame % Timestamps::kFrames]; }
     StageTimes times_of(const Timestamps::Frame& frame) const;

@@ -66,7 +66,8 @@ Json run_case(const Device& device, const std::vector<Character>& characters, co
     for (const CrowdGroup& group : field.groups)
         joints += uint64_t{group.instance_count} * group.character->rig.joint_count();
     Json stages, files = Json::array();
-    for (size_t s = 0; s < kStageNames.size(); ++s) stages[kStageNames[s]] = bench::spread_json(times.stage(s), "_ms");
+    for (size_t s = 0; s < stage_names().size(); ++s)
+        stages[stage_names()[s]] = bench::spread_json(times.stage(s), "_ms");
     for (const Character& c : characters)
         files.push_back({{"name", c.name},
                          {"joints", c.rig.joint_count()},
@@ -97,7 +98,7 @@ void print_update_row(const Json& record) {
     std::printf("%-18s ", text(record, "scan").c_str());
     if (print_untimed(record, "does not apply")) return;
     std::printf("%-6s", text(record, "path").c_str());
-    for (const char* name : kStageNames)
+    for (const char* name : stage_names())
         std::printf(" %9.3f", real(record, std::string("stages/") + name + "/median_ms"));
     print_columns(record, {{" %9.3f", "total/median_ms"}, {" %9.2f", "ns_per_joint"}, {"  %.1e\n", "max_error"}});
 }
@@ -107,7 +108,7 @@ void print_head(const Device& device, const std::vector<Character>& characters, 
     for (const Character& character : characters) keys += (keys.empty() ? "" : ", ") + keys_text(character);
     std::printf("%u characters on %s, two clips blended, keys %s; medians of %u updates, ms\n%-18s %-6s", options.count,
                 device.info().name.c_str(), keys.c_str(), options.samples, "scan method", "path");
-    for (const char* name : kStageNames) std::printf(" %9s", name);
+    for (const char* name : stage_names()) std::printf(" %9s", name);
     std::printf(" %9s %9s  %s\n", "total", "ns/joint", "error");
 }
 

@@ -172,8 +172,8 @@ void time_methods(const Device& device, const std::vector<Method>& methods, cons
     for (size_t m = 0; m < methods.size(); ++m) {
         const bench::UpdateTimes& times = running[m].times;
         records[m].update(bench::spread_json(times.total(), "_ms"));
-        for (size_t s = 0; running[m].has_stages() && s < kStageNames.size(); ++s)
-            records[m]["stages_ms"][kStageNames[s]] = times.stage(s).median;
+        for (size_t s = 0; running[m].has_stages() && s < stage_names().size(); ++s)
+            records[m]["stages_ms"][stage_names()[s]] = times.stage(s).median;
     }
 }
 
@@ -203,7 +203,7 @@ void print_baselines_table(const std::vector<Json>& records) {
                                {" %8.1e\n", "blend_error_of_size_max"}});
     }
     std::printf("  throng's stages, ms:");
-    for (const char* name : kStageNames)
+    for (const char* name : stage_names())
         if (const double ms = real(first, std::string("stages_ms/") + name); ms > 0) std::printf(" %s %.3f", name, ms);
     std::printf("\n");
 }

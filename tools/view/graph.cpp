@@ -7,14 +7,17 @@
 namespace throng::view {
 namespace {
 
-// Colours of the stages in their order, drawing last: by hue, in steps that stay apart for the colour-blind too (after
-// Okabe and Ito, 2008).
+// Colours of the stages in their order: by hue, in steps that stay apart for the colour-blind too (after Okabe and Ito,
+// 2008).
 constexpr auto kColors = std::to_array<ImU32>(
     {IM_COL32(90, 90, 90, 255), IM_COL32(204, 121, 167, 255), IM_COL32(230, 159, 0, 255), IM_COL32(140, 100, 60, 255),
      IM_COL32(0, 158, 115, 255), IM_COL32(86, 180, 233, 255), IM_COL32(170, 170, 80, 255), IM_COL32(213, 94, 0, 255),
      IM_COL32(240, 228, 66, 255), IM_COL32(0, 114, 178, 255), IM_COL32(136, 34, 85, 255), IM_COL32(51, 187, 166, 255),
-     IM_COL32(102, 51, 204, 255), IM_COL32(153, 221, 255, 255), IM_COL32(118, 128, 146, 255)});
-static_assert(kColors.size() == kTimedCount, "a stage has no colour");
+     IM_COL32(102, 51, 204, 255), IM_COL32(153, 221, 255, 255)});
+constexpr ImU32 kColorOfDrawing = IM_COL32(118, 128, 146, 255);
+
+// Stages of a later library begin with the first colour again.
+ImU32 color_of(size_t timed) { return timed < kStageLimit ? kColors[timed % kColors.size()] : kColorOfDrawing; }
 
 // The next larger of 1, 2, 5 times a power of ten.
 float round_up(float ms) {
@@ -41,7 +44,7 @@ void draw_bars(const History& history, ImVec2 from, ImVec2 to) {
         float y = to.y;
         for (size_t i = 0; i < kTimedCount; ++i) {
             const float above = y - history.ago(frame)[i] / top * height;
-            if (y - above > 0.05f) list.AddRectFilled({right - width, above}, {right, y}, kColors[i]);
+            if (y - above > 0.05f) list.AddRectFilled({right - width, above}, {right, y}, color_of(i));
             y = above;
         }
     }
@@ -69,7 +72,7 @@ void draw_legend(const char* processor, const FrameTimes& mean) {
         if (ImGui::GetContentRegionAvail().x < side + scaled(5) + ImGui::CalcTextSize(text.data()).x) ImGui::NewLine();
         const ImVec2 at = ImGui::GetCursorScreenPos();
         const float down = (ImGui::GetFontSize() - side) / 2;
-        list.AddRectFilled({at.x, at.y + down}, {at.x + side, at.y + down + side}, kColors[i], 2);
+        list.AddRectFilled({at.x, at.y + down}, {at.x + side, at.y + down + side}, color_of(i), 2);
         ImGui::SetCursorScreenPos({at.x + side + scaled(5), at.y});
         ImGui::TextUnformatted(text.data());
     }

@@ -9,8 +9,8 @@
 
 namespace throng::view {
 
-// Stages of an update, and then drawing; milliseconds.
-inline constexpr size_t kTimedCount = kStageNames.size() + 1;
+// Stages of an update, and drawing after the last that there may be; milliseconds.
+inline constexpr size_t kTimedCount = kStageLimit + 1;
 using FrameTimes = std::array<float, kTimedCount>;
 
 class History {
@@ -40,6 +40,6 @@ private:
     size_t count_ = 0;
 };
 
-inline const char* timed_name(size_t timed) { return timed < kStageNames.size() ? kStageNames[timed] : "draw"; }
+inline const char* timed_name(size_t timed) { return timed < kStageLimit ? stage_names()[timed] : "draw"; }
 
 }  // namespace throng::view
