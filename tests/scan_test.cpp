@@ -37,7 +37,7 @@ using namespace test;
 constexpr std::array<uint32_t, 17> kScanJointCounts{1,  2,  7,   8,   9,   31,  32,   33,  63,
                                                     64, 65, 255, 256, 257, 300, 1024, 2000};
 constexpr std::array<uint32_t, 3> kInstanceCounts{1, 3, 1000};
-constexpr uint32_t kMatrixLimit = 8'000;  // joints x instances, so that the suite stays fast
+constexpr uint32_t kMatrixLimit = 20'000;  // joints x instances, so that the suite stays fast
 
 // A local transform as a method's format has it: three rows of a matrix, or rotation, then translation and scale.
 struct Local {

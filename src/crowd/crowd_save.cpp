@@ -187,7 +187,7 @@ std::vector<std::byte> CrowdState::save_state() {
               .update_count = feedback ? feedback->update_count() : 0};
     for (const KeptBuffer& one : kept) head.buffers_bytes += one.buffer->size_bytes();
     StateArchive archive;
-    constexpr uint64_t kHostBytes = 256;  // of an instance, about; where poses are set it is more, and bytes move once
+    constexpr uint64_t kHostBytes = 256;  // of an instance, roughly: a state that turns out larger is copied to grow
     archive.reserve(sizeof head + head.buffers_bytes + instance_count * kHostBytes);
     archive.value(head);
     const std::span<std::byte> contents = archive.room_for(head.buffers_bytes);

@@ -14,8 +14,8 @@ namespace throng {
 
 using Json = nlohmann::ordered_json;  // members in the order of the text
 
-// Who wrote the JSON. Messages about a program's (glTF), which is often one long line, quote the wrong value; messages
-// about a person's give the number of the line.
+// Who wrote the JSON, a program or a person. Programs often write one long line (glTF), so messages quote the wrong
+// value; people write many, so messages give the line's number.
 enum class JsonAuthor : uint8_t { kProgram, kPerson };
 
 // The place of a member or an element of `place`: `layers`, `layers[0].states.move`, `masks["left arm"]`.

@@ -2,6 +2,7 @@
 #include "tests/display.h"
 #include "tests/png.h"
 #include "tests/tool_runner.h"
+#include "tools/view/history.h"
 #include "tools/view/orbit.h"
 #include "tools/view/pick.h"
 
@@ -95,6 +96,8 @@ double part_with_detail(const Png& picture, const Rectangle& of) {
 }
 // Hides the panels and pauses.
 constexpr const char* kStill = "0 hold tab\n0 hold space\n1 let tab\n1 let space\n";
+
+TEST(ViewGraph, HasAColourForEachStage) { EXPECT_EQ(view::stage_color_count(), stage_names().size()); }
 
 TEST_F(View, ShowsTheCrowdAndFollowsTheMouse) {
     const Outcome run = view(std::string(kStill) + "4 shot " + file("first.png") +

@@ -80,6 +80,8 @@ void draw_legend(const char* processor, const FrameTimes& mean) {
 
 }  // namespace
 
+size_t stage_color_count() { return kColors.size(); }
+
 void draw_graph(const Measured& measured) {
     const ImVec2 display = ImGui::GetIO().DisplaySize;
     const float gap = scaled(kPanelGap), left = scaled(kSettingsWidth) + 2 * gap, height = scaled(kGraphHeight);

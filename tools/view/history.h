@@ -40,6 +40,9 @@ private:
     size_t count_ = 0;
 };
 
-inline const char* timed_name(size_t timed) { return timed < kStageLimit ? stage_names()[timed] : "draw"; }
+inline const char* timed_name(size_t timed) { return timed < stage_names().size() ? stage_names()[timed] : "draw"; }
+
+// Stages that have a colour in the graph: a test checks that all have.
+size_t stage_color_count();
 
 }  // namespace throng::view
