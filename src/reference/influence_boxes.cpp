@@ -7,18 +7,6 @@
 
 namespace throng {
 
-void Box::add(const Vec3<double>& p) {
-    low = empty ? p : Vec3<double>{std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
-    high = empty ? p : Vec3<double>{std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
-    empty = false;
-}
-
-void Box::add(const Box& box) {
-    if (box.empty) return;
-    add(box.low);
-    add(box.high);
-}
-
 Vec3<double> Box::corner(size_t index) const {
     return {index & 1 ? high.x : low.x, index & 2 ? high.y : low.y, index & 4 ? high.z : low.z};
 }

@@ -3,6 +3,7 @@
 
 #include <throng/character.h>
 
+#include <algorithm>
 #include <vector>
 
 namespace throng {
@@ -11,10 +12,23 @@ struct Box {
     Vec3<double> low, high;
     bool empty = true;  // while it is made
 
-    void add(const Vec3<double>& p);
-    void add(const Box& box);
+    void add(const Vec3<double>& p) { add({p, p, false}); }
+    void add(const Box& box) {
+        if (box.empty) return;
+        low = empty ? box.low : least(low, box.low);
+        high = empty ? box.high : greatest(high, box.high);
+        empty = false;
+    }
     Vec3<double> corner(size_t index) const;  // 0 to 7
     double largest_distance() const;          // of a corner from the origin
+
+private:
+    static Vec3<double> least(const Vec3<double>& a, const Vec3<double>& b) {
+        return {std::min(a.x, b.x), std::min(a.y, b.y), std::min(a.z, b.z)};
+    }
+    static Vec3<double> greatest(const Vec3<double>& a, const Vec3<double>& b) {
+        return {std::max(a.x, b.x), std::max(a.y, b.y), std::max(a.z, b.z)};
+    }
 };
 
 // [joint_count], in joint space: the vertices that the joint's palette entries move with a weight above 0; for joints

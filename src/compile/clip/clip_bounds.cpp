@@ -21,8 +21,7 @@ void add_posed(Box& bounds, const AffineT<double>& model_from_joint, const Box& 
     };
     const Vec3<double> extent{reach(0), reach(1), reach(2)};
     if (std::max({extent.x, extent.y, extent.z}) < seen) return;
-    bounds.add(middle - extent);
-    bounds.add(middle + extent);
+    bounds.add({middle - extent, middle + extent, false});
 }
 
 // model_from_joint of a clip's poses, one after another. What stands still in the clip is computed once.
@@ -33,35 +32,43 @@ public:
             parent_from_joint_.push_back(to_affine(joint));
         const std::vector<uint32_t>& parents = character.rig.parents;
         model_from_joint_ = scan_reference(parents, parent_from_joint_);
-        varies_.resize(parents.size());
-        moves_.resize(parents.size());
-        for (size_t joint = 0; joint < parents.size(); ++joint) {
+        std::vector<bool> moves(parents.size());
+        for (uint32_t joint = 0; joint < parents.size(); ++joint) {
+            bool varies = false;
             for (const TrackTarget target : kTrackTargets)
-                if (TrackReader(character, clip, joint, target).varies()) varies_[joint] = true;
-            moves_[joint] = varies_[joint] || (parents[joint] != kNone && moves_[parents[joint]]);
+                varies = varies || TrackReader(character, clip, joint, target).varies();
+            moves[joint] = varies || (parents[joint] != kNone && moves[parents[joint]]);
+            if (moves[joint])
+                moving_.push_back({joint, parents[joint], varies});
+            else
+                still_.push_back(joint);
         }
     }
 
     void sample(double time_s) {
         const RowCursor rows = find_rows_reference(row_times(character_, clip_), time_s);
-        const std::vector<uint32_t>& parents = character_.rig.parents;
-        for (size_t joint = 0; joint < parents.size(); ++joint) {
-            if (!moves_[joint]) continue;
-            if (varies_[joint]) parent_from_joint_[joint] = to_affine(sample_reference(character_, clip_, joint, rows));
-            model_from_joint_[joint] = parents[joint] == kNone
-                                           ? parent_from_joint_[joint]
-                                           : model_from_joint_[parents[joint]] * parent_from_joint_[joint];
+        for (const Moving& m : moving_) {
+            if (m.varies) parent_from_joint_[m.joint] = to_affine(sample_reference(character_, clip_, m.joint, rows));
+            model_from_joint_[m.joint] = m.parent == kNone ? parent_from_joint_[m.joint]
+                                                           : model_from_joint_[m.parent] * parent_from_joint_[m.joint];
         }
     }
 
-    bool moves(size_t joint) const { return moves_[joint]; }
+    // Those that move, by their own tracks or with a joint above them, parents first.
+    struct Moving {
+        uint32_t joint, parent;
+        bool varies;  // by its own tracks
+    };
+    const std::vector<Moving>& moving() const { return moving_; }
+    const std::vector<uint32_t>& still() const { return still_; }
     const AffineT<double>& model_from_joint(size_t joint) const { return model_from_joint_[joint]; }
 
 private:
     const Character& character_;
     uint32_t clip_;
     std::vector<AffineT<double>> parent_from_joint_, model_from_joint_;
-    std::vector<bool> varies_, moves_;  // by its own tracks; or with a joint above it
+    std::vector<Moving> moving_;
+    std::vector<uint32_t> still_;
 };
 
 }  // namespace
@@ -69,18 +76,19 @@ private:
 void measure_clips(Character& character, const Progress& progress) {
     constexpr double kSeen = 1e-6;  // of the character's size
     const std::vector<Box> boxes = influence_boxes(character);
-    const std::vector<bool> alone = joints_that_move_alone(character);
-    const auto seen = [&](size_t joint) { return alone[joint] ? kSeen * character.size : 0; };
+    std::vector<double> least_seen;  // [joint_count]
+    for (const bool alone : joints_that_move_alone(character)) least_seen.push_back(alone ? kSeen * character.size : 0);
     for (uint32_t number = 0; number < character.clips.size(); ++number) {
         progress.report(number, character.clips.size());
         ClipPoses poses(character, number);
         Box bounds;
-        for (size_t joint = 0; joint < boxes.size(); ++joint)
-            if (!poses.moves(joint)) add_posed(bounds, poses.model_from_joint(joint), boxes[joint], seen(joint));
+        const auto add_joint = [&](uint32_t joint) {
+            add_posed(bounds, poses.model_from_joint(joint), boxes[joint], least_seen[joint]);
+        };
+        for (const uint32_t joint : poses.still()) add_joint(joint);
         const auto add_pose = [&](double time_s) {
             poses.sample(time_s);
-            for (size_t joint = 0; joint < boxes.size(); ++joint)
-                if (poses.moves(joint)) add_posed(bounds, poses.model_from_joint(joint), boxes[joint], seen(joint));
+            for (const ClipPoses::Moving& moving : poses.moving()) add_joint(moving.joint);
         };
         const std::span<const float> times_s = row_times(character, number);
         for (size_t row = 0; row < times_s.size(); ++row) {
