@@ -272,8 +272,8 @@ void CrowdState::upload_all(std::span<const KeptBuffer> kept, std::span<const st
     size_t at = 0;
     for (const auto& [batch, number, buffer] : kept) {
         const auto of_buffer = contents.subspan(at, buffer->size_bytes());
-        if (gpu->is_native())
-            std::memcpy(buffer->mapped(), of_buffer.data(), of_buffer.size());
+        if (std::byte* const mapped = buffer->mapped())  // also where a software device has its memory
+            std::memcpy(mapped, of_buffer.data(), of_buffer.size());
         else
             uploads.add(*buffer, of_buffer);
         at += buffer->size_bytes();
