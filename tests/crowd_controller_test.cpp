@@ -15,9 +15,9 @@ const InSubset kCrowdControllerInSubsets(
     {"CrowdController.*", "-CrowdController.SocketsAreTheJointsInModelOrWorldSpace",
      "-CrowdController.InertialPlaysFollowTheReference", "-CrowdController.TellsWhatLayersPlay",
      "-CrowdController.ThousandsOfCommandsAreAppliedInTheirOrder", "-CrowdController.WrongCallsAreRefused"});
-const InSubset kCrowdControllerWithOtherSubgroups({Subset::kSubgroups}, {"CrowdController.*"}),
-    kCrowdControllerOnOtherDrivers({Subset::kOtherDriver}, {"-CrowdController.FeedbackCounts*"}),
-    kCrowdControllerWithWideSubgroups({Subset::kWideSubgroups}, {"CrowdController.PosesFollowTheReferenceFused"});
+const InSubset kCrowdControllerWithOtherSubgroups({Subset::kSubgroups, Subset::kWideSubgroups},
+                                                  {"CrowdController.PosesFollowTheReferenceFused"}),
+    kCrowdControllerOnOtherDrivers({Subset::kOtherDriver}, {"-CrowdController.FeedbackCounts*"});
 const InSubset kCrowdControllerNatively({Subset::kNative}, {"CrowdController.*"});
 
 double largest_matrix_error(std::span<const Affine> matrices, std::span<const AffineT<double>> wanted, double size) {

@@ -20,7 +20,10 @@ const test::InSubset kCrowdOnOtherDrivers({test::Subset::kOtherDriver},
                                           {"-Crowd.ManyLargeCharacters*", "-Crowd.TheLargestCharacter*",
                                            "-Crowd.OnlyChangedInstancesAreSetAnew", "-Crowd.PlacementsReachTheDevice",
                                            "-Crowd.RecordsIntoTheCallersCommandBuffer"});
-const test::InSubset kWithAMethodGiven({test::Subset::kSubgroups}, {"Crowd.*", "-Crowd.AutoChoosesAScanAndSaysWhy"});
+const test::InSubset kCrowdWithOtherSubgroups({test::Subset::kSubgroups},
+                                              {"Crowd.AMixedCrowdFollowsTheReferenceWithEveryScan", "Crowd.Many*",
+                                               "Crowd.TheLargestCharacterWorksWithEveryScan",
+                                               "Crowd.TheSameInputsGiveTheSameBits"});
 const test::InSubset kCrowdNatively({test::Subset::kNative}, {"Crowd.*", "-Crowd.RecordsIntoTheCallersCommandBuffer",
                                                               "-Crowd.ManySmallCharactersAreSplitIntoBatches"});
 
