@@ -21,7 +21,8 @@ const test::InSubset kCrowdOnOtherDrivers({test::Subset::kOtherDriver},
                                            "-Crowd.OnlyChangedInstancesAreSetAnew", "-Crowd.PlacementsReachTheDevice",
                                            "-Crowd.RecordsIntoTheCallersCommandBuffer"});
 const test::InSubset kCrowdWithOtherSubgroups({test::Subset::kSubgroups},
-                                              {"Crowd.AMixedCrowdFollowsTheReferenceWithEveryScan", "Crowd.Many*",
+                                              {"Crowd.AMixedCrowdFollowsTheReferenceWithEveryScan",
+                                               "Crowd.AScanThatDoesNotApplyIsRefused", "Crowd.Many*",
                                                "Crowd.TheLargestCharacterWorksWithEveryScan",
                                                "Crowd.TheSameInputsGiveTheSameBits"});
 const test::InSubset kCrowdNatively({test::Subset::kNative}, {"Crowd.*", "-Crowd.RecordsIntoTheCallersCommandBuffer",

@@ -14,8 +14,8 @@ namespace throng {
 
 using Json = nlohmann::ordered_json;  // members in the order of the text
 
-// Who wrote the JSON, a program or a person. Programs often write one long line (glTF), so messages quote the wrong
-// value; people write many, so messages give the line's number.
+// Who wrote the file. A message about a program's file, which is often a single line (glTF), quotes the wrong value;
+// one about a person's gives the number of the line.
 enum class JsonAuthor : uint8_t { kProgram, kPerson };
 
 // The place of a member or an element of `place`: `layers`, `layers[0].states.move`, `masks["left arm"]`.

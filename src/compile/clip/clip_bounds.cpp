@@ -54,7 +54,7 @@ public:
         }
     }
 
-    // Those that move, by their own tracks or with a joint above them, parents first.
+    // A joint that moves in the clip, by its own tracks or an ancestor's. Parents come first.
     struct Moving {
         uint32_t joint, parent;
         bool varies;  // by its own tracks
