@@ -227,6 +227,34 @@ TEST(Frames, OnlyTheLastRecordIsDiscarded) {
     EXPECT_FALSE(driven.crowd.discard_last_record()) << "it has been discarded";
 }
 
+// A stage that runs out of memory in the middle of an update, for example.
+class FailingStage : public Stage {
+public:
+    explicit FailingStage(const StageContext& context) : Stage(context) {}
+    void record(const Update&) override {
+        if (fails) throw Failure(ErrorCode::kOutOfMemory, "a stage", "of this test");
+    }
+    bool fails = false;
+};
+
+TEST(Frames, AnUpdateThatHasFailedIsNotDiscarded) {
+    DrivenCrowd driven;
+    CrowdState& state = driven.crowd.state();
+    Uploads uploads(state.gpu);
+    const CrowdSettings settings;
+    const Buffer no_terrain;
+    state.stages.push_back(std::make_unique<FailingStage>(StageContext{
+        uploads, settings, state.groups, state.batches, state.instance_count, nullptr, no_terrain, state.stages}));
+    auto& stage = static_cast<FailingStage&>(*state.stages.back());
+    Recorder recorder;
+    recorder.record([&](VkCommandBuffer commands) { EXPECT_TRUE(driven.crowd.record(commands, 0.1f)); });
+    stage.fails = true;
+    recorder.record([&](VkCommandBuffer commands) { EXPECT_FALSE(driven.crowd.record(commands, 0.1f)); });
+    EXPECT_FALSE(driven.crowd.discard_last_record()) << "it would be the update before";
+    stage.fails = false;
+    EXPECT_EQ(refusal(driven.crowd.update(0.1f)), "");
+}
+
 // The update that comes is its first, as if nothing had been recorded.
 TEST(Frames, WhoIsSpawnedBeforeADiscardIsNewInTheNextUpdate) {
     const Character character = creature(20, 8);

@@ -187,12 +187,13 @@ TEST(Occlusion, PicturesMayBeLargeAndChangeInSize) {
     EXPECT_EQ(instances_drawn(crowd).size(), 2u);
 }
 
-TEST(Occlusion, NothingIsSavedBetweenTheHalves) {
+TEST(Occlusion, NothingIsSavedOrRestoredBetweenTheHalves) {
     const Character character = small_character();
     Crowd crowd = create({.groups = {{&character, 2}}, .culling = Culling{}});
     CrowdView view = *view_of({.eye = {0, 0, 0}, .target = {0, 0, -1}}, 64, 64, {});
     view.occlusion = true;
     const Image depths = depth_image(std::vector<float>(64, 0.0f), 8, 8);
+    const std::vector<std::byte> before = *crowd.save_state();
     test_gpu()->submit_and_wait([&](VkCommandBuffer commands) {
         ASSERT_TRUE(crowd.record(commands, 0.01f, &view));
         const auto saved = crowd.save_state();
@@ -200,6 +201,7 @@ TEST(Occlusion, NothingIsSavedBetweenTheHalves) {
         EXPECT_EQ(
             saved.error().text(),
             "crowd state: the last record() was for a view with occlusion, and its record_disoccluded() is to come");
+        EXPECT_EQ(refusal(crowd.restore_state(before)), saved.error().text());
         ASSERT_TRUE(crowd.record_disoccluded(commands, {depths.handle(), VK_IMAGE_ASPECT_COLOR_BIT, 8, 8}));
     });
     EXPECT_TRUE(crowd.save_state());

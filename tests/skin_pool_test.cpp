@@ -335,6 +335,21 @@ TEST(SkinPool, MemoryGoesByWhatIsDrawn) {
     EXPECT_LT(many - few, 2000u * 200);  // state of instances alone
 }
 
+// At 30 poses a second these clips have 2^64 - 4,294,969,434 of them and so on: in 64 bits, 18 in all.
+TEST(SkinPool, ClipsThatLastForAeonsAreRefused) {
+    Character character = make_character({.name = "endless", .joint_count = 4, .clip_count = 3});
+    ASSERT_EQ(character.clips.size(), 3u);
+    character.clips[0].duration_s = 614'891'432'473'264'128.0f;
+    character.clips[1].duration_s = 36'650'385'408.0f;
+    character.clips[2].duration_s = 2185;
+    const Result<Crowd> crowd = Crowd::create(
+        test_device(),
+        {.groups = {{.character = &character, .instance_count = 1, .skin_pool = SkinPool{.capacity = 1}}},
+         .culling = Culling{}});
+    ASSERT_FALSE(crowd);
+    EXPECT_EQ(crowd.error().code, ErrorCode::kLimit) << crowd.error().text();
+}
+
 TEST(SkinPool, WhatDoesNotGoTogetherIsRefused) {
     const Character character = small_character();
     const auto message = [&](CrowdGroup group, CrowdSettings settings) {

@@ -170,15 +170,14 @@ Skinned run_skin(const Character& character, const SkinCase& of, Random& random)
     Skinned out{skinned.read(), skin_reference(character, of_instance, of_instance_shown, of.blend), {}};
     for (const MeshSection& section : character.sections) {
         for (uint32_t v = 0; v < section.vertex_count; ++v) {
-            std::vector<WeightedTransform> transforms;
+            BlendedTransform blended(of.blend);
             for (uint32_t set = 0; set < section.influence_sets; ++set) {
                 const Influences& four =
                     character.influences[section.first_influences + v * section.influence_sets + set];
                 for (size_t i = 0; i < 4; ++i)
-                    if (four.weights[i] != 0)
-                        transforms.push_back({double{four.weights[i]}, of_instance[four.entries[i]]});
+                    if (four.weights[i] != 0) blended.add(double{four.weights[i]}, of_instance[four.entries[i]]);
             }
-            const AffineT<double> transform = blended_transform(of.blend, transforms);
+            const AffineT<double> transform = blended.result();
             // A matrix that flattens has no normals
             const bool known = section.morph_count == 0 && std::abs(determinant(transform)) > 0.01;
             out.wanted_normals.push_back(
@@ -254,16 +253,21 @@ TEST(Skin, TheReferenceWeighsPositions) {
     EXPECT_EQ(skin_reference(character, skin)[0], (Vec3<double>{1 + 3, 2 - 2, 3}));
 }
 
+AffineT<double> blended(SkinBlend blend, const AffineT<double>& a, const AffineT<double>& b, double weight_of_a) {
+    BlendedTransform transform(blend);
+    transform.add(weight_of_a, a);
+    transform.add(1 - weight_of_a, b);
+    return transform.result();
+}
+
 // Kavan's example: half way along a forearm that is twisted by 170 degrees, linear blending leaves a twelfth of its
 // girth, dual quaternions all of it.
 TEST(Skin, ATwistedLimbKeepsItsGirth) {
     constexpr double kTwist = 170 * 3.14159265358979 / 180;
-    const std::array half{
-        WeightedTransform{0.5, {}},
-        WeightedTransform{0.5, to_affine(Trs<double>{axis_angle(Vec3<double>{1, 0, 0}, kTwist), {}, {1, 1, 1}})}};
+    const AffineT<double> twisted = to_affine(Trs<double>{axis_angle(Vec3<double>{1, 0, 0}, kTwist), {}, {1, 1, 1}});
     const Vec3<double> skin{0.7, 0.6, 0.8};
     const auto girth = [&](SkinBlend blend) {
-        const Vec3<double> p = transform_point(blended_transform(blend, half), skin);
+        const Vec3<double> p = transform_point(blended(blend, {}, twisted, 0.5), skin);
         EXPECT_NEAR(p.x, 0.7, 1e-12) << "along the limb";
         return std::hypot(p.y, p.z);
     };
@@ -281,17 +285,14 @@ TEST(Skin, DualQuaternionsKnowNoOrigin) {
         const AffineT<double> one = to_affine(parts),
                               moved = to_affine(Trs<double>{random.rotation(), random.vector(20), {1, 1, 1}});
         const Vec3<double> p = random.vector(3);
-        const auto blended = [&](const AffineT<double>& a, const AffineT<double>& b, double weight) {
-            return blended_transform(SkinBlend::kDualQuaternion,
-                                     std::array{WeightedTransform{weight, a}, WeightedTransform{1 - weight, b}});
-        };
-        EXPECT_LE(length(transform_point(blended(one, one, 0.3), p) - transform_point(one, p)), 1e-12);
+        constexpr SkinBlend kBlend = SkinBlend::kDualQuaternion;
+        EXPECT_LE(length(transform_point(blended(kBlend, one, one, 0.3), p) - transform_point(one, p)), 1e-12);
         parts.rotation = random.rotation();
         parts.scale = {1, 1, 1};
         const AffineT<double> rigid = to_affine(Trs<double>{random.rotation(), random.vector(2), {1, 1, 1}}),
                               other = to_affine(parts);
-        EXPECT_LE(length(transform_point(blended(moved * rigid, moved * other, 0.6), p) -
-                         transform_point(moved * blended(rigid, other, 0.6), p)),
+        EXPECT_LE(length(transform_point(blended(kBlend, moved * rigid, moved * other, 0.6), p) -
+                         transform_point(moved * blended(kBlend, rigid, other, 0.6), p)),
                   1e-10)
             << "in another place likewise";
     }

@@ -104,13 +104,14 @@ struct CrowdGroup {
 };
 
 // How an update gets from clips to skin matrices. kStaged: sample, blend, scan and bind run one after another, each
-// through memory; any character. kFused: all four in one kernel, intermediates in registers and shared memory, 4 to 7
+// through memory; any character. kFused: all four in one kernel, intermediates in registers and shared memory, 4 to 5
 // times as fast on a software device; not for characters too large for that. kNative: by this machine's processor, in
 // one pass where that applies, without the device. On a software device, Crowd::update() and Renderer::render_frame()
 // do this, after waiting for its queue; updates that are recorded into a command buffer, or for a view with occlusion,
 // still run on the device. kDevice: on the device, fused where that applies, otherwise staged. kAuto: natively on
 // software devices unless CrowdSettings::scan asks for a method, otherwise as kDevice. On a native device all of them
-// are native.
+// are native. Elsewhere kNative is kUnsupported on a GPU, and on a software device if CrowdSettings::scan asks for a
+// method.
 enum class UpdatePath { kAuto, kFused, kStaged, kNative, kDevice };
 
 // How a group is updated.
@@ -204,10 +205,11 @@ public:
     // updates later. Nothing waits or is submitted. outputs() change because of the new groups, and spans that it has
     // returned become invalid. Both crowds need the same CrowdSettings, except for groups, path, scan, terrain,
     // timestamps and capacities of feedback; if a group has CrowdGroup::capacity, which makes its crowd cull, the other
-    // crowd needs CrowdSettings::culling. After an error nothing has changed. Errors: kInvalidArgument (other settings,
-    // device; it has been updated; the second half of an update for a view with occlusion is still to come),
-    // kUnsupported (on a software device, if one crowd is updated natively and the other cannot be), kLimit,
-    // kOutOfMemory.
+    // crowd needs CrowdSettings::culling. After an error nothing has changed, except that the groups of the other
+    // crowd may not be updated natively any more. Errors: kInvalidArgument (other settings, device; it has been
+    // updated; a group with on_terrain for a crowd without terrain; the second half of an update for a view with
+    // occlusion is still to come), kUnsupported (on a software device, if one crowd is updated natively and the other
+    // cannot be), kLimit, kOutOfMemory.
     Result<std::vector<uint32_t>> add_groups(Crowd&& other);
     // Takes a group away with all of its instances; what hangs on them stays where it is. The other groups and their
     // instances keep their numbers. Errors: kInvalidArgument (no such group, the last one, or as above).
@@ -252,8 +254,9 @@ public:
     // What instances play, and where they stand. New instances play the rest pose and stand at the origin. A playback
     // replaces the one before at once, and its clips begin at their time_s: for fades from clip to clip see play(). The
     // placement of an instance that hangs on another one is not used. Only changed instances are uploaded: 36 bytes
-    // each for a playback, 48 for a placement (80 with root motion). Errors: kInvalidArgument (clip out of range, value
-    // not finite, weight outside 0..1, set_playback() for a group with a controller).
+    // each for a playback, 48 for a placement (128 with root motion, 136 where it moves placements). Errors:
+    // kInvalidArgument (clip out of range, value not finite, weight outside 0..1, set_playback() for a group with a
+    // controller).
     Result<void> set_playback(const Instances& instances, const Playback& playback);
     Result<void> set_playback(const Instances& instances, std::span<const Playback> playback);
     Result<void> set_placement(const Instances& instances, const Affine& world_from_model);
@@ -334,8 +337,9 @@ public:
 
     // Records the upload of what the crowd's buffers begin with, so that the first update need not: into commands for
     // any queue that can copy, of the adopted queue's family or of AdoptedDevice::more_queue_families. Submit them so
-    // that they have run, or are waited for by a semaphore, before the commands of the first record() run. Does nothing
-    // once record() has been called, and on a native device. Errors: kInvalidArgument (no command buffer).
+    // that they have run, or are waited for by a semaphore, before the commands of the first record() run. If their
+    // queue is not the adopted one, they must also have run before the crowd is saved, restored, read or drawn. Does
+    // nothing once record() has been called, and on a native device. Errors: kInvalidArgument (no command buffer).
     Result<void> record_uploads(VkCommandBuffer commands);
 
     // Records one update into the caller's command buffer (recording, outside a render pass, of the adopted queue's
@@ -352,7 +356,9 @@ public:
     // entirely). Without a view all are animated, and all are listed. What the view sees is decided by a box around all
     // clips' poses, enlarged by CrowdGroup::pose_margin. Errors: kInvalidArgument (the time step or the view is not
     // finite; a view and no culling), kUnsupported (CrowdView::occlusion on a native device; on a software device
-    // CrowdGroup::sockets_only, and, with inertial transitions, after a native update()).
+    // CrowdGroup::sockets_only, and, with inertial transitions, after a native update()). After these nothing has
+    // changed. After another one (kOutOfMemory, kLimit, a lost device) half of an update may have been recorded, which
+    // cannot be discarded: then restore a saved state before the crowd goes on.
     Result<void> record(VkCommandBuffer commands, float time_step_s, const CrowdView* view = nullptr);
     // The second half of an update for a view with CrowdView::occlusion, recorded after its record() and the commands
     // that draw the depths: tests the boxes of everything in view against these, and animates those that are visible
@@ -388,7 +394,7 @@ public:
     // so call update(0) before you draw. Feedback that has not been fetched is gone, and updates are counted on from
     // the number at which they were saved. After an error nothing has changed. Errors: kInvalidFile (damaged, of
     // another version), kInvalidArgument (a crowd with other settings, and what differs; the last record() has not
-    // run).
+    // run; the second half of an update for a view with occlusion is still to come).
     Result<std::vector<std::byte>> save_state();
     Result<void> restore_state(std::span<const std::byte> state);
 

@@ -18,7 +18,8 @@ struct Picture {
     std::vector<uint8_t> rgba{};  // [height][width][4]
 };
 
-// Writes a PNG to a temporary name beside `path`, then renames it. Errors: kFile.
+// Writes a PNG to a temporary name beside `path`, then renames it. Errors: kFile, kInvalidArgument (no pixels, or
+// another number of bytes than they take), kLimit (2 GiB).
 Result<void> write_png(const std::filesystem::path& path, const Picture& picture);
 
 struct Camera {
@@ -101,6 +102,8 @@ struct RendererState;  // internal
 // device with a graphics queue and dynamicRendering. Not thread-safe.
 class Renderer {
 public:
+    // Errors: kNoDevice (no graphics queue; DrawPath::kDevice on a native device), kUnsupported (DrawPath::kNative on a
+    // GPU), kLimit (size), kInvalidArgument (size, options).
     static Result<Renderer> create(const Device& device, const RendererSettings& settings = {});
     // No renderer yet, as with Crowd().
     Renderer() noexcept;
@@ -114,12 +117,14 @@ public:
     Result<void> prepare(const Crowd& crowd);
 
     // The calls below take one crowd, or several, each once, that are drawn in one picture, under one sun, with one
-    // ground. Several look the same as one crowd with the groups of all of them would.
+    // ground. Several look the same as one crowd with the groups of all of them would. Errors of all: kInvalidArgument
+    // (no crowd, one that is null or is given twice, of another device, or with a group of sockets_only;
+    // DrawOptions::skeletons without CrowdSettings::keep_model_matrices; the camera).
 
     // Draws crowds as their last update left them (of crowds that cull, what it has listed); submits and waits. Ground,
-    // fog and shadows are fitted to main_bounds(). The crowds must be of the renderer's device. Alpha-blended materials
-    // are drawn as masks with a cutoff of 0.5, since a crowd is not sorted. Errors: also kInvalidArgument (the commands
-    // of a crowd's last record() have been neither submitted nor discarded).
+    // fog and shadows are fitted to main_bounds(). Alpha-blended materials cover as many of a pixel's samples as their
+    // alpha says (alpha to coverage), since a crowd is not sorted. Errors: also kInvalidArgument (the commands of a
+    // crowd's last record() have been neither submitted nor discarded).
     Result<RenderResult> render(const Crowd& crowd, const Camera& camera);
     Result<RenderResult> render(std::span<const Crowd* const> crowds, const Camera& camera);
 

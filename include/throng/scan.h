@@ -22,8 +22,8 @@ std::vector<ScanMethodInfo> scan_methods();
 
 // What "auto" chooses for a rig where updates are staged, and why, in one line. The method may come with its
 // invocations a character: "subgroup:8". The choice is made by a cost model of the device: measured, where `throng
-// tune` has left its file in the user's cache folder
-// ($XDG_CACHE_HOME/throng or ~/.cache/throng), else built in.
+// tune` has left its file in the user's cache folder ($XDG_CACHE_HOME/throng or ~/.cache/throng), else built in. Errors
+// of advise_scan(): kInvalidArgument (no joints).
 struct ScanAdvice {
     std::string method{};
     std::string reason{};
@@ -31,7 +31,7 @@ struct ScanAdvice {
 Result<ScanAdvice> advise_scan(const Device& device, const Rig& rig, uint32_t instance_count);
 
 // The order in which `stream`, the method of fused updates on GPUs, goes about a compiled character's rig:
-// docs/scan.md#stream.
+// docs/scan.md#stream. `lanes` is held within 4 to 64 and rounded down to a power of two.
 struct StreamOrder {
     uint32_t lanes = 0;       // of a subgroup: joints of a chunk; a power of two, 4 to 64
     uint32_t characters = 1;  // that share the chunks

@@ -1,14 +1,18 @@
 // What a command does. C++ too (gpu/glsl.h). The includer declares the buffers `layers` and `parameters`, the functions
 // of control/rounded.glsl and push_play().
 
+// Leaves the layer's blend alone, which another invocation may be setting (command/obey.comp).
 void play(uint layer, ControlCommand command) {
-    LayerState state = layers[layer];
     const bool at_once = command.fade_rate == 0 || command.kind == kCommandPlayInertial;
     const LayerPlay newest = {command.motion,    command.phase, 0,           float(at_once),
                               command.fade_rate, command.value, command.loop};
+    LayerState state;
+    state.play_count = layers[layer].play_count;
+    for (uint k = 0; k < kStackSize; ++k) state.plays[k] = layers[layer].plays[k];
     push_play(state, newest);
-    if (command.kind == kCommandPlayInertial) state.inertial_rate = command.fade_rate;
-    layers[layer] = state;
+    layers[layer].play_count = state.play_count;
+    for (uint k = 0; k < kStackSize; ++k) layers[layer].plays[k] = state.plays[k];
+    if (command.kind == kCommandPlayInertial) layers[layer].inertial_rate = command.fade_rate;
 }
 
 void set_layer(uint layer, ControlCommand command) {

@@ -223,6 +223,7 @@ void CrowdState::download_all(std::span<const KeptBuffer> kept, std::span<std::b
 
 // Checks before anything changes. If an error only shows while reading, what has been read is taken back.
 void CrowdState::restore_state(std::span<const std::byte> state) {
+    check_may_change("crowd state");
     check_last_has_run("crowd state");
     finish_uploads();
     const std::vector<KeptBuffer> kept = kept_buffers();
@@ -248,7 +249,7 @@ void CrowdState::restore_state(std::span<const std::byte> state) {
         at += buffer->size_bytes();
     }
     StateArchive as_it_was;
-    as_it_was.reserve(rest.size() - buffers_bytes);  // about as much
+    as_it_was.reserve((rest.size() - buffers_bytes) / 4 * 5);  // about as much, and some more
     exchange(as_it_was);
     try {
         StateArchive archive(rest.subspan(buffers_bytes));

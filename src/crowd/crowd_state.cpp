@@ -215,7 +215,8 @@ void CrowdState::record(VkCommandBuffer commands, float time_step_s, const Crowd
     for (const auto& uploads : first_uploads_) uploads->begin_update(commands);
     free_what_may_go();
     had_native_ = std::exchange(was_native_, commands == VK_NULL_HANDLE);
-    awaits_commands_ = can_discard_ = commands != VK_NULL_HANDLE;  // a native update has run when this returns
+    awaits_commands_ = commands != VK_NULL_HANDLE;  // a native update has run when this returns
+    can_discard_ = false;                           // until all is recorded
     const Update update = update_of(commands, time_step_s, seen);
     for (const auto& stage : stages) stage->begin(update);
     go_to_slot((slot + 1) % static_cast<uint32_t>(outputs.size()));
@@ -237,6 +238,7 @@ void CrowdState::record(VkCommandBuffer commands, float time_step_s, const Crowd
     memory_barrier(*gpu, commands, kShaderWrite | kTransferWrite,
                    instance_commands ? consumers() | kShaderWrite | kTransferWrite : consumers());
     recorded_.record(commands);
+    can_discard_ = commands != VK_NULL_HANDLE;
 }
 
 void CrowdState::record_disoccluded(VkCommandBuffer commands, const DepthImage& depths) {

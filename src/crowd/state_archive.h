@@ -2,6 +2,7 @@
 #pragma once
 
 #include "base/failure.h"
+#include "base/populate.h"
 #include "crowd/dirty_ranges.h"
 
 #include <cstddef>
@@ -50,7 +51,10 @@ public:
             written_.insert(written_.end(), bytes.begin(), bytes.end());
         }
     }
-    void reserve(size_t size_bytes) { written_.reserve(size_bytes); }
+    void reserve(size_t size_bytes) {
+        written_.reserve(size_bytes);
+        populate({written_.data(), size_bytes});
+    }
     // Room for this many more bytes, to write to before anything else is written.
     std::span<std::byte> room_for(size_t size_bytes) {
         written_.resize(written_.size() + size_bytes);

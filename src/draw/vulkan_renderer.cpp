@@ -142,7 +142,7 @@ void VulkanRenderer::record_update(VkCommandBuffer commands, Crowds crowds, floa
             CrowdState& crowd = *crowds[recorded_count];
             crowd.record(commands, time_step_s, culls(&crowd) ? &view : nullptr);
         }
-    } catch (...) {  // then time advances for none
+    } catch (...) {  // time advances for none, except for the one that failed, if it had begun
         for (CrowdState* crowd : crowds.first(recorded_count)) crowd->discard_last_record();
         throw;
     }

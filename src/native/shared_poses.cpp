@@ -15,8 +15,10 @@
 namespace throng {
 namespace {
 
+// At most 2^32 - 1, so that the sum over all clips cannot overflow: a file may say that a clip lasts for aeons.
 uint64_t interval_count(const Clip& clip, float poses_per_s) {
-    return static_cast<uint64_t>(std::ceil(double{clip.duration_s} * poses_per_s));
+    constexpr double kMost = std::numeric_limits<uint32_t>::max();
+    return static_cast<uint64_t>(std::min(std::ceil(double{clip.duration_s} * poses_per_s), kMost));
 }
 
 // Makes single poses of clips.

@@ -6,15 +6,6 @@
 namespace throng {
 namespace {
 
-AffineT<double> weighted_sum(std::span<const WeightedTransform> transforms) {
-    AffineT<double> sum{};
-    for (auto& row : sum.row) row = {};
-    for (const auto& [weight, transform] : transforms)
-        for (size_t r = 0; r < 3; ++r)
-            for (size_t c = 0; c < 4; ++c) sum.row[r][c] += weight * transform.row[r][c];
-    return sum;
-}
-
 // The quaternion of a rotation matrix: four times the product of two components each, in the row of the largest one.
 Quaternion<double> rotation_of(const std::array<std::array<double, 4>, 3>& m) {
     const std::array squares{1 + m[0][0] - m[1][1] - m[2][2], 1 + m[1][1] - m[0][0] - m[2][2],
@@ -45,45 +36,45 @@ Quaternion<double> operator*(const Quaternion<double>& q, double factor) {
     return {q.x * factor, q.y * factor, q.z * factor, q.w * factor};
 }
 
-AffineT<double> dual_quaternion_sum(std::span<const WeightedTransform> transforms) {
-    Quaternion<double> rotation{0, 0, 0, 0}, dual{0, 0, 0, 0};
-    double scale = 0;
-    for (const auto& [weight, transform] : transforms) {
-        const Trs<double> parts = parts_of(transform);
-        const double side = dot(rotation, parts.rotation) < 0 ? -weight : weight;
-        const Quaternion<double> translation{parts.translation.x, parts.translation.y, parts.translation.z, 0};
-        rotation = rotation + parts.rotation * side;
-        dual = dual + translation * parts.rotation * (side / 2);
-        scale += weight * parts.scale.x;
-    }
-    const double size = std::sqrt(dot(rotation, rotation));
-    const Quaternion<double> unit = rotation * (1 / size), back{-unit.x, -unit.y, -unit.z, unit.w};
-    const Quaternion<double> translation = dual * (2 / size) * back;
-    return to_affine(Trs<double>{unit, {translation.x, translation.y, translation.z}, {scale, scale, scale}});
-}
-
 }  // namespace
 
-AffineT<double> blended_transform(SkinBlend blend, std::span<const WeightedTransform> transforms) {
-    return blend == SkinBlend::kLinear ? weighted_sum(transforms) : dual_quaternion_sum(transforms);
+void BlendedTransform::add(double weight, const AffineT<double>& transform) {
+    if (blend_ == SkinBlend::kDualQuaternion) return add_dual_quaternion(weight, parts_of(transform));
+    for (size_t r = 0; r < 3; ++r)
+        for (size_t c = 0; c < 4; ++c) sum_.row[r][c] += weight * transform.row[r][c];
+}
+
+void BlendedTransform::add_dual_quaternion(double weight, const Trs<double>& parts) {
+    const double side = dot(rotation_, parts.rotation) < 0 ? -weight : weight;
+    const Quaternion<double> translation{parts.translation.x, parts.translation.y, parts.translation.z, 0};
+    rotation_ = rotation_ + parts.rotation * side;
+    dual_ = dual_ + translation * parts.rotation * (side / 2);
+    scale_ += weight * parts.scale.x;
+}
+
+AffineT<double> BlendedTransform::result() const {
+    if (blend_ == SkinBlend::kLinear) return sum_;
+    const double size = std::sqrt(dot(rotation_, rotation_));
+    const Quaternion<double> unit = rotation_ * (1 / size), back{-unit.x, -unit.y, -unit.z, unit.w};
+    const Quaternion<double> translation = dual_ * (2 / size) * back;
+    return to_affine(Trs<double>{unit, {translation.x, translation.y, translation.z}, {scale_, scale_, scale_}});
 }
 
 std::vector<Vec3<double>> skin_reference(const Character& character, std::span<const AffineT<double>> model_from_bind,
                                          std::span<const WeightedMorph> morphs, SkinBlend blend) {
     std::vector<Vec3<double>> positions(character.vertices.size());
-    std::vector<WeightedTransform> transforms;
     for (const MeshSection& section : character.sections) {
         for (uint32_t vertex = 0; vertex < section.vertex_count; ++vertex) {
-            transforms.clear();
+            BlendedTransform transform(blend);
             for (uint32_t set = 0; set < section.influence_sets; ++set) {
                 const Influences& influences =
                     character.influences[section.first_influences + vertex * section.influence_sets + set];
                 for (size_t i = 0; i < 4; ++i)
                     if (influences.weights[i] != 0)
-                        transforms.push_back({double{influences.weights[i]}, model_from_bind[influences.entries[i]]});
+                        transform.add(double{influences.weights[i]}, model_from_bind[influences.entries[i]]);
             }
             positions[section.first_vertex + vertex] = transform_point(
-                blended_transform(blend, transforms), morphed_position_reference(character, section, vertex, morphs));
+                transform.result(), morphed_position_reference(character, section, vertex, morphs));
         }
     }
     return positions;

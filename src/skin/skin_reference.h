@@ -10,14 +10,22 @@
 
 namespace throng {
 
-struct WeightedTransform {
-    double weight = 0;
-    AffineT<double> transform;
-};
+// The transform of one vertex: the weighted sum of the matrices that are added; or of dual quaternions and scales, for
+// matrices that are a rotation, a uniform scale and a translation.
+class BlendedTransform {
+public:
+    explicit BlendedTransform(SkinBlend blend) : blend_(blend) {}
+    void add(double weight, const AffineT<double>& transform);
+    AffineT<double> result() const;
 
-// The transform of one vertex: the weighted sum of the matrices; or of dual quaternions and scales, for matrices that
-// are a rotation, a uniform scale and a translation.
-AffineT<double> blended_transform(SkinBlend blend, std::span<const WeightedTransform> transforms);
+private:
+    void add_dual_quaternion(double weight, const Trs<double>& parts);
+
+    SkinBlend blend_;
+    AffineT<double> sum_{.row = {}};
+    Quaternion<double> rotation_{0, 0, 0, 0}, dual_{0, 0, 0, 0};
+    double scale_ = 0;
+};
 
 // Positions of vertices, with what the active morphs add to them, under the blend of their skin matrices; in the order
 // of Character::vertices, model space.

@@ -163,6 +163,19 @@ TEST(Compile, LimitsAreNamed) {
     EXPECT_TRUE(contains(palette.text(), "65536")) << palette.text();
 }
 
+// A file of a few kilobytes can say so.
+TEST(Compile, AMeshCountsForEachNodeThatShowsIt) {
+    AssetBuilder builder;
+    builder.mesh(builder.node(kNone));
+    AssetPrimitive& primitive = builder.asset.meshes[0].primitives[0];
+    primitive.positions.resize(4096);
+    builder.asset.mesh_instances.resize(10'000, builder.asset.mesh_instances[0]);
+    const Error error = refusal_of(builder.asset);
+    EXPECT_EQ(error.code, ErrorCode::kLimit);
+    EXPECT_TRUE(contains(error.text(), "built: its meshes take ") && contains(error.text(), "the limit is 2048 MiB"))
+        << error.text();
+}
+
 TEST(Compile, AnAssetWithNothingToDrawIsRefused) {
     AssetBuilder builder;
     builder.node(kNone);

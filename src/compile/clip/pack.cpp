@@ -14,6 +14,7 @@
 #include <future>
 #include <map>
 #include <mutex>
+#include <system_error>
 #include <thread>
 
 namespace throng {
@@ -168,7 +169,11 @@ void pack_clips(std::span<const ExactClip> clips, double error, Character& chara
     std::vector<std::future<void>> threads;
     const size_t thread_count = std::min(
         {clip_count, kMostThreads, size_t{std::max(1u, std::thread::hardware_concurrency())}});
-    for (size_t i = 0; i + 1 < thread_count; ++i) threads.push_back(std::async(std::launch::async, work));
+    try {
+        for (size_t i = 0; i + 1 < thread_count; ++i) threads.push_back(std::async(std::launch::async, work));
+    } catch (const std::system_error&) {
+        // The system has no more threads to give: those that there are do all of the work
+    }
     work();
     for (std::future<void>& thread : threads) {
         while (thread.wait_for(kReportInterval) != std::future_status::ready) report();

@@ -48,6 +48,7 @@ public:
           rest_model_from_joint_(rest_model_from_joint(map.rig)) {}
 
     void run() {
+        check_size();
         for (const AssetSkin& skin : asset_.skins) add_skin(skin);
         size_t done = 0;
         for (const AssetMeshInstance& instance : asset_.mesh_instances) {
@@ -61,6 +62,20 @@ public:
     }
 
 private:
+    void check_size() const {
+        uint64_t size_bytes = 0;
+        for (const AssetMeshInstance& instance : asset_.mesh_instances)
+            for (const AssetPrimitive& primitive : asset_.meshes[instance.mesh].primitives) {
+                const uint64_t influence_sets = std::max(1u, primitive.influence_count / 4);
+                size_bytes += primitive.positions.size() * (sizeof(Vertex) + influence_sets * sizeof(Influences)) +
+                              primitive.indices.size() * sizeof(uint32_t);
+            }
+        if (size_bytes > kMeshLimit_bytes)
+            throw Failure(ErrorCode::kLimit, asset_.name, "its meshes take ", size_bytes >> 20,
+                          " MiB, each counted for every node that shows it; the limit is ", kMeshLimit_bytes >> 20,
+                          " MiB");
+    }
+
     uint32_t add_entries(const std::vector<PaletteEntry>& entries) {
         const size_t first = character_.palette.size();
         if (first + entries.size() > kPaletteLimit)

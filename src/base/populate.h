@@ -1,0 +1,23 @@
+// Memory that will be written at once.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <sys/mman.h>
+#include <unistd.h>
+
+namespace throng {
+
+// Asks the system for the pages of new memory all at once, which takes a third of the time that a fault for each of
+// them takes. Only a hint: Linux before 5.14 does not know it.
+inline void populate([[maybe_unused]] std::span<std::byte> memory) {
+#ifdef MADV_POPULATE_WRITE
+    const auto page_bytes = static_cast<uintptr_t>(sysconf(_SC_PAGESIZE));
+    const auto begin = reinterpret_cast<uintptr_t>(memory.data()), end = begin + memory.size();
+    const uintptr_t first = (begin + page_bytes - 1) / page_bytes * page_bytes, last = end / page_bytes * page_bytes;
+    if (first < last) madvise(reinterpret_cast<void*>(first), last - first, MADV_POPULATE_WRITE);
+#endif
+}
+
+}  // namespace throng
