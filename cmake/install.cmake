@@ -3,7 +3,7 @@
 include(CMakePackageConfigHelpers)
 set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/throng)
 set(pkgconfig_dir ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
-set(doc_dir ${CMAKE_INSTALL_DATAROOTDIR}/doc/throng)
+set(doc_dir ${CMAKE_INSTALL_DOCDIR})
 
 install(TARGETS throng EXPORT throng-targets LIBRARY COMPONENT Runtime NAMELINK_COMPONENT Development)
 
@@ -15,7 +15,10 @@ configure_package_config_file(${PROJECT_SOURCE_DIR}/cmake/throng-config.cmake.in
   INSTALL_DESTINATION ${package_dir})
 install(FILES ${PROJECT_BINARY_DIR}/throng-config.cmake ${PROJECT_BINARY_DIR}/throng-config-version.cmake
   DESTINATION ${package_dir} COMPONENT Development)
-string(REGEX REPLACE "[^/]+" ".." prefix_from_pkgconfig ${pkgconfig_dir})
+GNUInstallDirs_get_absolute_install_dir(full_pkgconfig_dir pkgconfig_dir LIBDIR)
+file(RELATIVE_PATH prefix_from_pkgconfig ${full_pkgconfig_dir} ${CMAKE_INSTALL_PREFIX})
+file(RELATIVE_PATH include_from_pkgconfig ${full_pkgconfig_dir} ${CMAKE_INSTALL_FULL_INCLUDEDIR})
+file(RELATIVE_PATH lib_from_pkgconfig ${full_pkgconfig_dir} ${CMAKE_INSTALL_FULL_LIBDIR})
 configure_file(${PROJECT_SOURCE_DIR}/cmake/throng.pc.in ${PROJECT_BINARY_DIR}/throng.pc @ONLY)
 install(FILES ${PROJECT_BINARY_DIR}/throng.pc DESTINATION ${pkgconfig_dir} COMPONENT Development)
 
@@ -25,10 +28,10 @@ install(FILES ${PROJECT_SOURCE_DIR}/docs/controller.schema.json DESTINATION ${CM
 install(FILES ${PROJECT_SOURCE_DIR}/README.md ${PROJECT_SOURCE_DIR}/CHANGELOG.md ${PROJECT_SOURCE_DIR}/CONTRIBUTING.md
   DESTINATION ${doc_dir} COMPONENT Documentation)
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/docs DESTINATION ${doc_dir} COMPONENT Documentation)
-install(DIRECTORY ${PROJECT_SOURCE_DIR}/examples DESTINATION ${doc_dir} COMPONENT Documentation
-  PATTERN CMakeLists.txt EXCLUDE)
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/examples DESTINATION ${doc_dir} COMPONENT Documentation)
 install(FILES ${PROJECT_SOURCE_DIR}/bench/README.md DESTINATION ${doc_dir}/bench COMPONENT Documentation)
-string(REGEX REPLACE "[^/]+" ".." prefix_from_doc ${doc_dir})
-install(CODE "file(CREATE_LINK ${prefix_from_doc}/${CMAKE_INSTALL_INCLUDEDIR}
-  \$ENV{DESTDIR}\${CMAKE_INSTALL_PREFIX}/${doc_dir}/include SYMBOLIC)" COMPONENT Documentation)
+file(RELATIVE_PATH include_from_doc ${CMAKE_INSTALL_FULL_DOCDIR} ${CMAKE_INSTALL_FULL_INCLUDEDIR})
+install(CODE "set(doc_dir ${doc_dir})
+  cmake_path(ABSOLUTE_PATH doc_dir BASE_DIRECTORY \${CMAKE_INSTALL_PREFIX})
+  file(CREATE_LINK ${include_from_doc} \$ENV{DESTDIR}\${doc_dir}/include SYMBOLIC)" COMPONENT Documentation)
 install(FILES ${PROJECT_SOURCE_DIR}/LICENSE DESTINATION ${doc_dir} COMPONENT Runtime)

@@ -6,9 +6,10 @@
 
 namespace throng {
 
-// $XDG_CACHE_HOME/throng, or ~/.cache/throng; empty where neither variable is set. The folder need not be there.
+// $XDG_CACHE_HOME/throng, or ~/.cache/throng; empty where neither variable is set. The folder need not be there. A
+// relative path does not count (XDG Base Directory Specification 0.8).
 inline std::filesystem::path cache_folder() {
-    if (const char* cache = std::getenv("XDG_CACHE_HOME"); cache && *cache)
+    if (const char* cache = std::getenv("XDG_CACHE_HOME"); cache && *cache == '/')
         return std::filesystem::path(cache) / "throng";
     if (const char* home = std::getenv("HOME"); home && *home) return std::filesystem::path(home) / ".cache" / "throng";
     return {};

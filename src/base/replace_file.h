@@ -8,20 +8,34 @@
 #include <fcntl.h>
 #include <filesystem>
 #include <span>
+#include <sys/stat.h>
 #include <system_error>
 #include <unistd.h>
 
 namespace throng {
 
-// Writes a new file beside `path`, then gives it that name by `take_name`, which is rename() or behaves like it.
-// Returns the errno of what failed, or 0.
-template <class TakeName>
-int write_beside(const std::filesystem::path& path, std::span<const std::byte> bytes, TakeName take_name) {
+// What a symbolic link leads to in the end, which need not be there; any other path itself.
+inline std::filesystem::path link_target(std::filesystem::path path) {
     namespace fs = std::filesystem;
-    const auto fail = [&](const std::string& what) { throw Failure(ErrorCode::kFile, path.string(), what); };
+    constexpr int kMostLinks = 40;  // as Linux follows
     std::error_code error;
-    const fs::file_type type = fs::status(path, error).type();
-    if (type != fs::file_type::not_found && type != fs::file_type::regular) fail("is there, and not a plain file");
+    for (int links = 0; links < kMostLinks && fs::is_symlink(fs::symlink_status(path, error)); ++links)
+        path = path.parent_path() / fs::read_symlink(path, error);  // an absolute target replaces the folder
+    return path;
+}
+
+// Writes a new file beside `name`, or beside what that links to, then gives it that name by `take_name`, which is
+// rename() or behaves like it. If a file is replaced, the new one has its permissions. Returns the errno of what
+// failed, or 0.
+template <class TakeName>
+int write_beside(const std::filesystem::path& name, std::span<const std::byte> bytes, TakeName take_name) {
+    namespace fs = std::filesystem;
+    const auto fail = [&](const std::string& what) { throw Failure(ErrorCode::kFile, name.string(), what); };
+    const fs::path path = link_target(name);
+    std::error_code error;
+    const fs::file_status there = fs::status(path, error);
+    const bool replaces = there.type() == fs::file_type::regular;
+    if (there.type() != fs::file_type::not_found && !replaces) fail("is there, and not a plain file");
 
     fs::path unfinished;
     int file = -1;
@@ -32,6 +46,7 @@ int write_beside(const std::filesystem::path& path, std::span<const std::byte> b
         if (file < 0 && errno != EEXIST) fail("cannot be written: " + std::generic_category().message(errno));
     }
     int reason = 0;
+    if (replaces) ::fchmod(file, static_cast<mode_t>(there.permissions() & fs::perms::all));
     while (!bytes.empty() && reason == 0) {
         const ssize_t count = ::write(file, bytes.data(), bytes.size());
         if (count >= 0)

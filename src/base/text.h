@@ -29,4 +29,14 @@ std::string numbered(std::string_view thing, uint32_t index);
 // `limit` bytes is cut.
 std::string printable(std::string_view text, size_t limit = 60);
 
+// By ASCII alone, whatever the application's locale is: in a Turkish one, std::tolower('I') is no 'i'.
+constexpr char ascii_lower(char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; }
+inline std::string ascii_lower(std::string text) {
+    for (char& c : text) c = ascii_lower(c);
+    return text;
+}
+constexpr bool is_ascii_alphanumeric(char c) {
+    return (c >= '0' && c <= '9') || (ascii_lower(c) >= 'a' && ascii_lower(c) <= 'z');
+}
+
 }  // namespace throng

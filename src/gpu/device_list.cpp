@@ -1,21 +1,15 @@
 #include "gpu/device_list.h"
 
+#include "base/text.h"
 #include "base/failure.h"
 #include "gpu/native.h"
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <charconv>
 
 namespace throng {
 namespace {
-
-std::string lower(std::string text) {
-    std::transform(text.begin(), text.end(), text.begin(),
-                   [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-    return text;
-}
 
 const char* type_name(VkPhysicalDeviceType type) {
     switch (type) {
@@ -93,17 +87,17 @@ std::string unusable_reason(const DeviceInfo& info) {
     return info.usable ? std::string() : "Vulkan 1.3 and a compute queue are needed";
 }
 
-bool is_native_name(const std::string& select) { return lower(select) == kNativeType; }
+bool is_native_name(const std::string& select) { return ascii_lower(select) == kNativeType; }
 
 bool is_selected(const DeviceInfo& info, const std::string& select) {
     if (select.empty()) return true;
     uint32_t index = 0;
     const auto [end, parse] = std::from_chars(select.data(), select.data() + select.size(), index);
     if (parse == std::errc{} && end == select.data() + select.size()) return info.index == index;
-    if (lower(select) == "cpu") return info.type == "cpu";
+    if (ascii_lower(select) == "cpu") return info.type == "cpu";
     // By its whole name: it has the processor's, which a GPU's may share
     if (info.type == kNativeType) return is_native_name(select) || select == info.name;
-    return lower(info.name).find(lower(select)) != std::string::npos;
+    return ascii_lower(info.name).find(ascii_lower(select)) != std::string::npos;
 }
 
 DeviceInfo select_device(const std::vector<DeviceInfo>& infos, const std::string& select) {

@@ -160,6 +160,7 @@ std::shared_ptr<const std::vector<std::byte>> Buffers::side_file(std::string_vie
                                        : resolved(std::get<AssetResolver>(side_files_), path.string(), place);
     if (bytes.size() > side_files_left_bytes_) throw Failure(ErrorCode::kLimit, place, too_large);
     side_files_left_bytes_ -= bytes.size();
+    budget_.add_file(bytes.size());
     return content = std::make_shared<const std::vector<std::byte>>(std::move(bytes));
 }
 

@@ -6,32 +6,42 @@
 #include "base/failure.h"
 #include "base/progress.h"
 
+#include <algorithm>
 #include <cstdint>
 #include <string>
 
 namespace throng::gltf {
 
-inline constexpr uint64_t kFileLimitBytes = uint64_t(2) << 30;      // a file, and all side files of a file together
-inline constexpr uint64_t kMemoryLimitBytes = uint64_t(384) << 20;  // JSON as read and everything decoded
-inline constexpr uint64_t kJsonLimitBytes = uint64_t(256) << 20;    // JSON text, data: URIs included
+inline constexpr uint64_t kFileLimitBytes = uint64_t(2) << 30;  // a file, and all side files of a file together
+// Of JSON as read and everything decoded: so much for any file, or so many times what the files have. JSON takes up to
+// twelve times as much memory as its text.
+inline constexpr uint64_t kMemoryLimitBytes = uint64_t(384) << 20, kMemoryOfFile = 12;
+inline constexpr uint64_t kJsonLimitBytes = uint64_t(256) << 20;  // JSON text, data: URIs included
 inline constexpr uint32_t kWarningLimit = 100;
 
 // All work on a file's content is charged here, so this is also where it polls whether it should go on.
 class Budget {
 public:
-    explicit Budget(const Progress& progress = {}) : progress_(progress.between(0, 0)) {}
+    explicit Budget(uint64_t file_bytes, const Progress& progress = {}) : progress_(progress.between(0, 0)) {
+        add_file(file_bytes);
+    }
 
-    // Fails with kLimit where `size_bytes` more would exceed kMemoryLimitBytes.
+    void add_file(uint64_t size_bytes) {
+        file_bytes_ += size_bytes;
+        limit_bytes_ = std::max(kMemoryLimitBytes, kMemoryOfFile * file_bytes_);
+    }
+    // Fails with kLimit where `size_bytes` more would exceed the limit.
     void charge(uint64_t size_bytes, const std::string& place) {
         progress_.poll();
-        if (size_bytes > left_bytes_)
-            throw Failure(ErrorCode::kLimit, place,
-                          "the file's content needs more than the limit of 384 MiB of memory");
-        left_bytes_ -= size_bytes;
+        if (size_bytes > limit_bytes_ - used_bytes_)
+            throw Failure(ErrorCode::kLimit, place, "the file's content needs more than the limit of ",
+                          limit_bytes_ >> 20, " MiB of memory (384, or ", kMemoryOfFile,
+                          " times the size of the file)");
+        used_bytes_ += size_bytes;
     }
     // Charges `count` elements of `element_bytes` each; count is at most 2^53.
     void charge(uint64_t count, uint64_t element_bytes, const std::string& place) {
-        charge(count > kMemoryLimitBytes ? count : count * element_bytes, place);
+        charge(count > limit_bytes_ ? limit_bytes_ + 1 : count * element_bytes, place);
     }
 
     // Polls; to be called at each step of a loop over decoded data.
@@ -41,7 +51,7 @@ public:
 
 private:
     Progress progress_;
-    uint64_t left_bytes_ = kMemoryLimitBytes;
+    uint64_t file_bytes_ = 0, limit_bytes_ = 0, used_bytes_ = 0;
 };
 
 }  // namespace throng::gltf

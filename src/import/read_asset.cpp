@@ -109,7 +109,7 @@ uint64_t parsed_bytes(std::string_view text, const Budget& budget) {
 
 Asset read_parts(std::span<const std::byte> bytes, const SideFiles& side_files, Warnings& warnings,
                  const Progress& progress) {
-    Budget budget(progress);
+    Budget budget(bytes.size(), progress);
     const Container container = open_container(bytes, warnings);
     const JsonText json = parse_json(container.json, budget, progress.between(0, kParsed));
     const JsonView root = json.view();

@@ -1,5 +1,7 @@
 #include "import/uri.h"
 
+#include "base/text.h"
+
 #include <algorithm>
 #include <array>
 #include <charconv>
@@ -90,10 +92,7 @@ bool leads_up(std::string_view path) {
 
 }  // namespace
 
-bool is_data_uri(std::string_view uri) {
-    return std::ranges::equal(uri.substr(0, 5), std::string_view("data:"), {},
-                              [](unsigned char c) { return std::tolower(c); });
-}
+bool is_data_uri(std::string_view uri) { return ascii_lower(std::string(uri.substr(0, 5))) == "data:"; }
 
 std::vector<std::byte> decode_data_uri(std::string_view uri, Budget& budget, const std::string& place) {
     const size_t comma = uri.find(',');

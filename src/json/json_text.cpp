@@ -48,6 +48,13 @@ private:
     bool ends_line_ = false;
 };
 
+// Empties containers from the innermost to the outermost: then no destructor has to allocate.
+void take_down(Json& json) {
+    if (!json.is_structured()) return;
+    for (Json& child : json) take_down(child);
+    json.clear();
+}
+
 // Does what nlohmann's own builder does, but also keeps lines and enforces limits, and does not search an object for
 // each of its keys. Members are collected aside until their object ends, since an object of nlohmann's copies them
 // whenever it grows.
@@ -103,6 +110,13 @@ public:
 private:
     using Member = std::pair<std::string, Json>;
     struct Open {
+        Open(Json value_in, std::string key_in) : value(std::move(value_in)), key(std::move(key_in)) {}
+        Open(Open&&) noexcept = default;
+        ~Open() {
+            take_down(value);
+            for (auto& [_, member] : members) take_down(member);
+        }
+
         Json value;
         std::string key;  // in the object around it
         std::vector<Member> members{};
@@ -136,10 +150,10 @@ private:
         count();
         if (const size_t limit = by_person_ ? kJsonNestingLimit : kProgramNestingLimit; open_.size() == limit)
             fail(ErrorCode::kLimit, "the JSON is nested deeper than the limit of ", limit);
-        open_.push_back({.value = std::move(value), .key = std::move(key_)});
+        open_.emplace_back(std::move(value), std::move(key_));
         return true;
     }
-    void put(std::string key, Json value) {
+    void put(std::string key, Json&& value) {
         if (open_.empty())
             root_ = std::move(value);
         else if (open_.back().value.is_object())
@@ -166,14 +180,17 @@ size_t value_count(const JsonView& json) {
 
 }  // namespace
 
+void DeleteJson::operator()(Json* json) const {
+    take_down(*json);
+    delete json;
+}
+
 JsonText::JsonText(std::string_view text, JsonAuthor author, const std::string& file, const Progress& progress)
-    : author_(author), root_(std::make_unique<Json>()) {
+    : author_(author), root_(new Json) {
     uint32_t line = 1;
     TreeBuilder builder(author, file, line, *root_, lines_);
     Json::sax_parse(LineCounter(text, 0, &line, &progress), LineCounter(text, text.size()), &builder);
 }
-
-JsonText::~JsonText() = default;
 
 std::string JsonText::located(const std::string& file, const std::string& place) const {
     const auto encloses = [&](const std::string& there) {

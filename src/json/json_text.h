@@ -15,13 +15,16 @@ inline constexpr size_t kJsonValueLimit = 500'000;
 // The deepest nesting of files that programs write. Their readers bound the size (import/limits.h).
 inline constexpr size_t kProgramNestingLimit = 64;
 
+// nlohmann's own destructor allocates memory for what a value contains, and ends the program if there is none.
+struct DeleteJson {
+    void operator()(Json* json) const;
+};
+
 class JsonText {
 public:
     // Throws kInvalidFile and kLimit. If a person wrote the text, no key may stand twice in an object, and the place of
     // a failure is `file` and line; else the last of several equal keys counts, and the place is empty.
     JsonText(std::string_view text, JsonAuthor author, const std::string& file = {}, const Progress& progress = {});
-    ~JsonText();
-
     JsonView view() const { return JsonView(*root_, author_); }
 
     // "guard.json:12: layers[0].name": a place within the file, with its line or that of the innermost value around it
@@ -30,7 +33,7 @@ public:
 
 private:
     JsonAuthor author_;
-    std::unique_ptr<Json> root_;
+    std::unique_ptr<Json, DeleteJson> root_;
     std::vector<uint32_t> lines_;  // from 1; of each value, in the order of the text
 };
 

@@ -1,11 +1,11 @@
 #include "json/json_view.h"
 
+#include "base/text.h"
 #include "json/known_names.h"
 
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <limits>
 
@@ -15,8 +15,8 @@ namespace {
 const Json kEmptyArray = Json::array(), kEmptyObject = Json::object();
 
 bool is_word(std::string_view key) {
-    return !key.empty() && std::all_of(key.begin(), key.end(), [](unsigned char c) {
-        return std::isalnum(c) || c == '_' || c == '$' || c == '-';
+    return !key.empty() && std::ranges::all_of(key, [](char c) {
+        return is_ascii_alphanumeric(c) || c == '_' || c == '$' || c == '-';
     });
 }
 

@@ -2,18 +2,18 @@
 
 #include "base/count.h"
 #include "base/failure.h"
+#include "base/text.h"
 
 #include <throng/asset.h>
 
 #include <algorithm>
-#include <cctype>
 #include <numeric>
 
 namespace throng {
 namespace {
 
 bool is_same_letter(char a, char b) {  // case does not count
-    return std::tolower(static_cast<unsigned char>(a)) == std::tolower(static_cast<unsigned char>(b));
+    return ascii_lower(a) == ascii_lower(b);
 }
 
 bool contains(std::string_view whole, std::string_view part) {

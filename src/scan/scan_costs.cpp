@@ -1,5 +1,6 @@
 #include "scan/scan_costs.h"
 
+#include "base/text.h"
 #include "base/cache_folder.h"
 #include "base/failure.h"
 
@@ -7,7 +8,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <cmath>
 #include <fstream>
 #include <sstream>
@@ -95,7 +95,7 @@ std::filesystem::path scan_costs_file(const Gpu& gpu) {
     if (folder.empty()) return {};
     std::string name = gpu.info.name + " " + gpu.info.driver;
     for (char& c : name)
-        if (!std::isalnum(static_cast<unsigned char>(c)) && c != '.' && c != '-') c = '_';
+        if (!is_ascii_alphanumeric(c) && c != '.' && c != '-') c = '_';
     return folder / ("scan_costs_" + name + ".json");
 }
 

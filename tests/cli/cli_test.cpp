@@ -440,6 +440,19 @@ TEST_F(Cli, AFullDiskIsSaid) {
     }
 }
 
+// Wherever memory ends while a file is read, that is said.
+TEST_F(Cli, TooLittleMemoryIsSaid) {
+    ASSERT_TRUE(run_tool({"generate", "--joints", "4000", "--levels", "100", "--out", "large.glb"}).succeeded());
+    int refused = 0;
+    for (uint64_t limit_MiB = 36; limit_MiB <= 100; limit_MiB += 4) {
+        const Outcome run = run_tool({"info", "large.glb"}, {.memory_limit_bytes = limit_MiB << 20});
+        if (run.succeeded()) continue;
+        EXPECT_TRUE(run.refused("out of memory")) << limit_MiB << " MiB\n" << run;
+        ++refused;
+    }
+    EXPECT_GT(refused, 0);
+}
+
 // Broken and malicious files of others, and mutants of sound ones: an answer or a refusal, never a crash, a hang, or
 // memory without end.
 TEST_F(Cli, InvalidFilesAreAnsweredOrRefused) {

@@ -65,8 +65,9 @@ run(${prefix}/bin/throng info ${CHARACTER})
 run(${prefix}/bin/throng bench --help)
 run(${prefix}/bin/throng view --help)
 run(python3 ${CMAKE_CURRENT_LIST_DIR}/../links.py ${prefix}/share/doc/throng)
-run(${COMPILER} -std=c++20 -o ${WORK}/example ${prefix}/share/doc/throng/examples/play_clips.cpp ${flags}
-  -Wl,-rpath,${prefix}/${LIBDIR})
+run(${CMAKE_COMMAND} -S ${prefix}/share/doc/throng/examples -B ${WORK}/examples -G ${GENERATOR}
+  -D CMAKE_CXX_COMPILER=${COMPILER} -D CMAKE_CXX_FLAGS=${FLAGS} -D CMAKE_PREFIX_PATH=${prefix})
+run(${CMAKE_COMMAND} --build ${WORK}/examples --target swarm)  # which has a shader too
 foreach(file throng/controller.schema.json doc/throng/LICENSE doc/throng/README.md doc/throng/docs/library.md)
   if(NOT EXISTS ${prefix}/share/${file})
     message(FATAL_ERROR "not installed: share/${file}")

@@ -389,5 +389,26 @@ TEST(CharacterFile, FilesAreReplacedAsAWhole) {
     EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder.path()), {}), 3);
 }
 
+TEST(CharacterFile, LinksStayLinksAndPrivateFilesPrivate) {
+    namespace fs = std::filesystem;
+    const TemporaryFolder folder;
+    fs::create_directory(folder.path() / "data");
+    const fs::path file = folder.path() / "data" / "file", link = folder.path() / "link",
+                   dangling = folder.path() / "new";
+    std::ofstream(file) << "old";
+    constexpr fs::perms kPrivate = fs::perms::owner_read | fs::perms::owner_write;
+    fs::permissions(file, kPrivate);
+    fs::create_symlink("data/file", link);
+    fs::create_symlink(folder.path() / "data" / "new", dangling);
+    for (const fs::path& path : {link, dangling}) {
+        replace_file(path, std::as_bytes(std::span("new", 3)));
+        EXPECT_TRUE(fs::is_symlink(path));
+        EXPECT_EQ(read_file(path), "new");
+    }
+    EXPECT_EQ(fs::status(file).permissions(), kPrivate);
+    fs::create_symlink("circle", folder.path() / "circle");
+    EXPECT_THROW(replace_file(folder.path() / "circle", {}), Failure);
+}
+
 }  // namespace
 }  // namespace throng

@@ -1,4 +1,5 @@
 // Accessors: bounds, strides, sparse ones.
+#include "import/limits.h"
 #include "tests/host/import_cases.h"
 
 namespace throng::test {
@@ -127,6 +128,25 @@ TEST(Import, AmplificationIsBounded) {
     const auto result = load(b);
     ASSERT_FALSE(result.ok());
     EXPECT_EQ(result.error().code, ErrorCode::kLimit);
+}
+
+// What a file contains may take the more memory the larger it is.
+TEST(Import, MemoryIsLimitedByTheSizeOfTheFile) {
+    constexpr uint64_t kMiB = uint64_t{1} << 20;
+    gltf::Budget small(1000), large(100 * kMiB);
+    small.charge(384 * kMiB, "");
+    EXPECT_THROW(small.charge(1, ""), Failure);
+    large.charge(1100 * kMiB, "");
+    large.charge(100 * kMiB, "");
+    try {
+        large.charge(uint64_t{1} << 53, 4096, "meshes[0]");
+        ADD_FAILURE() << "overflow";
+    } catch (const Failure& failure) {
+        EXPECT_NE(failure.error.message.find("the limit of 1200 MiB"), std::string::npos) << failure.error.text();
+    }
+    large.add_file(kMiB);
+    large.charge(12 * kMiB, "");
+    EXPECT_THROW(large.charge(1, ""), Failure);
 }
 
 }  // namespace

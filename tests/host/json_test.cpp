@@ -1,4 +1,5 @@
 // JSON whose values know their place, read as programs write it and as people do.
+#include "base/text.h"
 #include "json/json_text.h"
 #include "json/known_names.h"
 
@@ -114,6 +115,15 @@ TEST(Json, MembersOfProgramsAreFoundByTheirKeys) {
 TEST(Json, LongKeysAreCutInPlaces) {
     const std::string key(100'000, 'a');
     EXPECT_LT(place_of("masks", key).size(), 1000u);
+}
+
+// std::tolower() goes by the locale: in Turkish, 'I' is not the capital of 'i'.
+TEST(Text, CaseIsThatOfAscii) {
+    EXPECT_EQ(ascii_lower("AZaz09[@`{_\xC4\xB0\xDD"), "azaz09[@`{_\xC4\xB0\xDD");
+    std::string alphanumeric;
+    for (int c = 0; c < 256; ++c)
+        if (is_ascii_alphanumeric(static_cast<char>(c))) alphanumeric += static_cast<char>(c);
+    EXPECT_EQ(alphanumeric, "0123456789ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz");
 }
 
 }  // namespace

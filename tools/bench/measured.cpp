@@ -1,12 +1,12 @@
 #include "tools/bench/measured.h"
 
+#include "base/text.h"
 #include "bench/report/gnuplot.h"
 #include "bench/scan_report.h"
 #include "bench/updates.h"
 #include "tools/cli/command.h"
 
 #include <algorithm>
-#include <cctype>
 #include <cstdio>
 #include <thread>
 
@@ -37,8 +37,7 @@ std::vector<NativeIsa> chosen_isas(const std::string& isa) {
     std::vector<NativeIsa> chosen;
     std::string known;
     for (const NativeIsa one : native_isas()) {
-        std::string name(name_of(one));
-        std::ranges::transform(name, name.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+        const std::string name = ascii_lower(std::string(name_of(one)));
         known += (known.empty() ? "" : ", ") + name;
         if (isa == "all" || isa == name) chosen.insert(chosen.begin(), one);
     }

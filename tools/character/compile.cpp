@@ -1,3 +1,4 @@
+#include "base/text.h"
 #include "tools/cli/command.h"
 #include "tools/cli/inputs.h"
 #include "tools/commands.h"
@@ -5,7 +6,6 @@
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
-#include <cctype>
 #include <cstdio>
 #include <filesystem>
 
@@ -13,8 +13,7 @@ namespace throng::tools {
 namespace {
 
 bool is_gltf_name(const std::filesystem::path& path) {
-    std::string ending = path.extension().string();
-    std::ranges::transform(ending, ending.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+    const std::string ending = ascii_lower(path.extension().string());
     return ending == ".glb" || ending == ".gltf";
 }
 
@@ -82,7 +81,8 @@ nlohmann::json to_json(const CompileOptions& options, const Character& character
 
 void print_text(const CompileOptions& options, const Character& character, size_t bytes) {
     const ClipTotals totals(character);
-    std::printf("%s: %zu bytes, of %s\n", options.out.c_str(), bytes, options.file.c_str());
+    std::printf("%s: %zu bytes, of %s\n", printable(options.out, std::string::npos).c_str(), bytes,
+                printable(options.file, std::string::npos).c_str());
     std::printf("  clips      %zu, %.1f KiB: %.1f times smaller than %.1f KiB of raw floats\n", character.clips.size(),
                 static_cast<double>(totals.size_bytes) / 1024, totals.ratio(),
                 static_cast<double>(totals.raw_size_bytes) / 1024);

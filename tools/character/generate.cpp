@@ -1,3 +1,4 @@
+#include "base/text.h"
 #include "tools/cli/command.h"
 #include "tools/creatures/creature.h"
 #include "tools/creatures/glb_writer.h"
@@ -38,8 +39,9 @@ void run_generate(const GenerateOptions& options) {
     write_file(options.out, bytes);
     size_t index_count = 0;
     for (const AssetPrimitive& primitive : asset.meshes[0].primitives) index_count += primitive.indices.size();
-    std::printf("%s: %u joints, %u levels, %zu faces, %zu clips, %zu bytes\n", options.out.c_str(),
-                settings.joint_count, settings.level_count, index_count / 3, asset.clips.size(), bytes.size());
+    std::printf("%s: %u joints, %u levels, %zu faces, %zu clips, %zu bytes\n",
+                printable(options.out, std::string::npos).c_str(), settings.joint_count, settings.level_count,
+                index_count / 3, asset.clips.size(), bytes.size());
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include "base/failure.h"
 
 #include <spawn.h>
+#include <sys/mman.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -20,10 +21,12 @@ struct CloseFile {
 };
 using File = std::unique_ptr<std::FILE, CloseFile>;
 
-// The child's three streams are unnamed files: unlike pipes they are never full, so neither side waits for the other.
-File temporary_file(const std::string& program) {
-    File file(std::tmpfile());
-    if (!file) throw Failure(ErrorCode::kFile, program, std::string("no temporary file: ") + std::strerror(errno));
+// The child's three streams are files in memory: unlike pipes they are never full, so neither side waits for the other,
+// and unlike temporary files they need no room on a disk.
+File memory_file(const std::string& program) {
+    const int memory = memfd_create(program.c_str(), MFD_CLOEXEC);
+    File file(memory < 0 ? nullptr : fdopen(memory, "w+"));
+    if (!file) throw Failure(ErrorCode::kFile, program, std::string("no file in memory: ") + std::strerror(errno));
     return file;
 }
 
@@ -39,9 +42,12 @@ std::string content(std::FILE* file) {
 
 ChildOutput run_child_program(std::vector<std::string> name_and_arguments, const std::string& input) {
     const std::string& program = name_and_arguments.front();
-    const File in = temporary_file(program), out = temporary_file(program), errors = temporary_file(program);
-    std::fwrite(input.data(), 1, input.size(), in.get());
-    std::rewind(in.get());  // flushes, and the child starts where the file stands
+    const File in = memory_file(program), out = memory_file(program), errors = memory_file(program);
+    const bool is_written = std::fwrite(input.data(), 1, input.size(), in.get()) == input.size() &&
+                            std::fflush(in.get()) == 0;
+    if (!is_written)
+        throw Failure(ErrorCode::kFile, program, std::string("no room for its input: ") + std::strerror(errno));
+    std::rewind(in.get());  // the child starts where the file stands
 
     posix_spawn_file_actions_t files;
     posix_spawn_file_actions_init(&files);

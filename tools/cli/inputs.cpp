@@ -34,8 +34,8 @@ std::vector<FileOnDisk> side_files(const std::string& file) {
     const std::filesystem::path path = file, folder = path.has_parent_path() ? path.parent_path() : ".";
     const auto add_all = [&] {
         gltf::Warnings unsaid(file);
-        gltf::Budget budget;
         const std::vector<std::byte> bytes = read_file(path, gltf::kFileLimitBytes, file);
+        gltf::Budget budget(bytes.size());
         const JsonText json = gltf::parse_json(gltf::open_container(bytes, unsaid).json, budget);
         for (const char* list : {"buffers", "images"})
             for (const JsonView item : json.view().optional_array(list)) {

@@ -102,7 +102,8 @@ Check writable_file() {
         const std::filesystem::path path = text, folder = path.has_parent_path() ? path.parent_path() : ".";
         std::error_code error;
         const auto type = std::filesystem::status(path, error).type();
-        if (access(folder.c_str(), W_OK) != 0) return text + " cannot be written: is its folder there?";
+        if (access(folder.c_str(), W_OK) != 0)
+            return text + " cannot be written: its folder: " + std::generic_category().message(errno);
         if (type == std::filesystem::file_type::none) return text + " cannot be written: " + error.message();
         if (type == std::filesystem::file_type::not_found || type == std::filesystem::file_type::regular) return {};
         return text + " is there, and not a plain file";

@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <csignal>
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
@@ -18,11 +19,13 @@ void become(const OwnProgram& program, char** argv) {
     const std::filesystem::path self = std::filesystem::read_symlink("/proc/self/exe", failure);
     const std::string path = self.parent_path() / program.program;
     if (!failure) ::execv(path.c_str(), argv);
-    throw CommandError(std::string(program.command) + ": " + path + " cannot be started: " +
-                       std::strerror(failure ? failure.value() : errno) + ". './run build' makes it");
+    throw CommandError(std::string(program.command) + ": " + path +
+                       " cannot be started: " + std::strerror(failure ? failure.value() : errno) +
+                       ": is it installed? (In a checkout './run build' makes it)");
 }
 
 int run_program(int argc, char** argv, void (*run)(int argc, char** argv)) {
+    std::signal(SIGXFSZ, SIG_IGN);  // a file that gets too large is an error with a message
     try {
         run(argc, argv);
     } catch (const UsageError& error) {

@@ -1,3 +1,4 @@
+#include "base/text.h"
 #include "tools/cli/command.h"
 #include "tools/controller/controller_text.h"
 #include "tools/controller/graphviz.h"
@@ -95,8 +96,9 @@ void print_text(const Controller& controller, const CheckOptions& options) {
         transition_count += layer.transitions.size();
     }
     std::printf("%s: %zu parameters, %zu masks, %zu layers, %zu states, %zu transitions, %zu events\n",
-                options.file.c_str(), controller.parameters.size(), controller.masks.size(), controller.layers.size(),
-                state_count, transition_count, controller.events.size());
+                printable(options.file, std::string::npos).c_str(), controller.parameters.size(),
+                controller.masks.size(), controller.layers.size(), state_count, transition_count,
+                controller.events.size());
     for (const ControllerParameter& parameter : controller.parameters)
         std::printf("  parameter  %-14s %s%s\n", parameter.name.c_str(), type_name(parameter.type),
                     initial_text(parameter).c_str());

@@ -3,6 +3,7 @@
 // without a byte of difference.
 #include "tools/film/film.h"
 
+#include "base/text.h"
 #include "tools/film/encode.h"
 #include "tools/film/film_frames.h"
 #include "tools/film/film_lock.h"
@@ -155,16 +156,17 @@ public:
     // Throws a CommandError if the previous picture could not be written.
     void write(fs::path path, Picture picture) {
         finish();
-        written_ = std::async(std::launch::async, [path = std::move(path), picture = std::move(picture)] {
-            return write_png(path, picture);
-        });
+        // Deferred where the system has no more threads: then finish() writes it
+        written_ = std::async(
+            std::launch::async | std::launch::deferred,
+            [path = std::move(path), picture = std::move(picture)] { return write_png(path, picture); });
     }
     void finish() {
         if (written_.valid()) unwrap(written_.get());
     }
 
 private:
-    std::future<Result<void>> written_;  // its destructor waits
+    std::future<Result<void>> written_;
 };
 
 Film draw_frames(const Device& device, const RenderOptions& options, const FilmPlan& plan,
@@ -232,7 +234,8 @@ void print_film(const RenderOptions& options, const std::string& device, const F
                            {"renderer", rendered > 0 ? nlohmann::json(film.renderer) : nlohmann::json()},
                            {"drawn", film.drawn},
                            {"stages_ms", to_json(times)}});
-    std::printf("%s: %zu frames, %zu of them new\n", options.out.c_str(), asked, rendered);
+    std::printf("%s: %zu frames, %zu of them new\n", printable(options.out, std::string::npos).c_str(), asked,
+                rendered);
     if (rendered == 0) return;
     std::printf("  medians of a frame on %s, renderer %s:\n", device.c_str(), film.renderer.c_str());
     print_times(times);

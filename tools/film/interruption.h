@@ -3,19 +3,21 @@
 
 #include <time.h>
 
+#include <array>
 #include <csignal>
 
 namespace throng::tools {
 
-// While an object lives, SIGINT and SIGTERM are only noted; a second signal, half a second later or more, ends the
-// program. (A sooner one is the same request: timeout(1) signals a process and then its group.) Signals that were
+// While an object lives, SIGINT, SIGTERM and SIGHUP are only noted; a second signal, half a second later or more, ends
+// the program. (A sooner one is the same request: timeout(1) signals a process and then its group.) Signals that were
 // ignored stay ignored.
 class Interruption {
 public:
-    Interruption() : before_{take(SIGINT), take(SIGTERM)} {}
+    Interruption() {
+        for (size_t i = 0; i < kSignals.size(); ++i) before_[i] = take(kSignals[i]);
+    }
     ~Interruption() {
-        std::signal(SIGINT, before_[0]);
-        std::signal(SIGTERM, before_[1]);
+        for (size_t i = 0; i < kSignals.size(); ++i) std::signal(kSignals[i], before_[i]);
     }
     Interruption(const Interruption&) = delete;
     Interruption& operator=(const Interruption&) = delete;
@@ -24,6 +26,7 @@ public:
 
 private:
     using Handler = void (*)(int);
+    static constexpr std::array kSignals{SIGINT, SIGTERM, SIGHUP};
     static Handler take(int signal) {
         const Handler before = std::signal(signal, note);
         if (before == SIG_IGN) std::signal(signal, SIG_IGN);
@@ -44,7 +47,7 @@ private:
 
     inline static volatile std::sig_atomic_t is_noted_ = 0;
     inline static timespec noted_at_{};
-    Handler before_[2];
+    std::array<Handler, kSignals.size()> before_{};
 };
 
 }  // namespace throng::tools

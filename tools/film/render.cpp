@@ -1,3 +1,4 @@
+#include "base/text.h"
 #include "tools/film/film.h"
 #include "tools/cli/inputs.h"
 #include "tools/cli/options.h"
@@ -28,8 +29,9 @@ void print_times(const RenderOptions& options, const Device& device, Shot& shot)
                            {"path", path},
                            {"renderer", renderer},
                            {"stages_ms", to_json(shot.times())}});
-    std::printf("%s: %u characters on %s, %s, scan by %s, renderer %s\n", options.out.c_str(), count,
-                device.info().name.c_str(), path.c_str(), scan.c_str(), renderer.c_str());
+    std::printf("%s: %u characters on %s, %s, scan by %s, renderer %s\n",
+                printable(options.out, std::string::npos).c_str(), count, device.info().name.c_str(), path.c_str(),
+                scan.c_str(), renderer.c_str());
     print_drawn(shot.count_drawn());
     print_times(shot.times());
 }

@@ -1,8 +1,9 @@
 #include "compile/transfer/node_names.h"
 
+#include "base/text.h"
+
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <string>
 #include <string_view>
 #include <unordered_map>
@@ -14,10 +15,8 @@ namespace {
 // "mixamorig:Left Hand" as "lefthand": exporters put a namespace in front of names, and take characters out of them.
 std::string loose_name(std::string_view name) {
     std::string out;
-    for (const char c : name.substr(name.rfind(':') + 1)) {
-        const auto byte = static_cast<unsigned char>(c);
-        if (byte >= 0x80 || std::isalnum(byte)) out += static_cast<char>(std::tolower(byte));
-    }
+    for (const char c : name.substr(name.rfind(':') + 1))
+        if (static_cast<unsigned char>(c) >= 0x80 || is_ascii_alphanumeric(c)) out += ascii_lower(c);
     return out;
 }
 
