@@ -14,7 +14,7 @@ namespace throng::test {
 // Why the test device is not drawn for in this way; empty where it is.
 inline std::string undrawable_reason(DrawPath path) {
     if (path == DrawPath::kDevice && test_gpu()->is_native()) return "it has no shaders";
-    if (path == DrawPath::kNative && !test_gpu()->native) return "the processor does not draw for it";
+    if (path == DrawPath::kNative && !test_gpu()->processor) return "the processor does not draw for it";
     return {};
 }
 

@@ -314,8 +314,8 @@ void make_crowds(bool natively, const std::string& scan = "auto") {
                            {"10 groups of one rig", 10, 1, false, 4},
                            {"20 groups of three rigs", 20, 3, false, 8},
                            {"the same, culled", 20, 3, true, has_rows ? 28u : 18u}}) {
-        const Device device = another_device();       // without pipelines of the case before
-        if (!natively) device.gpu()->native.reset();  // as hardware, which makes them with the crowd
+        const Device device = another_device();          // without pipelines of the case before
+        if (!natively) device.gpu()->processor.reset();  // as hardware, which makes them with the crowd
         const GpuCounts& counts = device.gpu()->counts;
         CrowdSettings settings{.scan = scan};
         if (of.culls) settings.culling = Culling{.reduces_joints = true};
@@ -353,7 +353,7 @@ TEST(GpuMemory, ACrowdOfManyGroupsAsksLittleOfTheDriver) {
 }
 
 TEST(GpuMemory, WhereItIsUpdatedNativelyItMakesNoPipelines) {
-    if (!test_gpu()->native) GTEST_SKIP() << "the test device is no software device";
+    if (!test_gpu()->processor) GTEST_SKIP() << "the test device is no software device";
     make_crowds(true);
 }
 

@@ -353,7 +353,7 @@ TEST_F(GroupChanges, RefusesWhatDoesNotGoTogether) {
     EXPECT_FALSE(crowd.add_groups(std::move(crowd)));
     EXPECT_EQ(refusal(crowd.remove_group(0)), "remove group: a crowd has one group at least, and it is the last");
     EXPECT_EQ(refusal(crowd.remove_group(1)), "crowd: group 1 of a crowd of 1");
-    if (!test_gpu()->native || test_gpu()->is_native()) return;
+    if (!test_gpu()->processor || test_gpu()->is_native()) return;
     const auto on_device = [](CrowdSettings& of) { of.path = UpdatePath::kDevice; };
     EXPECT_EQ(refused(on_device),
               "add groups: " + character_.name +

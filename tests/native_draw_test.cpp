@@ -62,7 +62,7 @@ double part_with_detail(const Picture& picture) {
 class NativeDraw : public testing::Test {
 protected:
     void SetUp() override {
-        if (!test_gpu()->native || test_gpu()->is_native()) GTEST_SKIP() << "no device has both renderers";
+        if (!test_gpu()->processor || test_gpu()->is_native()) GTEST_SKIP() << "no device has both renderers";
     }
     static void TearDownTestSuite() { pairs().clear(); }
     // By their number of samples. Kept, since to make pipelines takes longer than to draw a small picture.
@@ -486,7 +486,7 @@ TEST_F(NativeDraw, IsChosenForSoftwareDevicesAndNotForGpus) {
     EXPECT_FALSE(make_renderer(DrawPath::kDevice).is_native());
 
     const Device gpu = another_device();
-    gpu.gpu()->native.reset();  // as hardware has none
+    gpu.gpu()->processor.reset();  // as hardware has none
     EXPECT_NE(natively_undrawable_reason(*gpu.gpu()).find("is a GPU"), std::string::npos);
     const Result<Renderer> native = Renderer::create(gpu, {.width = 8, .height = 8, .path = DrawPath::kNative}),
                            chosen = Renderer::create(gpu, {.width = 8, .height = 8});

@@ -73,7 +73,7 @@ TEST(SharedKernels, CodeIsComparedByItsWords) {
 TEST(Pipelines, AreMadeOnceForWhatIsTheSame) {
     const Device device = another_device();
     const std::shared_ptr<Gpu>& gpu = device.gpu();
-    gpu->native.reset();  // as hardware, which makes them with the kernels
+    gpu->processor.reset();  // as hardware, which makes them with the kernels
     const std::atomic<uint64_t>& made = gpu->counts.pipelines;
     const Kernel one = control_kernel(gpu), same = control_kernel(gpu);
     EXPECT_EQ(made, 1u);
@@ -118,7 +118,7 @@ TEST(Pipelines, ACrowdThatIsMadeAgainCompilesNothing) {
 
 TEST(Pipelines, OfASoftwareDeviceAreMadeForWhatIsRecorded) {
     const Device device = another_device();
-    if (!device.gpu()->native) GTEST_SKIP() << "the test device is no software device";
+    if (!device.gpu()->processor) GTEST_SKIP() << "the test device is no software device";
     const std::atomic<uint64_t>& made = device.gpu()->counts.pipelines;
     const Character character = make_character({});
     CrowdSettings settings{.groups = {{&character, 2}}, .culling = Culling{}, .skins_once = true};
@@ -144,7 +144,7 @@ TEST(Pipelines, OfASoftwareDeviceAreMadeBeforeTheyAreNeededWhereAsked) {
     const std::array<Affine, 1> place{};
     for (const bool is_warm : {true, false}) {
         const Device device = another_device();
-        if (!device.gpu()->native) GTEST_SKIP() << "the test device is no software device";
+        if (!device.gpu()->processor) GTEST_SKIP() << "the test device is no software device";
         const std::atomic<uint64_t>& made = device.gpu()->counts.pipelines;
         Crowd crowd = Crowd::create(device, settings).value();
         if (is_warm) {

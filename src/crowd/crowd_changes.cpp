@@ -2,6 +2,7 @@
 #include "crowd/crowd_state.h"
 
 #include "base/failure.h"
+#include "base/finite.h"
 #include "control/layer_commands.h"
 #include "procedural/procedural_plan.h"
 
@@ -173,11 +174,9 @@ void CrowdState::check_agents(const Instances& instances) const {
 
 void CrowdState::set_destination(const Instances& instances, const Each<Vec3<float>>& world_place) {
     check_agents(instances);
-    for (uint32_t i = 0; i < instances.size(); ++i) {
-        const auto& [x, y, z] = world_place[i];
-        if (!std::isfinite(x) || !std::isfinite(y) || !std::isfinite(z))
+    for (uint32_t i = 0; i < instances.size(); ++i)
+        if (!all_finite(world_place[i]))
             refuse(ErrorPlace("destination", instances.number(i)), "a number is not finite");
-    }
     for (uint32_t i = 0; i < instances.size(); ++i) {
         const auto& [x, y, z] = world_place[i];
         steer->set_destination(at(instances.number(i)), {x, y, z, 1});

@@ -173,14 +173,13 @@ void CrowdState::update(float time_step_s, const CrowdView* view) {
     record(VK_NULL_HANDLE, time_step_s, view);
 }
 
-// The device's kernels do not see what a native update keeps for itself, and vice versa.
 void CrowdState::check_runs(bool natively) const {
-    for (const Group& group : groups) {
-        if (natively) break;
-        if (group.sockets_only)
-            throw Failure(ErrorCode::kUnsupported, group.name + ": sockets only",
-                          "they are computed natively alone: by update(), and without occlusion");
-    }
+    if (!natively)
+        for (const Group& group : groups)
+            if (group.sockets_only)
+                throw Failure(ErrorCode::kUnsupported, group.name + ": sockets only",
+                              "they are computed natively alone: by update(), and without occlusion");
+    // The device's kernels do not see what a native update keeps of transitions for itself, and vice versa
     const bool has_inertia = std::ranges::any_of(batches, [&](const Batch& batch) {
         const Group& group = groups[batch.group];
         return batch.has_updated && group.native && group.controller && group.controller->is_inertial;

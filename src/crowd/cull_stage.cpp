@@ -1,6 +1,7 @@
 #include "crowd/cull_stage.h"
 
 #include "base/failure.h"
+#include "base/finite.h"
 #include "crowd/state_archive.h"
 #include "gpu/barrier.h"
 
@@ -14,9 +15,7 @@ io::CullView cull_view_of(const CrowdView* view, float full_rate_pixels) {
     io::CullView seen{.eye = {0, 0, 0, kMost}, .ground = -kMost, .shared_pixels = kMost};
     if (!view) return seen;
     const auto& rows = view->clip_from_world;
-    for (const auto& row : rows)
-        if (!std::ranges::all_of(row, [](float f) { return std::isfinite(f); }))
-            throw Failure(ErrorCode::kInvalidArgument, "view", "clip_from_world must be finite");
+    if (!all_finite(rows)) throw Failure(ErrorCode::kInvalidArgument, "view", "clip_from_world must be finite");
     const Vec3<float>&eye = view->eye, &shadow = view->shadow;
     if (!std::isfinite(length(eye)) || !std::isfinite(length(shadow)) || !std::isfinite(view->ground))
         throw Failure(ErrorCode::kInvalidArgument, "view", "eye, shadow and ground must be finite");
@@ -134,7 +133,7 @@ void CullStage::exchange(StateArchive& archive) {
     for (Member& member : members_) member.has_cells = false;
 }
 
-// A number that a float holds exactly. It wraps after 2^24 changes, when no cell has a version as old.
+// Stays below 2^24, so that a float holds it exactly. It may wrap: by then no cell is left from so long ago.
 float CullStage::version_of(const Batch& batch) const {
     constexpr uint32_t kNumbers = 1u << 24;
     return group_of(batch).moves_placements() ? 0 : static_cast<float>(1 + batch.move_count % (kNumbers - 1));

@@ -33,7 +33,7 @@ void FirstUploads::poll() {
 void FirstUploads::finish() {
     if (state_ == State::kRecorded && !has_event_) gpu_->wait_idle();  // which have no event of their own
     if (state_ != State::kPending) return;
-    if (gpu_->native) {
+    if (gpu_->processor) {
         uploads.record(VK_NULL_HANDLE);
         uploads.complete();
     } else {

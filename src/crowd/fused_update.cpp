@@ -46,12 +46,12 @@ FusedUpdate::FusedUpdate(const StageContext& context)
       culls_(context.settings.culling.has_value()),
       poses_(*find_stage<PoseStage>(context.before)),
       skin_format_(context.settings.skin_format) {
-    for (const Group& group : groups_) {
-        if (gpu_->is_native()) break;
-        std::vector<Kernels>& sets = kernels_.emplace_back();
-        for (size_t set = 0; set < group.fused.size(); ++set)
-            sets.push_back(make_kernels(group, set, context.settings));
-    }
+    if (!gpu_->is_native())
+        for (const Group& group : groups_) {
+            std::vector<Kernels>& sets = kernels_.emplace_back();
+            for (size_t set = 0; set < group.fused.size(); ++set)
+                sets.push_back(make_kernels(group, set, context.settings));
+        }
     for (uint32_t i = 0; i < batches_.size(); ++i) {
         const Batch& batch = batches_[i];
         const Group& group = group_of(batch);
@@ -182,7 +182,7 @@ void FusedUpdate::update_natively(const Member& member, uint32_t set, const Buff
         count = work[2 * section + 1];
     }
     constexpr uint32_t kLeast = 16;  // instances that are walked side by side
-    gpu_->native->for_parts(
+    gpu_->processor->for_parts(
         count, kLeast, [&](uint32_t first, uint32_t end) { throng::update(*joints.native, natively, first, end); });
 }
 

@@ -111,7 +111,7 @@ PathChoice device_path(const Gpu& gpu, const CrowdSettings& settings, const Crow
 // On a Vulkan device, or natively beside it.
 PathChoice vulkan_path(const Gpu& gpu, const CrowdSettings& settings, const CrowdGroup& group) {
     const bool is_native = settings.path == UpdatePath::kNative;
-    if (is_native && !gpu.native)
+    if (is_native && !gpu.processor)
         throw Failure(ErrorCode::kUnsupported, group.character->name + ": native update",
                       gpu.info.name + " is no software device");
     if (is_native && settings.scan != "auto")
@@ -119,7 +119,7 @@ PathChoice vulkan_path(const Gpu& gpu, const CrowdSettings& settings, const Crow
                       "it goes by no scan method, and '" + settings.scan + "' is asked for");
     PathChoice choice = device_path(gpu, settings, group);
     const bool may_be_native = settings.path == UpdatePath::kAuto && settings.scan == "auto";
-    if (!gpu.native || !(is_native || may_be_native)) return choice;
+    if (!gpu.processor || !(is_native || may_be_native)) return choice;
     if (!choice.fused && settings.scan == "auto" && !scan_shaders(choice.scan.method->name).native) {
         const ScanChoice serial{parse_scan_request("serial").method, 0};
         const Rig& rig = group.character->rig;

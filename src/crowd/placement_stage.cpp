@@ -1,5 +1,6 @@
 #include "crowd/placement_stage.h"
 
+#include "base/finite.h"
 #include "crowd/change_stage.h"
 #include "crowd/state_archive.h"
 
@@ -9,11 +10,7 @@
 
 namespace throng {
 
-bool is_finite(const Affine& affine) {
-    return std::ranges::all_of(affine.row, [](const auto& row) {
-        return std::ranges::all_of(row, [](float value) { return std::isfinite(value); });
-    });
-}
+bool is_finite(const Affine& affine) { return all_finite(affine.row); }
 
 io::RootState standing_at(const Affine& world_from_model) {
     io::RootState root{.move = {0, 0, 1, 0}, .place = {0, 0, 1, 0}, .base = {}};

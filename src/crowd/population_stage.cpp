@@ -192,10 +192,10 @@ void PopulationStage::begin(const Update& update) {
     });
 }
 
-// Those born in that update are born in the next one, which will have its number.
+// The next update gets the number of this one, so instances born in it need no change.
 void PopulationStage::discard() {
     dirty_.put_back();
-    // So are those that were spawned since, which expected to be born in the update after it.
+    // Instances spawned since then were numbered for the update after it: they get its number too.
     for (Population& population : populations_)
         std::ranges::replace(population.births, birth_of(update_number_ + 1), birth_of(update_number_));
     const uint64_t discarded = update_number_--;

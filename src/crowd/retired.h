@@ -15,9 +15,9 @@ public:
         std::unique_ptr<StageTimer> timer{};
         Buffer buffer{};
     };
-    // The things can be freed when `update_count` later updates have run, after which nobody reads the outputs of
-    // earlier ones, and as many more have been recorded. The latter is for validation layers, which ignore events: what
-    // the application waits for until then tells them, too, that the commands have finished.
+    // Things are freed once `update_count` later updates have run, after which nobody reads the outputs of earlier
+    // ones, and as many more have been recorded. Having run would be enough, but validation layers ignore events: they
+    // learn it from the application's fences, which it has waited for by then.
     Retired(EventPool& events, uint32_t update_count)
         : have_run_(events.take()), left_(update_count), more_(update_count) {}
     void keep(Things things) { things_ = std::move(things); }

@@ -28,7 +28,7 @@ private:
     std::shared_ptr<Gpu> gpu_;
     std::map<const Character*, SharedValues::Key> motions_;
     std::map<const Character*, SharedImages> images_;
-    // Later groups find these even where no group keeps them.
+    // Kept until all groups are made, so that a later one can share what no group has kept.
     std::vector<std::shared_ptr<const NativeRig>> made_;
 };
 

@@ -1,6 +1,7 @@
 #include "crowd/terrain_stage.h"
 
 #include "base/failure.h"
+#include "base/finite.h"
 #include "steer/terrain.kernel.h"
 
 #include <cmath>
@@ -23,8 +24,7 @@ void check_terrain(const CrowdSettings& settings) {
     if (!std::isfinite(terrain.x) || !std::isfinite(terrain.z) || !std::isnormal(terrain.spacing) ||
         !(terrain.spacing > 0) || !std::isnormal(1 / terrain.spacing))
         refuse("x, z and spacing must be finite, and spacing above 0");
-    for (const float height : terrain.heights)
-        if (!std::isfinite(height)) refuse("a height is not finite");
+    if (!all_finite(terrain.heights)) refuse("a height is not finite");
 }
 
 TerrainStage::TerrainStage(const StageContext& context) : Stage(context) {

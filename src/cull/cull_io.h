@@ -23,9 +23,9 @@ THRONG_IO_CONSTANT kCounters = 16;  // of a workgroup
 
 // The work of a batch: for each section where it begins, in words from the first, and how many instances it has; then
 // the instances, section by section, in ascending order within each. The sections: instances that are animated, a
-// section for each set of joints; those animated ahead to a later update, likewise; those whose matrices move on
-// towards that pose; and those that are drawn anew. Before the instances: how many rows of a skin pool the first half
-// of the update has given out, and how many both halves have.
+// section for each set of joints; instances that are animated for a later update, likewise; those whose matrices are
+// interpolated towards that later pose; and those that were not drawn in the last update. Before the instances: how
+// many rows of a skin pool the first half of the update has given out, and how many both halves have.
 THRONG_IO_CONSTANT kAnimated = 0;
 THRONG_IO_CONSTANT kAnimatedAhead = 4;
 THRONG_IO_CONSTANT kGoingOn = 8;

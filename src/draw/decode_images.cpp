@@ -25,7 +25,7 @@ std::shared_ptr<const Decoded> decoded_of(Gpu& gpu, const Group& group, uint64_t
     if (!gpu.is_native())
         decoded->pictures.emplace(group,
                                   [&](const AssetImage& image, bool) { return decode_or_none(gpu, image, account); });
-    if (gpu.native) decoded->textures.emplace(native_materials(gpu, group, warnings, room_bytes));
+    if (gpu.processor) decoded->textures.emplace(native_materials(gpu, group, warnings, room_bytes));
     room_bytes = std::min(room_bytes, room_of_pictures_bytes);
     return decoded;
 }

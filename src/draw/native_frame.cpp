@@ -138,7 +138,7 @@ void NativeFrame::list(const DrawOptions& options) {
     uint64_t next_id = 0;
     for (uint32_t b = 0; b < drawn_.size(); ++b) {
         list_instances(*drawn_[b].batch, drawn_[b].list);
-        view.keep_seen(drawn_[b].group(), *drawn_[b].batch, *gpu_->native, drawn_[b].list);
+        view.keep_seen(drawn_[b].group(), *drawn_[b].batch, *gpu_->processor, drawn_[b].list);
         add_draws(b, next_id);
     }
     add_lines(options);
@@ -203,7 +203,7 @@ void NativeFrame::add_lines(const DrawOptions& options) {
             list_instances(*drawn.batch, list);
             const auto count = static_cast<uint32_t>(list.instances.size());
             std::vector<std::vector<raster::Line>> parts((count + kLinedOfJob - 1) / kLinedOfJob);
-            for_each_job(gpu_->native->jobs(), static_cast<uint32_t>(parts.size()), [&](uint32_t part) {
+            for_each_job(gpu_->processor->jobs(), static_cast<uint32_t>(parts.size()), [&](uint32_t part) {
                 for (uint32_t i = part * kLinedOfJob; i < std::min((part + 1) * kLinedOfJob, count); ++i)
                     add_of_instance(drawn, drawn.posed(list.instances[i]), parts[part]);
             });
@@ -284,7 +284,7 @@ void NativeFrame::divide() {
 }
 
 void NativeFrame::skin() {
-    for_each_job(gpu_->native->jobs(), static_cast<uint32_t>(jobs_.size()), [&](uint32_t job) {
+    for_each_job(gpu_->processor->jobs(), static_cast<uint32_t>(jobs_.size()), [&](uint32_t job) {
         scratch_.with([&](NativeScratch& scratch) {
             for (uint32_t i = jobs_[job].first; i < jobs_[job].end; ++i) skin_instance(posed_[i], scratch);
         });
@@ -358,7 +358,7 @@ void NativeFrame::draw_tiles(VkExtent2D of, VkExtent2D largest, std::vector<uint
     const uint32_t columns = (of.width + tile.width - 1) / tile.width,
                    rows = (of.height + tile.height - 1) / tile.height;
     are_clear.resize(columns * rows, 1);
-    for_each_job(gpu_->native->jobs(), columns * rows, [&](uint32_t i) {
+    for_each_job(gpu_->processor->jobs(), columns * rows, [&](uint32_t i) {
         const uint32_t x = i % columns * tile.width, y = i / columns * tile.height;
         const raster::Tile part{x, y, std::min(x + tile.width, of.width), std::min(y + tile.height, of.height)};
         scratch_.with([&](NativeScratch& scratch) {
@@ -369,7 +369,7 @@ void NativeFrame::draw_tiles(VkExtent2D of, VkExtent2D largest, std::vector<uint
 }
 
 void NativeFrame::resolve() {
-    for_each_job(gpu_->native->jobs(), (frame_.height + kRowsOfJob - 1) / kRowsOfJob, [&](uint32_t i) {
+    for_each_job(gpu_->processor->jobs(), (frame_.height + kRowsOfJob - 1) / kRowsOfJob, [&](uint32_t i) {
         scratch_.with([&](NativeScratch& scratch) {
             kernel_.resolve(frame_, i * kRowsOfJob, std::min((i + 1) * kRowsOfJob, frame_.height),
                             scratch.bytes(NativeScratch::kKernel, kernel_.scratch_bytes(frame_)));

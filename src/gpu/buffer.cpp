@@ -69,7 +69,7 @@ void Buffer::Content::create(VkDeviceSize size, VkBufferUsageFlags usage, Memory
                                                                             : 0;
     // Mapped memory is aligned as a mapping of its own would be, so that the CPU can read it as any type.
     constexpr VkDeviceSize kMapped = 64;  // the least that minMemoryMapAlignment may be
-    const bool is_mapped = kind != MemoryKind::kDevice || gpu->native;
+    const bool is_mapped = kind != MemoryKind::kDevice || gpu->processor;
     const VkDeviceSize alignment = is_mapped ? std::max(needs.alignment, kMapped) : needs.alignment;
     memory = gpu->memory.take(gpu->memory_type(needs.memoryTypeBits, required, preferred), needs.size, alignment);
     if (is_mapped && !memory.mapped)

@@ -147,7 +147,7 @@ bool Gpu::computes_in_host_memory() const {
 void Gpu::wait_idle() const { check(vk.vkQueueWaitIdle(queue), "vkQueueWaitIdle"); }
 
 void Gpu::make_native(const DeviceSettings& settings, const DeviceInfo& of) {
-    native = std::make_unique<NativeDevice>(settings);
+    processor = std::make_unique<NativeDevice>(settings);
     is_native_ = true;
     info = of;
     properties = NativeDevice::properties();
@@ -188,7 +188,8 @@ std::shared_ptr<Gpu> Gpu::adopt(const AdoptedDevice& adopted) {
                       "VK_API_VERSION_1_3");
     gpu->adopted_cache_ = adopted.pipeline_cache;
     if (gpu->computes_in_host_memory())
-        gpu->native = std::make_unique<NativeDevice>(DeviceSettings{.threads = adopted.threads, .jobs = adopted.jobs});
+        gpu->processor = std::make_unique<NativeDevice>(
+            DeviceSettings{.threads = adopted.threads, .jobs = adopted.jobs});
     return gpu;
 }
 
@@ -279,7 +280,7 @@ void Gpu::create_device(const DeviceSettings& settings, VkPhysicalDevice physica
                                     .ppEnabledExtensionNames = &kExecutables};
     check(vkCreateDevice(physical, &create, nullptr, &device), "vkCreateDevice");
     volkLoadDeviceTable(&vk, device);
-    if (computes_in_host_memory()) native = std::make_unique<NativeDevice>(settings);
+    if (computes_in_host_memory()) processor = std::make_unique<NativeDevice>(settings);
     vk.vkGetDeviceQueue(device, queue_family, 0, &queue);
     if (!settings.pipeline_cache) return;
     if (const std::filesystem::path file = pipeline_cache_file(properties); !file.empty())

@@ -84,9 +84,9 @@ public:
     uint64_t largest_heap_bytes() const;
     bool has_timestamps() const { return timestamp_valid_bits != 0 && properties.limits.timestampPeriod > 0; }
 
-    // On native and software devices: runs kernels on this machine's processor, at once, if the command buffer that
-    // they are recorded into is null. The queue must then be idle (wait_idle()).
-    std::unique_ptr<NativeDevice> native;
+    // On native and software devices, where buffers lie in host memory: runs kernels on this machine's processor, at
+    // once, if the command buffer that they are recorded into is null. The queue must then be idle (wait_idle()).
+    std::unique_ptr<NativeDevice> processor;
     VkPhysicalDevice physical_device = VK_NULL_HANDLE;
     VkDevice device = VK_NULL_HANDLE;
     VkQueue queue = VK_NULL_HANDLE;

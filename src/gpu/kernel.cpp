@@ -43,7 +43,7 @@ CompiledKernel::CompiledKernel(const Gpu& gpu, const KernelSettings& settings)
     check_settings(gpu, settings);
     layout = ShaderLayout(gpu.unowned(), {&code_, 1});
     constants_.insert(constants_.end(), settings.constants.begin(), settings.constants.end());
-    if (!gpu.native) pipeline(gpu);
+    if (!gpu.processor) pipeline(gpu);
 }
 
 VkPipeline CompiledKernel::pipeline(const Gpu& gpu) const {
@@ -89,7 +89,7 @@ void make_pipelines(Gpu& gpu) {
 }
 
 Kernel::Kernel(std::shared_ptr<Gpu> gpu, const KernelSettings& settings) : gpu_(std::move(gpu)), name_(settings.name) {
-    if (gpu_->native && settings.native) {
+    if (gpu_->processor && settings.native) {
         native_ = settings.native;
         workgroup_size_ = settings.workgroup_size != 0 ? settings.workgroup_size : native_->workgroup_size;
         constants_.push_back(workgroup_size_);
@@ -141,7 +141,8 @@ void Kernel::dispatch_indirect(VkCommandBuffer commands, const Bindings& binding
 void Kernel::run_native(const Bindings& bindings, const void* push, size_t push_bytes, uint32_t workgroup_count) const {
     if (!native_) throw Failure(ErrorCode::kUnsupported, name_, "this kernel runs on Vulkan alone");
     check_push(native_->push_bytes, push_bytes);
-    gpu_->native->run(*native_, {.buffers = bindings.native(), .constants = constants_, .push = push}, workgroup_count);
+    gpu_->processor->run(*native_, {.buffers = bindings.native(), .constants = constants_, .push = push},
+                         workgroup_count);
 }
 
 void Kernel::check_push(size_t expected_bytes, size_t push_bytes) const {
