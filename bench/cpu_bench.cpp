@@ -40,7 +40,7 @@ constexpr uint32_t kActiveClips = 5;
 constexpr float kMaskedWeight = 0.7f, kAdditiveWeight = 0.3f;
 
 std::array<io::ActiveClip, kActiveClips> layers_of(const Character& character, const io::InstanceCursor& cursor) {
-    const auto active = [&](const io::SlotCursor& of, float weight, float layer_weight, uint32_t flags) {
+    const auto active = [&](const io::ClipCursor& of, float weight, float layer_weight, uint32_t flags) {
         const Clip& clip = character.clips[of.first_track / character.rig.joint_count()];
         return io::ActiveClip{of.first_track, of.earlier,   of.later,       of.fraction,
                               weight,         layer_weight, clip.first_row, flags};
@@ -75,7 +75,7 @@ ReferencePose layers_reference(const Character& character, const Playback& playb
     return pose_from_local(character, local);
 }
 
-io::SlotCursor cursor_of(const Character& character, const ClipPlayback& playback) {
+io::ClipCursor cursor_of(const Character& character, const ClipPlayback& playback) {
     return cursor_reference(playback, character.clips, character.times_s, character.rig.joint_count());
 }
 
@@ -84,11 +84,12 @@ Scene make_scene(const Character& character, uint32_t characters, uint32_t clips
     const auto unit = [&] { return static_cast<double>(random() >> 11) * 0x1p-53; };
     Scene scene;
     for (uint32_t i = 0; i < characters; ++i) {
-        const auto slot = [&] {
+        const auto any_clip = [&] {
             const auto clip = static_cast<uint32_t>(random() % character.clips.size());
             return ClipPlayback{.clip = clip, .time_s = unit() * character.clips[clip].duration_s};
         };
-        Playback playback{.first = slot(), .second = slot(), .weight = static_cast<float>(0.01 + 0.98 * unit())};
+        Playback playback{
+            .first = any_clip(), .second = any_clip(), .weight = static_cast<float>(0.01 + 0.98 * unit())};
         if (clips == 1) playback.weight = 1;
         scene.playbacks.push_back(playback);
     }

@@ -55,19 +55,19 @@ Timelines make_timelines() {
     return timelines;
 }
 
-void check_cursor(const Timelines& timelines, const io::SlotPlayback& slot, const io::SlotCursor& cursor) {
-    const io::ClipTimeline& timeline = timelines.clips[slot.clip];
-    const std::span<const float> times_s = timelines.times_of(slot.clip);
-    const RowCursor wanted = find_rows_reference(times_s, slot.time_s);
-    EXPECT_EQ(cursor.first_track, slot.clip * kJointCount);
+void check_cursor(const Timelines& timelines, const io::ClipPlay& play, const io::ClipCursor& cursor) {
+    const io::ClipTimeline& timeline = timelines.clips[play.clip];
+    const std::span<const float> times_s = timelines.times_of(play.clip);
+    const RowCursor wanted = find_rows_reference(times_s, play.time_s);
+    EXPECT_EQ(cursor.first_track, play.clip * kJointCount);
     ASSERT_EQ(cursor.earlier, timeline.first_row + wanted.earlier * timeline.row_stride)
-        << "clip " << slot.clip << " at " << slot.time_s << " s";
+        << "clip " << play.clip << " at " << play.time_s << " s";
     if (cursor.fraction > 0) {
         EXPECT_EQ(cursor.later, timeline.first_row + wanted.later * timeline.row_stride);
     } else {  // any row, as it has no part in the value
         EXPECT_LE(cursor.later, timeline.first_row + (timeline.row_count - 1) * timeline.row_stride);
     }
-    EXPECT_NEAR(cursor.fraction, wanted.fraction, 1e-6) << "clip " << slot.clip << " at " << slot.time_s << " s";
+    EXPECT_NEAR(cursor.fraction, wanted.fraction, 1e-6) << "clip " << play.clip << " at " << play.time_s << " s";
 }
 
 class Runner {
@@ -113,14 +113,14 @@ TEST(Control, FollowsTheReferenceOverManySteps) {
     Random random(2);
     std::vector<io::InstancePlayback> playbacks;
     for (int i = 0; i < 1000; ++i) {
-        const auto slot = [&] {
+        const auto play = [&] {
             const uint32_t clip = random.below(static_cast<uint32_t>(timelines.clips.size()));
-            return io::SlotPlayback{.clip = clip,
-                                    .loop = random.below(2),
-                                    .time_s = static_cast<float>(random.unit()) * timelines.clips[clip].duration_s,
-                                    .speed = static_cast<float>(random.between(-2, 2))};
+            return io::ClipPlay{.clip = clip,
+                                .loop = random.below(2),
+                                .time_s = static_cast<float>(random.unit()) * timelines.clips[clip].duration_s,
+                                .speed = static_cast<float>(random.between(-2, 2))};
         };
-        playbacks.push_back({slot(), slot(), static_cast<float>(random.unit())});
+        playbacks.push_back({play(), play(), static_cast<float>(random.unit())});
     }
     Runner runner(timelines, playbacks);
     double worst_s = 0;
@@ -130,8 +130,7 @@ TEST(Control, FollowsTheReferenceOverManySteps) {
         const float step_s = step % 20 == 19 ? 3.7f : step % 7 == 6 ? -0.05f : 1.0f / 60;
         runner.step(step_s);
         for (size_t i = 0; i < before.size(); ++i) {
-            const auto check = [&](const io::SlotPlayback& was, const io::SlotPlayback& is,
-                                   const io::SlotCursor& cursor) {
+            const auto check = [&](const io::ClipPlay& was, const io::ClipPlay& is, const io::ClipCursor& cursor) {
                 const double duration_s = timelines.clips[was.clip].duration_s;
                 EXPECT_EQ(is.clip, was.clip);
                 EXPECT_EQ(is.loop, was.loop);
@@ -182,7 +181,7 @@ TEST(Control, FindsTheRowsAtAndAroundEveryKey) {
     for (size_t i = 0; i < playbacks.size(); ++i) {
         check_cursor(timelines, runner.state[i].first, runner.cursors[i].first);
         check_cursor(timelines, runner.state[i].second, runner.cursors[i].second);
-        const io::SlotPlayback& was = playbacks[i].first;
+        const io::ClipPlay& was = playbacks[i].first;
         const float duration_s = timelines.clips[was.clip].duration_s;
         if (was.loop && was.time_s == duration_s) {
             EXPECT_EQ(runner.state[i].first.time_s, 0) << "t = D wraps to 0";
@@ -205,9 +204,9 @@ TEST(Control, AnOverflowStaysInTheClip) {
     for (const float step_s : {1000.0f, -1000.0f, 1e-39f}) {
         runner.step(step_s);
         for (size_t i = 0; i < 2; ++i)
-            for (const io::SlotPlayback& slot : {runner.state[i].first, runner.state[i].second}) {
-                EXPECT_GE(slot.time_s, 0) << slot.time_s;
-                EXPECT_LE(slot.time_s, timelines.clips[slot.clip].duration_s);
+            for (const io::ClipPlay& play : {runner.state[i].first, runner.state[i].second}) {
+                EXPECT_GE(play.time_s, 0) << play.time_s;
+                EXPECT_LE(play.time_s, timelines.clips[play.clip].duration_s);
             }
         check_cursor(timelines, runner.state[0].first, runner.cursors[0].first);
         check_cursor(timelines, runner.state[1].second, runner.cursors[1].second);

@@ -49,8 +49,8 @@ public:
     std::vector<std::vector<io::ActiveMorph>> run_two(const std::vector<Playback>& playbacks) const {
         std::vector<io::InstancePlayback> states;
         const auto slot = [&](const ClipPlayback& from) {
-            return io::SlotPlayback{from.clip == kNone ? static_cast<uint32_t>(character_.clips.size()) : from.clip,
-                                    from.loop, static_cast<float>(from.time_s), from.speed};
+            return io::ClipPlay{from.clip == kNone ? static_cast<uint32_t>(character_.clips.size()) : from.clip,
+                                from.loop, static_cast<float>(from.time_s), from.speed};
         };
         for (const Playback& playback : playbacks)
             states.push_back({slot(playback.first), slot(playback.second), playback.weight});

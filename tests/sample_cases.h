@@ -11,7 +11,7 @@
 namespace throng::test {
 
 // Clips have numbers from 0; the one after the last is the rest pose.
-inline io::SlotCursor cursor_at(const Character& character, uint32_t clip, double time_s) {
+inline io::ClipCursor cursor_at(const Character& character, uint32_t clip, double time_s) {
     return cursor_reference({.clip = clip < character.clips.size() ? clip : kNone, .time_s = time_s, .loop = false},
                             character.clips, character.times_s, character.rig.joint_count());
 }
@@ -21,7 +21,7 @@ struct Moment {
     uint32_t clip = 0;
     double time_s = 0;
 
-    io::SlotCursor cursor(const Character& character) const { return cursor_at(character, clip, time_s); }
+    io::ClipCursor cursor(const Character& character) const { return cursor_at(character, clip, time_s); }
 };
 inline Moment random_moment(Random& random, const Character& character) {
     const uint32_t clip = random.below(static_cast<uint32_t>(character.clips.size() + 1));

@@ -23,7 +23,7 @@ using namespace test;
 constexpr double kSampleBound = 2e-6;  // of a component, relative where it exceeds 1
 
 std::vector<io::JointPose> run_sample(const Character& character, const std::vector<io::InstanceCursor>& cursors,
-                                      uint32_t slot) {
+                                      uint32_t clip) {
     const auto count = static_cast<uint32_t>(cursors.size());
     const Guarded<io::JointPose> poses(poison<io::JointPose>(size_t{count} * character.rig.joint_count()));
     const Guarded<io::InstanceCursor> cursor_buffer(cursors);
@@ -36,7 +36,7 @@ std::vector<io::JointPose> run_sample(const Character& character, const std::vec
                                {io::kKeysBuffer, keys},
                                {io::kWordsBuffer, words},
                                {io::kSampledPosesBuffer, poses}},
-                   io::SamplePush{character.rig.joint_count(), slot}, count);
+                   io::SamplePush{character.rig.joint_count(), clip}, count);
     return poses.read();
 }
 
@@ -57,17 +57,17 @@ void expect_reference(const Character& character) {
         cursors.push_back({shown.back()[0].cursor(character), shown.back()[1].cursor(character), 0.5f});
     }
     double worst = 0;
-    for (const uint32_t slot : {0u, 1u}) {
-        const std::vector<io::JointPose> poses = run_sample(character, cursors, slot);
+    for (const uint32_t clip : {0u, 1u}) {
+        const std::vector<io::JointPose> poses = run_sample(character, cursors, clip);
         for (size_t i = 0; i < cursors.size(); ++i) {
-            const std::vector<Trs<double>> wanted = sample_reference(character, shown[i][slot].clip,
-                                                                     shown[i][slot].time_s);
+            const std::vector<Trs<double>> wanted = sample_reference(character, shown[i][clip].clip,
+                                                                     shown[i][clip].time_s);
             for (size_t joint = 0; joint < joint_count; ++joint)
                 worst = std::max(worst, pose_error(poses[i * joint_count + joint], wanted[joint]));
         }
     }
     EXPECT_LE(worst, kSampleBound) << joint_count << " joints";
-    std::printf("  %3u joints, 100 instances, both slots: largest error %.1e\n", joint_count, worst);
+    std::printf("  %3u joints, 100 instances, both clips: largest error %.1e\n", joint_count, worst);
 }
 
 TEST(Sample, CompiledClipsFollowTheReference) {
@@ -97,18 +97,18 @@ TEST(Sample, PackedClipsFollowTheReference) {
 // A clip without weight is not computed, and its poses are left alone.
 TEST(Sample, SkipsClipsWithoutWeight) {
     const Character character = make_character({.joint_count = 70});
-    const io::SlotCursor first = cursor_at(character, 0, 0.3), second = cursor_at(character, 1, 0.7);
+    const io::ClipCursor first = cursor_at(character, 0, 0.3), second = cursor_at(character, 1, 0.7);
     const std::vector<io::InstanceCursor> cursors{
         {first, second, 1}, {first, second, 0}, {first, second, 0.5f}, {first, second, 1}};
     const std::vector<io::JointPose> untouched = poison<io::JointPose>(70);
-    for (const uint32_t slot : {0u, 1u}) {
-        const std::vector<io::JointPose> poses = run_sample(character, cursors, slot);
-        const std::vector<Trs<double>> wanted = sample_reference(character, slot, slot == 0 ? 0.3 : 0.7);
+    for (const uint32_t clip : {0u, 1u}) {
+        const std::vector<io::JointPose> poses = run_sample(character, cursors, clip);
+        const std::vector<Trs<double>> wanted = sample_reference(character, clip, clip == 0 ? 0.3 : 0.7);
         for (size_t i = 0; i < cursors.size(); ++i) {
             const std::vector<io::JointPose> of_instance(poses.begin() + static_cast<ptrdiff_t>(i * 70),
                                                          poses.begin() + static_cast<ptrdiff_t>(i * 70 + 70));
-            const bool has_weight = (slot == 0 ? cursors[i].weight : 1 - cursors[i].weight) > 0;
-            EXPECT_EQ(same_bits(of_instance, untouched), !has_weight) << "slot " << slot << ", instance " << i;
+            const bool has_weight = (clip == 0 ? cursors[i].weight : 1 - cursors[i].weight) > 0;
+            EXPECT_EQ(same_bits(of_instance, untouched), !has_weight) << "clip " << clip << ", instance " << i;
             if (!has_weight) continue;
             for (size_t joint = 0; joint < 70; ++joint)
                 EXPECT_LE(pose_error(of_instance[joint], wanted[joint]), kSampleBound);
@@ -187,7 +187,7 @@ TEST(Sample, StepLinearAndConstant) {
     // [row][column], then a constant
     character.keys = {{1, 0, 0, 0}, {1, 1, 1, 0}, {3, 0, 0, 0}, {2, 4, 6, 0}, {7, 0, 0, 0}, {9, 9, 9, 0}, {0, 0, 1, 0}};
     character.tracks = {{.rotation = 6, .translation = 0 | kTrackAnimated | kTrackStep, .scale = 1 | kTrackAnimated}};
-    const io::SlotCursor end{.first_track = 0, .earlier = 4, .later = 4, .fraction = 0};
+    const io::ClipCursor end{.first_track = 0, .earlier = 4, .later = 4, .fraction = 0};
     const std::vector<io::JointPose> poses = run_sample(
         character, {{{0, 0, 2, 0.25f}, {}, 1}, {{0, 2, 4, 0.999f}, {}, 1}, {end, {}, 1}}, 0);
     const auto equals = [](const io::vec4& v, float x, float y, float z) {

@@ -25,8 +25,8 @@ uint32_t frame_count(const Clip& clip, double rate) {
 }
 
 // A matrix takes three keys; Clip::row_stride and the tracks, one per clip, count matrices.
-void append_frame(Character& baked, const Character& character, const ClipPlayback& slot) {
-    const ReferencePose pose = value_of(reference_pose(character, {.first = slot}));
+void append_frame(Character& baked, const Character& character, const ClipPlayback& play) {
+    const ReferencePose pose = value_of(reference_pose(character, {.first = play}));
     for (const AffineT<double>& model_from_bind : pose.model_from_bind)
         for (const auto& row : model_from_bind.as<float>().row) baked.keys.push_back(row);
 }
@@ -69,15 +69,15 @@ AffineT<double> mix(const AffineT<double>& a, const AffineT<double>& b, double w
     return out;
 }
 
-Matrices sample(const Character& baked, const ClipPlayback& slot) {
+Matrices sample(const Character& baked, const ClipPlayback& play) {
     RowCursor frames;
     const size_t palette_count = baked.palette.size();
-    if (slot.clip != kNone) {
-        const Clip& clip = baked.clips[slot.clip];
+    if (play.clip != kNone) {
+        const Clip& clip = baked.clips[play.clip];
         frames = find_rows_reference(std::span(baked.times_s).subspan(clip.first_time, clip.row_count),
-                                     local_time_reference(slot.time_s, clip.duration_s, slot.loop));
+                                     local_time_reference(play.time_s, clip.duration_s, play.loop));
     }
-    const size_t first = slot.clip == kNone ? baked.tracks.back().rotation : baked.tracks[slot.clip].rotation;
+    const size_t first = play.clip == kNone ? baked.tracks.back().rotation : baked.tracks[play.clip].rotation;
     const auto matrix = [&](uint32_t frame, size_t entry) {
         const size_t key = 3 * (first + frame * palette_count + entry);
         return Affine{{baked.keys[key], baked.keys[key + 1], baked.keys[key + 2]}}.as<double>();

@@ -14,7 +14,7 @@
 namespace throng::bench {
 namespace {
 
-io::SlotPlayback slot_of(const Character& baked, const ClipPlayback& from) {
+io::ClipPlay clip_play_of(const Character& baked, const ClipPlayback& from) {
     if (from.clip == kNone)
         return {.clip = static_cast<uint32_t>(baked.clips.size()), .loop = 0, .time_s = 0, .speed = 0};
     const double time_s = local_time_reference(from.time_s, baked.clips[from.clip].duration_s, from.loop);
@@ -73,7 +73,8 @@ BaselineCrowd::BaselineCrowd(std::shared_ptr<Gpu> gpu, const Baseline& baseline,
         const auto members = playbacks.subspan(first, std::min<size_t>(capacity, playbacks.size() - first));
         std::vector<io::InstancePlayback> states;
         for (const Playback& playback : members)
-            states.push_back({slot_of(baked, playback.first), slot_of(baked, playback.second), playback.weight});
+            states.push_back(
+                {clip_play_of(baked, playback.first), clip_play_of(baked, playback.second), playback.weight});
         Batch batch{.first_instance = static_cast<uint32_t>(first),
                     .instance_count = static_cast<uint32_t>(members.size())};
         batch.playbacks = upload(gpu_, "playback states", states);

@@ -30,8 +30,8 @@ PUSH(BaselinePush);
 
 #include "sample/exact.glsl"
 
-JointPose sample_clip(SlotCursor slot, uint joint) {
-    return sample_exact(ROW_AT(tracks, slot.first_track + joint), slot);
+JointPose sample_clip(ClipCursor clip, uint joint) {
+    return sample_exact(ROW_AT(tracks, clip.first_track + joint), clip);
 }
 
 void main() {

@@ -40,7 +40,7 @@ float layer_weight(ActiveClip active_clip, uint joint) {
 
 // With `only_rotation`, translation and scale are the identity's.
 JointPose sample_active_clip(ActiveClip active_clip, uint joint, bool at_reference, bool only_rotation) {
-    const SlotCursor cursor = SlotCursor(
+    const ClipCursor cursor = ClipCursor(
         active_clip.first_track, at_reference ? active_clip.reference_row : active_clip.earlier,
         at_reference ? active_clip.reference_row : active_clip.later, at_reference ? 0 : active_clip.fraction);
     if (only_rotation) return JointPose(clip_rotation(cursor, joint), kIdentityPose.translation, kIdentityPose.scale);

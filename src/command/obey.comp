@@ -37,15 +37,15 @@ uint phase_of(float time_s, float duration_s, bool loops) {
     return part < 1 ? uint(part * 4294967296.0) : 0;
 }
 
-SlotPlayback slot_of(uvec4 played) {
+ClipPlay clip_play_of(uvec4 played) {
     const bool rests = played.x == kNone, loops = played.y != 0;
-    SlotPlayback slot = SlotPlayback(push.clip_count, 0, 0, 0);
+    ClipPlay play = ClipPlay(push.clip_count, 0, 0, 0);
     if (!rests) {
         const float duration_s = load_timeline(played.x).duration_s;
-        slot = SlotPlayback(played.x, loops ? 1 : 0, local_time(uintBitsToFloat(played.z), duration_s, loops),
-                            uintBitsToFloat(played.w));
+        play = ClipPlay(played.x, loops ? 1 : 0, local_time(uintBitsToFloat(played.z), duration_s, loops),
+                        uintBitsToFloat(played.w));
     }
-    return slot;
+    return play;
 }
 
 // 1 / seconds, 0: at once.
@@ -56,13 +56,13 @@ float rate_of(uint fade_s) {
 
 ControlCommand play_command(InstanceCommand command) {
     const uvec4 played = command.data[0];
-    const SlotPlayback slot = slot_of(played);
+    const ClipPlay asked = clip_play_of(played);
     ControlCommand play;
     play.instance = command.instance;
     play.kind = command.data[1].y != 0 ? kCommandPlayInertial : kCommandPlay;
     play.target = command.target;
-    play.motion = slot.clip;
-    play.phase = phase_of(slot.time_s, load_timeline(slot.clip).duration_s, slot.loop != 0);
+    play.motion = asked.clip;
+    play.phase = phase_of(asked.time_s, load_timeline(asked.clip).duration_s, asked.loop != 0);
     play.loop = played.y != 0 ? 1 : 0;
     play.value = uintBitsToFloat(played.w);
     play.fade_rate = rate_of(command.data[1].x);
@@ -93,7 +93,7 @@ void main() {
         looks[command.instance] = InstanceLook(uintBitsToFloat(command.data[0].x), uintBitsToFloat(command.data[0].y),
                                                uintBitsToFloat(command.data[0].z), command.data[0].w);
     if (command.kind == kPlayback)
-        playbacks[command.instance] = InstancePlayback(slot_of(command.data[0]), slot_of(command.data[1]),
+        playbacks[command.instance] = InstancePlayback(clip_play_of(command.data[0]), clip_play_of(command.data[1]),
                                                        uintBitsToFloat(command.data[2].x));
     if (command.kind == kPlay) play(layer, play_command(command));
     if (command.kind == kBlendLayer) set_layer(layer, layer_command(command));

@@ -37,7 +37,7 @@ void begin(InstanceCommand command) {
     if ((push.flags & kHasController) != 0) {
         begin_controller(instance, push.layer_count, push.parameter_count, (push.flags & kMayBeInertial) != 0);
     } else {
-        const SlotPlayback rest = {push.clip_count, 0, 0, 0};
+        const ClipPlay rest = {push.clip_count, 0, 0, 0};
         playbacks[instance] = InstancePlayback(rest, rest, 1);
     }
 }

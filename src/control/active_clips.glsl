@@ -12,7 +12,7 @@ uint place_of_active_clip(uint index) { return (instance * push.active_clip_limi
 void store_end(uint index, uvec2 end) { active_clips[place_of_active_clip(index) + 3] = pack(end); }
 
 // Stores all of an active clip except its reference_row and flags. `weights`: within its layer, and the layer's.
-void store_begin(uint index, SlotCursor cursor, vec2 weights, float time_s) {
+void store_begin(uint index, ClipCursor cursor, vec2 weights, float time_s) {
     const uint at = place_of_active_clip(index);
     if ((push.flags & kPushTellsTimes) != 0) active_clip_times[instance * push.active_clip_limit + index] = time_s;
     active_clips[at] = pack(uvec2(cursor.first_track, cursor.earlier));
@@ -42,7 +42,7 @@ void add_active_clip(uint clip, uint phase, float weight) {
     end_newest((layer_flags & kActiveClipBeginsLayer) != 0 ? kActiveClipEndsLayer : 0);
     const ClipTimeline timeline = load_timeline(clip);
     const float time_s = float(phase) * (1.0 / 4294967296.0) * timeline.duration_s;
-    SlotCursor cursor = find_rows(timeline, time_s);
+    ClipCursor cursor = find_rows(timeline, time_s);
     cursor.first_track = clip * push.joint_count;
     store_begin(active_clip_count, cursor, vec2(weight, active_clips_layer_weight), time_s);
     newest_end = uvec2(timeline.first_row, layer_flags);
@@ -55,7 +55,7 @@ void end_active_clips() {
     end_newest(kActiveClipEndsLayer | kActiveClipEnds);
     if (active_clip_count > 0 && !has_rest_pose) return;
     const uint clip = layout_of_group.clip_count, row = load_timeline(clip).first_row;
-    store_begin(0, SlotCursor(clip * push.joint_count, row, row, 0), vec2(1), 0);
+    store_begin(0, ClipCursor(clip * push.joint_count, row, row, 0), vec2(1), 0);
     store_end(
         0, uvec2(row, kActiveClipBeginsLayer | kActiveClipEndsLayer | (active_clip_count == 0 ? kActiveClipEnds : 0)));
 }

@@ -13,11 +13,11 @@ PUSH(ControlPush);
 
 #include "control/control.glsl"
 
-SlotCursor advance(INOUT(SlotPlayback) slot) {
-    const ClipTimeline timeline = load_timeline(slot.clip);
-    slot.time_s = local_time(slot.time_s + push.time_step_s * slot.speed, timeline.duration_s, slot.loop != 0);
-    SlotCursor cursor = find_rows(timeline, slot.time_s);
-    cursor.first_track = slot.clip * push.joint_count;
+ClipCursor advance(INOUT(ClipPlay) play) {
+    const ClipTimeline timeline = load_timeline(play.clip);
+    play.time_s = local_time(play.time_s + push.time_step_s * play.speed, timeline.duration_s, play.loop != 0);
+    ClipCursor cursor = find_rows(timeline, play.time_s);
+    cursor.first_track = play.clip * push.joint_count;
     return cursor;
 }
 

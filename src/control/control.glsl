@@ -17,7 +17,7 @@ float local_time(float time_s, float duration_s, bool loop) {
 
 // The rows around time_s: the last one at or before it and the next; before the first and after the last, that row
 // alone.
-SlotCursor find_rows(ClipTimeline timeline, float time_s) {
+ClipCursor find_rows(ClipTimeline timeline, float time_s) {
     uint low = 0, high = timeline.row_count;  // times[low] <= time_s < times[high], except at the ends
     // `do` with a `break`, as in mix_line() (blend_space.glsl)
     do {
@@ -29,7 +29,7 @@ SlotCursor find_rows(ClipTimeline timeline, float time_s) {
             high = middle;
     } while (high - low > 1);
     const uint earlier = timeline.first_row + low * timeline.row_stride;
-    SlotCursor cursor = SlotCursor(0, earlier, earlier, 0);
+    ClipCursor cursor = ClipCursor(0, earlier, earlier, 0);
     if (low + 1 < timeline.row_count) {
         const float from_s = time_at(timeline.first_time + low), to_s = time_at(timeline.first_time + low + 1);
         cursor.later = earlier + timeline.row_stride;

@@ -7,7 +7,7 @@ THRONG_IO_BEGIN
 THRONG_IO_CONSTANT kControlWorkgroupSize = 64;
 
 // One clip as an instance plays it; the only state that lives from frame to frame.
-struct SlotPlayback {
+struct ClipPlay {
     uint clip;     // clip index; clip_count is the rest pose
     uint loop;     // 0: clamp
     float time_s;  // within [0, duration] after the first update
@@ -15,7 +15,7 @@ struct SlotPlayback {
 };
 
 struct InstancePlayback {
-    SlotPlayback first, second;
+    ClipPlay first, second;
     float weight;  // of first, 0..1; the second clip has the rest
 };
 
@@ -30,14 +30,14 @@ struct ClipTimeline {
 
 // Where the sample stage finds the keys of one clip for this frame: value = mix(row at `earlier`, row at `later`,
 // fraction).
-struct SlotCursor {
+struct ClipCursor {
     uint first_track;     // index into tracks: clip * joint_count
     uint earlier, later;  // first_row + row * row_stride
     float fraction;       // 0..1
 };
 
 struct InstanceCursor {
-    SlotCursor first, second;
+    ClipCursor first, second;
     float weight;
 };
 

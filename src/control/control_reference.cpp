@@ -22,7 +22,7 @@ RowCursor find_rows_reference(std::span<const float> times_s, double time_s) {
     return {later - 1, later, (time_s - from_s) / (to_s - from_s)};
 }
 
-io::SlotCursor cursor_reference(const ClipPlayback& playback, std::span<const Clip> clips,
+io::ClipCursor cursor_reference(const ClipPlayback& playback, std::span<const Clip> clips,
                                 std::span<const float> times_s, uint32_t joint_count) {
     const auto rest_track = static_cast<uint32_t>(clips.size()) * joint_count;
     if (playback.clip == kNone) return {.first_track = rest_track, .earlier = 0, .later = 0, .fraction = 0};

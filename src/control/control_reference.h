@@ -20,7 +20,7 @@ struct RowCursor {
 RowCursor find_rows_reference(std::span<const float> times_s, double time_s);
 
 // The cursor as kernels read it, for a character of `joint_count` joints; its fraction is rounded to float.
-io::SlotCursor cursor_reference(const ClipPlayback& playback, std::span<const Clip> clips,
+io::ClipCursor cursor_reference(const ClipPlayback& playback, std::span<const Clip> clips,
                                 std::span<const float> times_s, uint32_t joint_count);
 
 }  // namespace throng

@@ -120,7 +120,7 @@ struct LayerState {
 // their weights sum to 1.
 struct ActiveClip {
     uint first_track;     // index into tracks
-    uint earlier, later;  // as in SlotCursor
+    uint earlier, later;  // as in ClipCursor
     float fraction;
     float weight;        // within its layer, > 0
     float layer_weight;  // 0..1, the same in all active clips of a layer

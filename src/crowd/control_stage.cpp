@@ -15,7 +15,7 @@ namespace {
 
 io::InstancePlayback rest_of(const Group& group) {
     const auto rest = static_cast<uint32_t>(group.clip_durations_s.size());
-    const io::SlotPlayback slot{.clip = rest, .loop = 0, .time_s = 0, .speed = 0};
+    const io::ClipPlay slot{.clip = rest, .loop = 0, .time_s = 0, .speed = 0};
     return {slot, slot, 1};
 }
 
@@ -29,7 +29,7 @@ void ControlStage::plan(BatchPlan& plan) {
     plan.add_filled(io::kPlaybacksBuffer, std::vector{rest_of(plan.group())});
     if (!plan.group().varies) return plan.add_storage(io::kCursorsBuffer, sizeof(io::InstanceCursor));
     // The staged update also animates instances that have never been there
-    const io::SlotCursor rest{.first_track = rest_track_of(plan.group()), .earlier = 0, .later = 0, .fraction = 0};
+    const io::ClipCursor rest{.first_track = rest_track_of(plan.group()), .earlier = 0, .later = 0, .fraction = 0};
     plan.add_filled(io::kCursorsBuffer, std::vector<io::InstanceCursor>{{rest, rest, 1}});
 }
 
@@ -59,9 +59,9 @@ io::InstancePlayback ControlStage::checked(uint32_t instance, const Playback& pl
     check_playback(playback, clip_count, place);
     // Wrapped in double precision here, so that a late time costs no digits on the GPU.
     const auto slot = [&](const ClipPlayback& from) {
-        if (from.clip == kNone) return io::SlotPlayback{.clip = clip_count, .loop = 0, .time_s = 0, .speed = 0};
+        if (from.clip == kNone) return io::ClipPlay{.clip = clip_count, .loop = 0, .time_s = 0, .speed = 0};
         const double time_s = local_time_reference(from.time_s, durations_s[from.clip], from.loop);
-        return io::SlotPlayback{
+        return io::ClipPlay{
             .clip = from.clip, .loop = from.loop ? 1u : 0u, .time_s = static_cast<float>(time_s), .speed = from.speed};
     };
     return {slot(playback.first), slot(playback.second), playback.weight};

@@ -53,7 +53,7 @@ PopulationStage::PopulationStage(const StageContext& context)
     for (size_t i = 0; i < groups_.size(); ++i) {
         if (!groups_[i].varies) continue;
         Population& population = populations_[i];
-        population.slots = Slots(counts[i]);
+        population.numbers = InstanceNumbers(counts[i]);
         population.births.resize(counts[i]);
         population.generations.resize(counts[i]);
         population.is_of_shaders = groups_[i].shaders_populate;
@@ -93,16 +93,16 @@ const PopulationStage::Population& PopulationStage::population_of(uint32_t insta
 
 std::vector<uint32_t> PopulationStage::spawn(uint32_t group, uint32_t count) {
     Population& population = populations_[group];
-    Slots& slots = population.slots;
-    if (count > slots.free_count())
+    InstanceNumbers& numbers = population.numbers;
+    if (count > numbers.free_count())
         throw Failure(ErrorCode::kLimit, groups_[group].name + ": spawn",
                       std::to_string(count) + " instances, where CrowdGroup::capacity leaves room for " +
-                          std::to_string(slots.free_count()));
+                          std::to_string(numbers.free_count()));
     std::vector<uint32_t> instances;
     instances.reserve(count);
     for (uint32_t i = 0; i < count; ++i) {
-        const uint32_t slot = slots.take(), instance = population.first_instance + slot;
-        population.births[slot] = birth_of(update_number_ + 1);
+        const uint32_t number = numbers.take(), instance = population.first_instance + number;
+        population.births[number] = birth_of(update_number_ + 1);
         dirty_.add(instance, 1);
         instances.push_back(instance);
     }
@@ -118,11 +118,11 @@ PopulationStage::Deaths& PopulationStage::deaths_after_last_update() {
 void PopulationStage::despawn(std::span<const InstanceHandle> gone) {
     for (const auto& [instance, known_generation] : gone) {
         Population& population = populations_[batches_[batch_index_of(batches_, instance)].group];
-        const uint32_t slot = instance - population.first_instance;
+        const uint32_t number = instance - population.first_instance;
         if (has_feedback_) deaths_after_last_update().generations.try_emplace(instance, known_generation);
-        ++population.generations[slot];
-        population.births[slot] = 0;
-        population.slots.give_back(slot);
+        ++population.generations[number];
+        population.births[number] = 0;
+        population.numbers.give_back(number);
         dirty_.add(instance, 1);
     }
 }
@@ -130,9 +130,9 @@ void PopulationStage::despawn(std::span<const InstanceHandle> gone) {
 bool PopulationStage::is_there(const Batch& batch, const InstanceHandle& handle) const {
     const Population& population = populations_[batch.group];
     if (population.births.empty()) return handle.generation == population.generation;
-    const uint32_t slot = handle.instance - population.first_instance;
-    return !population.is_of_shaders && population.births[slot] != 0 &&
-           population.generations[slot] == handle.generation;
+    const uint32_t number = handle.instance - population.first_instance;
+    return !population.is_of_shaders && population.births[number] != 0 &&
+           population.generations[number] == handle.generation;
 }
 
 bool PopulationStage::is_alive(uint32_t instance) const {
@@ -158,8 +158,8 @@ uint32_t PopulationStage::generation_at(uint32_t instance, uint64_t update) cons
 }
 
 uint32_t PopulationStage::alive_count(uint32_t group) const {
-    const Slots& slots = populations_[group].slots;
-    return slots.capacity() - slots.free_count();
+    const InstanceNumbers& numbers = populations_[group].numbers;
+    return numbers.capacity() - numbers.free_count();
 }
 
 void PopulationStage::take_over(const Batch& batch, std::span<const uint32_t> births) {
@@ -171,10 +171,10 @@ void PopulationStage::take_over(const Batch& batch, std::span<const uint32_t> bi
 void PopulationStage::tell_batches() const {
     for (Batch& batch : batches_) {
         const Population& population = populations_[batch.group];
-        if (population.slots.capacity() == 0) continue;
+        if (population.numbers.capacity() == 0) continue;
         batch.birth = birth_of(update_number_);
         if (population.is_of_shaders) continue;
-        const uint32_t first = batch.first_instance - population.first_instance, end = population.slots.end();
+        const uint32_t first = batch.first_instance - population.first_instance, end = population.numbers.end();
         batch.used_count = std::clamp(end, first, first + batch.instance_count) - first;
     }
 }
@@ -234,9 +234,9 @@ void PopulationStage::exchange_group(StateArchive& archive, uint32_t group) {
     archive.values(std::span(population.generations));
     if (!archive.reads() || population.births.empty()) return;
     const auto capacity = static_cast<uint32_t>(population.births.size());
-    population.slots = Slots(capacity);
-    for (uint32_t slot = 0; slot < capacity; ++slot)
-        if (population.births[slot] != 0) population.slots.take(slot);
+    population.numbers = InstanceNumbers(capacity);
+    for (uint32_t number = 0; number < capacity; ++number)
+        if (population.births[number] != 0) population.numbers.take(number);
     dirty_.add(population.first_instance, capacity);
 }
 

@@ -4,7 +4,7 @@
 
 #include "crowd/batch_plan.h"
 #include "crowd/dirty_ranges.h"
-#include "crowd/slots.h"
+#include "crowd/instance_numbers.h"
 #include "crowd/stage.h"
 
 #include <throng/population.h>
@@ -59,8 +59,8 @@ private:
         uint32_t first_instance = 0;
         uint32_t generation = 0;  // of the first that have a number
         // If instances come and go
-        Slots slots;
-        // For each slot, the number of the update that its instance was born in, as kernels know it; 0 if it is free
+        InstanceNumbers numbers;
+        // For each number, the number of the update that its instance was born in, as kernels know it; 0 if it is free
         std::vector<uint32_t> births;
         std::vector<uint32_t> generations;
         bool is_of_shaders = false;  // CrowdGroup::shaders_populate: `births` are those read back last

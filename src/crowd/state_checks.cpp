@@ -19,7 +19,7 @@ std::vector<T> copied(std::span<const std::byte> contents) {
     return all;
 }
 
-void check_slot(const io::SlotPlayback& slot, uint32_t clip_count) {
+void check_slot(const io::ClipPlay& slot, uint32_t clip_count) {
     StateArchive::require(slot.clip <= clip_count, "a clip that the character does not have");
     StateArchive::require(std::isfinite(slot.time_s) && std::isfinite(slot.speed), "a time that is not finite");
 }

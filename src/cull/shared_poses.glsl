@@ -12,7 +12,7 @@ WRITEONLY_BUFFER(kSkinRowsBuffer, uint, skin_rows);
 
 // The clip that most of an instance's pose comes from; with a controller, the first of its lowest layer.
 struct MainClip {
-    SlotCursor cursor;
+    ClipCursor cursor;
     float others_weight;  // 0: there is no other; 1: not known, with a controller
 };
 
@@ -22,7 +22,7 @@ MainClip main_clip(CullPush push, uint instance) {
         const uint at = 2 * instance * push.active_clip_limit;
         const uvec4 cursor = ROW_AT(active_clips, at);
         const uint flags = ROW_AT(active_clips, at + 1).w;
-        main.cursor = SlotCursor(cursor.x, cursor.y, cursor.z, uintBitsToFloat(cursor.w));
+        main.cursor = ClipCursor(cursor.x, cursor.y, cursor.z, uintBitsToFloat(cursor.w));
         const bool is_all = (flags & (kActiveClipEnds | kActiveClipAdditive | kActiveClipMasked)) == kActiveClipEnds;
         main.others_weight = is_all ? 0 : 1;
         return main;

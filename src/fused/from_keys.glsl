@@ -18,19 +18,19 @@ void begin_clips(uint instance) {
     if (!kLayered) cursor = cursors[instance];
 }
 
-SlotCursor only_slot() {
+ClipCursor only_clip() {
     if (cursor.weight <= 0) return cursor.second;
     return cursor.first;
 }
 
-uvec4 tracks_of(SlotCursor slot, uint joint) { return ROW_AT(tracks, slot.first_track + joint); }
+uvec4 tracks_of(ClipCursor clip, uint joint) { return ROW_AT(tracks, clip.first_track + joint); }
 
 JointPose animated_pose(uint instance, uint joint) {
     if (kInertial) return inertial_pose(instance, at(instance, joint), active_clips_pose(instance, joint));
     if (kLayered) return active_clips_pose(instance, joint);
     if (!kBlends) {
-        const SlotCursor slot = only_slot();
-        return sample_joint(tracks_of(slot, joint), slot);
+        const ClipCursor clip = only_clip();
+        return sample_joint(tracks_of(clip, joint), clip);
     }
     JointPose first, second;
     if (cursor.weight > 0) first = sample_joint(tracks_of(cursor.first, joint), cursor.first);
@@ -52,8 +52,8 @@ JointPose animated_pose_of_fixed(uint instance, uint joint) {
         return pose;
     }
     if (!kBlends) {
-        const SlotCursor slot = only_slot();
-        pose.rotation = sample_rotation(tracks_of(slot, joint).x, slot);
+        const ClipCursor clip = only_clip();
+        pose.rotation = sample_rotation(tracks_of(clip, joint).x, clip);
         return pose;
     }
     vec4 first, second;

@@ -33,7 +33,7 @@ RowPlace first_place, second_place;
 float first_weight;
 RowJoint row_joint;
 
-RowPlace row_place(SlotCursor cursor) {
+RowPlace row_place(ClipCursor cursor) {
     // In floats, which are exact enough here: integer division is slow
     const uint clip = kRowClipWords * uint(float(cursor.first_track) / float(push.rig_joint_count) + 0.5);
     const float keys = float(cursor.earlier - row_places[clip]) * uintBitsToFloat(row_places[clip + 1]);
@@ -48,9 +48,9 @@ void begin_clips(uint instance) {
     if (kLayered) return;
     const InstanceCursor cursor = cursors[instance];
     first_weight = cursor.weight;
-    SlotCursor slot = cursor.second;
-    if (cursor.weight > 0) slot = cursor.first;
-    first_place = row_place(slot);
+    ClipCursor clip = cursor.second;
+    if (cursor.weight > 0) clip = cursor.first;
+    first_place = row_place(clip);
     if (!kBlends) return;
     if (cursor.weight <= 0) first_weight = 1;
     second_place = row_place(cursor.second);
@@ -84,12 +84,12 @@ vec4 motion_at(RowPlace place, vec4 step_size) {
 vec4 motion_step() { return uintBitsToFloat(row_joints[kRowJointRows * kRowJoints + row_joint.motion]); }
 bool moves() { return kMotions > 0 && row_joint.motion != kNoColumn; }
 
-vec4 clip_rotation(SlotCursor cursor, uint joint) {
+vec4 clip_rotation(ClipCursor cursor, uint joint) {
     const vec4 q = rotation_at(row_place(cursor));
     return q * inversesqrt(dot(q, q));
 }
 
-JointPose clip_pose(SlotCursor cursor, uint joint) {
+JointPose clip_pose(ClipCursor cursor, uint joint) {
     const RowPlace place = row_place(cursor);
     const vec4 q = rotation_at(place);
     vec4 motion = row_joint.centre;

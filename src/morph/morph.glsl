@@ -15,11 +15,11 @@ vec4 default_weights(uint quad) {
     return vec4(value_at(4 * quad), value_at(4 * quad + 1), value_at(4 * quad + 2), value_at(4 * quad + 3));
 }
 
-const SlotCursor kFirstRow = SlotCursor(0, 0, 0, 0);
+const ClipCursor kFirstRow = ClipCursor(0, 0, 0, 0);
 
-SlotCursor morph_rows(uint clip, float time_s) { return find_rows(load_timeline(clip), time_s); }
+ClipCursor morph_rows(uint clip, float time_s) { return find_rows(load_timeline(clip), time_s); }
 
-float sample_weight(uint track, SlotCursor rows, float untouched) {
+float sample_weight(uint track, ClipCursor rows, float untouched) {
     if (track == kNone) return untouched;
     const uint position = track & kMorphPositionMask;
     if ((track & kMorphAnimatedBit) == 0) return value_at(position);
@@ -27,7 +27,7 @@ float sample_weight(uint track, SlotCursor rows, float untouched) {
     return (track & kMorphStepBit) != 0 ? earlier : mix(earlier, value_at(position + rows.later), rows.fraction);
 }
 
-vec4 sample_weights(uvec4 quad_tracks, SlotCursor rows, vec4 untouched) {
+vec4 sample_weights(uvec4 quad_tracks, ClipCursor rows, vec4 untouched) {
     return vec4(sample_weight(quad_tracks.x, rows, untouched.x), sample_weight(quad_tracks.y, rows, untouched.y),
                 sample_weight(quad_tracks.z, rows, untouched.z), sample_weight(quad_tracks.w, rows, untouched.w));
 }
@@ -38,7 +38,7 @@ uvec4 quad_tracks_of(uint clip, uint quad) { return ROW_AT(tracks, clip * quad_c
 
 // The rows of both clips; those of the second are meaningless if it is not seen.
 struct RowsOfTwo {
-    SlotCursor first, second;
+    ClipCursor first, second;
 };
 
 RowsOfTwo rows_of_two(InstancePlayback playback) {

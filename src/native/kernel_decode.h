@@ -48,10 +48,10 @@ INLINE Played played(const KernelRig& rig, const KernelUpdate& update, uint32_t 
     Played p;
     p.instance = instance;
     p.weight = cursor.weight;
-    const io::SlotCursor& a = cursor.weight > 0 ? cursor.first : cursor.second;
+    const io::ClipCursor& a = cursor.weight > 0 ? cursor.first : cursor.second;
     p.first = row_pair(rig, a.first_track, a.earlier, a.later, a.fraction);
     if (!(cursor.weight > 0)) p.weight = 1;
-    const io::SlotCursor& b = cursor.second;
+    const io::ClipCursor& b = cursor.second;
     if (p.weight < 1) p.second = row_pair(rig, b.first_track, b.earlier, b.later, b.fraction);
     return p;
 }

@@ -27,9 +27,10 @@ public:
     Poser(const Character& character, const NativeRig& rig) : character_(character), rig_(rig) {}
 
     void pose(uint32_t clip, double time_s, SkinFormat format, std::byte* skin) const {
-        const io::SlotCursor slot = cursor_reference({.clip = clip, .time_s = time_s, .loop = false}, character_.clips,
-                                                     character_.times_s, character_.rig.joint_count());
-        const io::InstanceCursor cursor{slot, slot, 1};
+        const io::ClipCursor of_clip = cursor_reference({.clip = clip, .time_s = time_s, .loop = false},
+                                                        character_.clips, character_.times_s,
+                                                        character_.rig.joint_count());
+        const io::InstanceCursor cursor{of_clip, of_clip, 1};
         update(rig_, {.cursors = &cursor, .skin_format = format, .skin = skin}, 0, 1);
     }
 

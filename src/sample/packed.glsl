@@ -24,7 +24,7 @@ uvec4 unpack_fields(uint word, uint shift, uvec3 bits) {
     return fields;
 }
 
-PackedPair fetch_packed(uint track, SlotCursor cursor) {
+PackedPair fetch_packed(uint track, ClipCursor cursor) {
     // A constant has no tail: this is another track's, and unused
     const uvec4 head = ROW_AT(keys, track), tail = ROW_AT(keys, track + 1);
     const uvec3 bits = uvec3(head.w, head.w >> 5, head.w >> 10) & 31u;
@@ -43,7 +43,7 @@ PackedPair fetch_packed(uint track, SlotCursor cursor) {
 
 float left_out_component(vec3 others) { return sqrt(max(1 - dot(others, others), 0)); }
 
-vec4 packed_rotation(uint track, SlotCursor cursor) {
+vec4 packed_rotation(uint track, ClipCursor cursor) {
     PackedPair pair = fetch_packed(track, cursor);
     if ((pair.layout_word & kPackedFull) == 0) {
         pair.earlier.w = left_out_component(pair.earlier.xyz);
@@ -57,12 +57,12 @@ vec4 packed_rotation(uint track, SlotCursor cursor) {
     return q * inversesqrt(dot(q, q));
 }
 
-vec4 packed_vector(uint track, SlotCursor cursor) {
+vec4 packed_vector(uint track, ClipCursor cursor) {
     const PackedPair pair = fetch_packed(track, cursor);
     return mix(pair.earlier, pair.later, cursor.fraction);
 }
 
-JointPose sample_packed(uvec4 tracks, SlotCursor cursor) {
+JointPose sample_packed(uvec4 tracks, ClipCursor cursor) {
     return JointPose(packed_rotation(tracks.x, cursor), packed_vector(tracks.y, cursor),
                      packed_vector(tracks.z, cursor));
 }

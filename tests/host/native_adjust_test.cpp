@@ -99,7 +99,7 @@ public:
         return {.clip = clips_[instance][update >= kChange], .time_s = begins_s_[instance] + update * double{kStep_s}};
     }
     io::ActiveClip active_clip(uint32_t instance, uint32_t update) const {
-        const io::SlotCursor cursor = cursor_of(character_, {.first = playback(instance, update)}).first;
+        const io::ClipCursor cursor = cursor_of(character_, {.first = playback(instance, update)}).first;
         return {cursor.first_track,
                 cursor.earlier,
                 cursor.later,

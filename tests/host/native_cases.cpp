@@ -15,7 +15,7 @@ void add(std::vector<NamedCharacter>& all, const std::string& name, const Asset&
             all.push_back({name + (error > 0 ? " packed" : " exact"), *std::move(character)});
 }
 
-io::SlotCursor slot_of(const Character& character, const ClipPlayback& playback) {
+io::ClipCursor slot_of(const Character& character, const ClipPlayback& playback) {
     return cursor_reference(playback, character.clips, character.times_s, character.rig.joint_count());
 }
 

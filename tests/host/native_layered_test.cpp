@@ -49,7 +49,7 @@ struct Layers {
     void add(Random& random, uint32_t instance, const Told& told, bool begins) {
         const uint32_t clip = random.below(static_cast<uint32_t>(character.clips.size()));
         const double time_s = random.between(0, double{character.clips[clip].duration_s});
-        const io::SlotCursor cursor = cursor_at(character, clip, time_s);
+        const io::ClipCursor cursor = cursor_at(character, clip, time_s);
         active_clips.push_back({cursor.first_track, cursor.earlier, cursor.later, cursor.fraction, told.weight,
                                 told.layer_weight, character.clips[clip].first_row, told.flags});
         const auto pose = sample_reference(character, clip, time_s), first = sample_reference(character, clip, 0);

@@ -58,7 +58,7 @@ private:
                 const auto clip = random_.below(static_cast<uint32_t>(character_.clips.size()));
                 const ClipPlayback playback{
                     .clip = clip, .time_s = random_.between(0, character_.clips[clip].duration_s), .loop = false};
-                const io::SlotCursor cursor = cursor_of(character_, {.first = playback}).first;
+                const io::ClipCursor cursor = cursor_of(character_, {.first = playback}).first;
                 uint32_t flags = (k == 0 ? io::kActiveClipBeginsLayer : 0u) |
                                  (k + 1 == clip_count ? io::kActiveClipEndsLayer : 0u) |
                                  (is_additive ? io::kActiveClipAdditive : 0u);

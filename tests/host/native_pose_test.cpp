@@ -41,7 +41,7 @@ TEST(NativeKernels, ControlAdvancesClips) {
     std::vector<float> times_s = character.times_s;
     std::vector<io::InstancePlayback> playbacks;
     const auto slot = [&] {
-        return io::SlotPlayback{random.below(3), random.below(2), 0, static_cast<float>(random.between(-2, 2))};
+        return io::ClipPlay{random.below(3), random.below(2), 0, static_cast<float>(random.between(-2, 2))};
     };
     for (int i = 0; i < 200; ++i) playbacks.push_back({slot(), slot(), static_cast<float>(random.unit())});
     auto cursors = unwritten<io::InstanceCursor>(200);
@@ -52,13 +52,13 @@ TEST(NativeKernels, ControlAdvancesClips) {
         const std::vector<io::InstancePlayback> before = playbacks;
         run.invocations(io::ControlPush{200, 7, 0.1f}, 200);
         for (size_t i = 0; i < 200; ++i) {
-            const io::SlotPlayback &from = before[i].first, &to = playbacks[i].first;
+            const io::ClipPlay &from = before[i].first, &to = playbacks[i].first;
             const Clip& clip = character.clips[from.clip];
             const double wanted = local_time_reference(double{from.time_s} + double{0.1f} * double{from.speed},
                                                        double{clip.duration_s}, from.loop != 0);
             const double off = std::abs(to.time_s - wanted);
             EXPECT_LE(std::min(off, std::abs(double{clip.duration_s} - off)), 1e-6);
-            const io::SlotCursor there = cursor_at(character, from.clip, double{to.time_s});
+            const io::ClipCursor there = cursor_at(character, from.clip, double{to.time_s});
             EXPECT_EQ(cursors[i].first.first_track, there.first_track);
             EXPECT_EQ(cursors[i].first.earlier, there.earlier);
             EXPECT_NEAR(cursors[i].first.fraction, there.fraction, 1e-6);

@@ -1,4 +1,4 @@
-#include "crowd/slots.h"
+#include "crowd/instance_numbers.h"
 #include "tests/test_rig.h"
 
 #include <gtest/gtest.h>
@@ -8,27 +8,27 @@
 namespace throng::test {
 namespace {
 
-TEST(Slots, AreGivenLowestFirst) {
+TEST(InstanceNumbers, AreGivenLowestFirst) {
     for (const uint32_t capacity : {1u, 63u, 64u, 65u, 1000u}) {
-        Slots slots(capacity);
+        InstanceNumbers numbers(capacity);
         std::set<uint32_t> taken;
         Random random(capacity);
         for (int i = 0; i < 5000; ++i) {
             const bool gives_back = !taken.empty() && (taken.size() == capacity || random.chance(0.5));
             if (gives_back) {
                 const auto any = std::next(taken.begin(), random.below(static_cast<uint32_t>(taken.size())));
-                slots.give_back(*any);
+                numbers.give_back(*any);
                 taken.erase(any);
             } else {
                 uint32_t lowest = 0;
-                for (const uint32_t slot : taken) lowest += slot == lowest ? 1 : 0;
-                ASSERT_EQ(slots.take(), lowest);
+                for (const uint32_t number : taken) lowest += number == lowest ? 1 : 0;
+                ASSERT_EQ(numbers.take(), lowest);
                 taken.insert(lowest);
             }
-            ASSERT_EQ(slots.free_count(), capacity - taken.size());
-            ASSERT_EQ(slots.end(), taken.empty() ? 0 : *taken.rbegin() + 1);
-            const uint32_t slot = random.below(capacity + 3);
-            ASSERT_EQ(slots.is_taken(slot), taken.contains(slot));
+            ASSERT_EQ(numbers.free_count(), capacity - taken.size());
+            ASSERT_EQ(numbers.end(), taken.empty() ? 0 : *taken.rbegin() + 1);
+            const uint32_t number = random.below(capacity + 3);
+            ASSERT_EQ(numbers.is_taken(number), taken.contains(number));
         }
     }
 }

@@ -8,46 +8,46 @@
 
 namespace throng {
 
-class Slots {
+class InstanceNumbers {
 public:
-    explicit Slots(uint32_t capacity = 0)
+    explicit InstanceNumbers(uint32_t capacity = 0)
         : free_((capacity + kBits - 1) / kBits, ~uint64_t{0}), capacity_(capacity), free_count_(capacity) {
         if (capacity % kBits > 0) free_.back() = (uint64_t{1} << capacity % kBits) - 1;
     }
 
     uint32_t capacity() const { return capacity_; }
     uint32_t free_count() const { return free_count_; }
-    bool is_taken(uint32_t slot) const { return slot < capacity_ && (free_[slot / kBits] & bit_of(slot)) == 0; }
+    bool is_taken(uint32_t number) const { return number < capacity_ && (free_[number / kBits] & bit_of(number)) == 0; }
     // One more than the highest that is taken.
     uint32_t end() const { return end_; }
 
-    // `slot` must be free.
-    void take(uint32_t slot) {
-        free_[slot / kBits] &= ~bit_of(slot);
+    // `number` must be free.
+    void take(uint32_t number) {
+        free_[number / kBits] &= ~bit_of(number);
         --free_count_;
-        if (slot >= end_) end_ = slot + 1;
+        if (number >= end_) end_ = number + 1;
     }
 
     // The lowest that is free; there must be one.
     uint32_t take() {
         while (free_[first_free_word_] == 0) ++first_free_word_;
-        const auto slot = static_cast<uint32_t>(first_free_word_ * kBits +
-                                                static_cast<size_t>(std::countr_zero(free_[first_free_word_])));
-        take(slot);
-        return slot;
+        const auto number = static_cast<uint32_t>(first_free_word_ * kBits +
+                                                  static_cast<size_t>(std::countr_zero(free_[first_free_word_])));
+        take(number);
+        return number;
     }
 
-    // `slot` must be taken.
-    void give_back(uint32_t slot) {
-        free_[slot / kBits] |= bit_of(slot);
+    // `number` must be taken.
+    void give_back(uint32_t number) {
+        free_[number / kBits] |= bit_of(number);
         ++free_count_;
-        if (slot / kBits < first_free_word_) first_free_word_ = slot / kBits;
+        if (number / kBits < first_free_word_) first_free_word_ = number / kBits;
         while (end_ > 0 && !is_taken(end_ - 1)) --end_;
     }
 
 private:
     static constexpr uint32_t kBits = 64;
-    static uint64_t bit_of(uint32_t slot) { return uint64_t{1} << slot % kBits; }
+    static uint64_t bit_of(uint32_t number) { return uint64_t{1} << number % kBits; }
 
     std::vector<uint64_t> free_;  // a bit each
     size_t first_free_word_ = 0;  // none is free in those before
