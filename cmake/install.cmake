@@ -4,6 +4,9 @@ include(CMakePackageConfigHelpers)
 set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/throng)
 set(pkgconfig_dir ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
 set(doc_dir ${CMAKE_INSTALL_DOCDIR})
+if(NOT PROJECT_IS_TOP_LEVEL)  # it may be the parent's
+  set(doc_dir ${CMAKE_INSTALL_DATAROOTDIR}/doc/throng)
+endif()
 
 install(TARGETS throng EXPORT throng-targets LIBRARY COMPONENT Runtime NAMELINK_COMPONENT Development)
 
@@ -30,7 +33,8 @@ install(FILES ${PROJECT_SOURCE_DIR}/README.md ${PROJECT_SOURCE_DIR}/CHANGELOG.md
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/docs DESTINATION ${doc_dir} COMPONENT Documentation)
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/examples DESTINATION ${doc_dir} COMPONENT Documentation)
 install(FILES ${PROJECT_SOURCE_DIR}/bench/README.md DESTINATION ${doc_dir}/bench COMPONENT Documentation)
-file(RELATIVE_PATH include_from_doc ${CMAKE_INSTALL_FULL_DOCDIR} ${CMAKE_INSTALL_FULL_INCLUDEDIR})
+GNUInstallDirs_get_absolute_install_dir(full_doc_dir doc_dir DOCDIR)
+file(RELATIVE_PATH include_from_doc ${full_doc_dir} ${CMAKE_INSTALL_FULL_INCLUDEDIR})
 install(CODE "set(doc_dir ${doc_dir})
   cmake_path(ABSOLUTE_PATH doc_dir BASE_DIRECTORY \${CMAKE_INSTALL_PREFIX})
   file(CREATE_LINK ${include_from_doc} \$ENV{DESTDIR}\${doc_dir}/include SYMBOLIC)" COMPONENT Documentation)

@@ -106,12 +106,12 @@ TEST(Baseline, TheKernelFollowsTheDefinition) {
         std::vector<Playback> playbacks{{}};  // the rest pose
         for (const float weight : {0.0f, 1.0f, 0.25f, 0.5f})
             for (int i = 0; i < 10; ++i) {
-                const auto slot = [&] {
+                const auto play = [&] {
                     return ClipPlayback{.clip = random.chance(0.1) ? kNone : random.below(clip_count),
                                         .time_s = random.between(-5, 5),
                                         .loop = random.chance(0.7)};
                 };
-                playbacks.push_back({.first = slot(), .second = slot(), .weight = weight});
+                playbacks.push_back({.first = play(), .second = play(), .weight = weight});
             }
         for (const Baseline& baseline : baselines()) {
             const Character stored = baseline.bake(character, {});
@@ -154,10 +154,10 @@ TEST(Baseline, AClipBlendedWithItselfErrsByInterpolationAlone) {
     for (const Baseline& baseline : baselines()) {
         const Character stored = baseline.bake(character, {});
         for (const double time_s : {0.11, 0.77, 1.31}) {
-            const ClipPlayback slot{.clip = 1, .time_s = time_s};
-            const double alone = error_of(baseline, character, stored, {.first = slot}),
+            const ClipPlayback play{.clip = 1, .time_s = time_s};
+            const double alone = error_of(baseline, character, stored, {.first = play}),
                          blended = error_of(baseline, character, stored,
-                                            {.first = slot, .second = slot, .weight = 0.3f});
+                                            {.first = play, .second = play, .weight = 0.3f});
             EXPECT_GT(alone, 1e-6) << baseline.name;
             EXPECT_NEAR(blended, alone, 1e-9) << baseline.name;
         }

@@ -111,11 +111,11 @@ std::vector<Playback> random_playbacks(Random& random, const Character& characte
 }
 
 Playback advanced(Playback playback, const Character& character, double step_s) {
-    for (ClipPlayback* slot : {&playback.first, &playback.second}) {
-        if (slot->clip == kNone) continue;
-        const double duration_s = character.clips[slot->clip].duration_s;
-        slot->time_s = local_time_reference(slot->time_s, duration_s, slot->loop);
-        slot->time_s = local_time_reference(slot->time_s + step_s * slot->speed, duration_s, slot->loop);
+    for (ClipPlayback* play : {&playback.first, &playback.second}) {
+        if (play->clip == kNone) continue;
+        const double duration_s = character.clips[play->clip].duration_s;
+        play->time_s = local_time_reference(play->time_s, duration_s, play->loop);
+        play->time_s = local_time_reference(play->time_s + step_s * play->speed, duration_s, play->loop);
     }
     return playback;
 }

@@ -237,22 +237,44 @@ public:
     bool fails = false;
 };
 
-TEST(Frames, AnUpdateThatHasFailedIsNotDiscarded) {
-    DrivenCrowd driven;
-    CrowdState& state = driven.crowd.state();
+FailingStage& add_failing_stage(const Crowd& crowd) {
+    CrowdState& state = crowd.state();
     Uploads uploads(state.gpu);
     const CrowdSettings settings;
     const Buffer no_terrain;
     state.stages.push_back(std::make_unique<FailingStage>(StageContext{
         uploads, settings, state.groups, state.batches, state.instance_count, nullptr, no_terrain, state.stages}));
-    auto& stage = static_cast<FailingStage&>(*state.stages.back());
+    return static_cast<FailingStage&>(*state.stages.back());
+}
+
+TEST(Frames, AnUpdateThatHasFailedIsNotDiscarded) {
+    DrivenCrowd driven;
+    FailingStage& stage = add_failing_stage(driven.crowd);
     Recorder recorder;
     recorder.record([&](VkCommandBuffer commands) { EXPECT_TRUE(driven.crowd.record(commands, 0.1f)); });
     stage.fails = true;
     recorder.record([&](VkCommandBuffer commands) { EXPECT_FALSE(driven.crowd.record(commands, 0.1f)); });
     EXPECT_FALSE(driven.crowd.discard_last_record()) << "it would be the update before";
+    EXPECT_FALSE(driven.crowd.save_state()) << "the commands of the first have not run";
     stage.fails = false;
     EXPECT_EQ(refusal(driven.crowd.update(0.1f)), "");
+}
+
+// Also if it was for a view with occlusion, whose second half cannot come any more.
+TEST(Frames, AnUpdateThatHasFailedIsRestored) {
+    const Character character = small_character();
+    Crowd crowd = create({.groups = {{&character, 2}}, .culling = Culling{}});
+    FailingStage& stage = add_failing_stage(crowd);
+    const std::vector<std::byte> saved = *crowd.save_state();
+    CrowdView view = *view_of({.eye = {0, 0, 0}, .target = {0, 0, -1}}, 64, 64, {});
+    view.occlusion = true;
+    stage.fails = true;
+    Recorder recorder;
+    recorder.record([&](VkCommandBuffer commands) { EXPECT_FALSE(crowd.record(commands, 0.1f, &view)); });
+    EXPECT_EQ(refusal(crowd.restore_state(saved)), "");
+    stage.fails = false;
+    EXPECT_EQ(refusal(crowd.update(0.1f)), "");
+    EXPECT_TRUE(crowd.save_state());
 }
 
 // The update that comes is its first, as if nothing had been recorded.

@@ -14,7 +14,7 @@ namespace {
 using nlohmann::json;
 using namespace nlohmann::literals;
 
-ClipPlayback slot_of(const json& request) {
+ClipPlayback clip_playback_of(const json& request) {
     if (request["clip"].is_null()) return {};
     return {request["clip"].get<uint32_t>(), request["time"].get<double>(), 1, request["loop"].get<bool>()};
 }
@@ -58,9 +58,9 @@ std::vector<Golden> load_goldens() {
             golden.size = golden.character.size;
             for (const json& answer : (*golden.data)["answers"]) {
                 const json& request = answer["request"];
-                Playback playback{.first = slot_of(request)};
+                Playback playback{.first = clip_playback_of(request)};
                 if (request.contains("blend")) {
-                    playback.second = slot_of(request["blend"]);
+                    playback.second = clip_playback_of(request["blend"]);
                     playback.weight = request["blend"]["weight"].get<float>();
                 }
                 golden.playbacks.push_back(playback);

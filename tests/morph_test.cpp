@@ -31,9 +31,9 @@ struct Instance {
 };
 
 std::vector<MorphLayer> layers_of(const Character& character, const Playback& playback) {
-    const auto active_clip = [&](const ClipPlayback& slot, double weight) {
-        return MorphActiveClip{slot.clip == kNone ? static_cast<uint32_t>(character.clips.size()) : slot.clip,
-                               slot.time_s, weight};
+    const auto active_clip = [&](const ClipPlayback& play, double weight) {
+        return MorphActiveClip{play.clip == kNone ? static_cast<uint32_t>(character.clips.size()) : play.clip,
+                               play.time_s, weight};
     };
     return {{.active_clips = {active_clip(playback.first, double{playback.weight}),
                               active_clip(playback.second, 1 - double{playback.weight})}}};
@@ -48,12 +48,12 @@ public:
 
     std::vector<std::vector<io::ActiveMorph>> run_two(const std::vector<Playback>& playbacks) const {
         std::vector<io::InstancePlayback> states;
-        const auto slot = [&](const ClipPlayback& from) {
+        const auto play = [&](const ClipPlayback& from) {
             return io::ClipPlay{from.clip == kNone ? static_cast<uint32_t>(character_.clips.size()) : from.clip,
                                 from.loop, static_cast<float>(from.time_s), from.speed};
         };
         for (const Playback& playback : playbacks)
-            states.push_back({slot(playback.first), slot(playback.second), playback.weight});
+            states.push_back({play(playback.first), play(playback.second), playback.weight});
         const Guarded<io::InstancePlayback> buffer(states);
         const Guarded<io::vec4> none(std::vector<io::vec4>(1));
         return run(buffer, none, none, static_cast<uint32_t>(playbacks.size()), 0);
@@ -163,8 +163,8 @@ TEST(Morph, TwoClipsFollowTheReference) {
         std::vector<Playback> playbacks;
         for (int i = 0; i < 100; ++i) {
             Playback playback = random_playback(random, character);
-            for (ClipPlayback* slot : {&playback.first, &playback.second})
-                slot->time_s = as_float(random.between(0, 3));
+            for (ClipPlayback* play : {&playback.first, &playback.second})
+                play->time_s = as_float(random.between(0, 3));
             playbacks.push_back(playback);
         }
         const auto got = stage.run_two(playbacks);

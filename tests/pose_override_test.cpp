@@ -165,9 +165,9 @@ void expect_blended(UpdatePath path, const std::string& scan, SkinFormat format,
             continue;
         }
         const Playback playback = advanced(playbacks[3 + i], character, kStep_s);
-        const auto sampled = [&](const ClipPlayback& slot) {
-            return slot.clip == kNone ? sample_reference(character, static_cast<uint32_t>(character.clips.size()), 0)
-                                      : sample_reference(character, slot.clip, slot.time_s);
+        const auto sampled = [&](const ClipPlayback& play) {
+            return play.clip == kNone ? sample_reference(character, static_cast<uint32_t>(character.clips.size()), 0)
+                                      : sample_reference(character, play.clip, play.time_s);
         };
         const std::vector<Trs<double>> first = sampled(playback.first), second = sampled(playback.second),
                                        pose = checked_pose(poses[i], character.rig.joint_count(),

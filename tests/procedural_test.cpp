@@ -124,10 +124,10 @@ std::vector<double> errors(const Character& character, const std::vector<Procedu
         clock.advance(step_s);
         for (uint32_t i = 0; i < kInstances; ++i) {
             playbacks[i] = advanced(playbacks[i], character, step_s);
-            const auto sampled = [&](const ClipPlayback& slot) {
-                return slot.clip == kNone
+            const auto sampled = [&](const ClipPlayback& play) {
+                return play.clip == kNone
                            ? sample_reference(character, static_cast<uint32_t>(character.clips.size()), 0)
-                           : sample_reference(character, slot.clip, slot.time_s);
+                           : sample_reference(character, play.clip, play.time_s);
             };
             Locals local = sampled(playbacks[i].first);
             const Locals second = sampled(playbacks[i].second);

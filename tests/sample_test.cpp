@@ -23,7 +23,7 @@ using namespace test;
 constexpr double kSampleBound = 2e-6;  // of a component, relative where it exceeds 1
 
 std::vector<io::JointPose> run_sample(const Character& character, const std::vector<io::InstanceCursor>& cursors,
-                                      uint32_t clip) {
+                                      uint32_t which) {
     const auto count = static_cast<uint32_t>(cursors.size());
     const Guarded<io::JointPose> poses(poison<io::JointPose>(size_t{count} * character.rig.joint_count()));
     const Guarded<io::InstanceCursor> cursor_buffer(cursors);
@@ -36,7 +36,7 @@ std::vector<io::JointPose> run_sample(const Character& character, const std::vec
                                {io::kKeysBuffer, keys},
                                {io::kWordsBuffer, words},
                                {io::kSampledPosesBuffer, poses}},
-                   io::SamplePush{character.rig.joint_count(), clip}, count);
+                   io::SamplePush{character.rig.joint_count(), which}, count);
     return poses.read();
 }
 
@@ -57,11 +57,11 @@ void expect_reference(const Character& character) {
         cursors.push_back({shown.back()[0].cursor(character), shown.back()[1].cursor(character), 0.5f});
     }
     double worst = 0;
-    for (const uint32_t clip : {0u, 1u}) {
-        const std::vector<io::JointPose> poses = run_sample(character, cursors, clip);
+    for (const uint32_t which : {0u, 1u}) {
+        const std::vector<io::JointPose> poses = run_sample(character, cursors, which);
         for (size_t i = 0; i < cursors.size(); ++i) {
-            const std::vector<Trs<double>> wanted = sample_reference(character, shown[i][clip].clip,
-                                                                     shown[i][clip].time_s);
+            const std::vector<Trs<double>> wanted = sample_reference(character, shown[i][which].clip,
+                                                                     shown[i][which].time_s);
             for (size_t joint = 0; joint < joint_count; ++joint)
                 worst = std::max(worst, pose_error(poses[i * joint_count + joint], wanted[joint]));
         }
@@ -101,14 +101,14 @@ TEST(Sample, SkipsClipsWithoutWeight) {
     const std::vector<io::InstanceCursor> cursors{
         {first, second, 1}, {first, second, 0}, {first, second, 0.5f}, {first, second, 1}};
     const std::vector<io::JointPose> untouched = poison<io::JointPose>(70);
-    for (const uint32_t clip : {0u, 1u}) {
-        const std::vector<io::JointPose> poses = run_sample(character, cursors, clip);
-        const std::vector<Trs<double>> wanted = sample_reference(character, clip, clip == 0 ? 0.3 : 0.7);
+    for (const uint32_t which : {0u, 1u}) {
+        const std::vector<io::JointPose> poses = run_sample(character, cursors, which);
+        const std::vector<Trs<double>> wanted = sample_reference(character, which, which == 0 ? 0.3 : 0.7);
         for (size_t i = 0; i < cursors.size(); ++i) {
             const std::vector<io::JointPose> of_instance(poses.begin() + static_cast<ptrdiff_t>(i * 70),
                                                          poses.begin() + static_cast<ptrdiff_t>(i * 70 + 70));
-            const bool has_weight = (clip == 0 ? cursors[i].weight : 1 - cursors[i].weight) > 0;
-            EXPECT_EQ(same_bits(of_instance, untouched), !has_weight) << "clip " << clip << ", instance " << i;
+            const bool has_weight = (which == 0 ? cursors[i].weight : 1 - cursors[i].weight) > 0;
+            EXPECT_EQ(same_bits(of_instance, untouched), !has_weight) << "clip " << which << ", instance " << i;
             if (!has_weight) continue;
             for (size_t joint = 0; joint < 70; ++joint)
                 EXPECT_LE(pose_error(of_instance[joint], wanted[joint]), kSampleBound);

@@ -25,9 +25,9 @@ Affine mix_matrices(Affine a, Affine b, float w) {
     return Affine(mix(a.row0, b.row0, w), mix(a.row1, b.row1, w), mix(a.row2, b.row2, w));
 }
 
-Affine sample_clip(ClipCursor clip, uint entry) {
-    const uint first = tracks[clip.first_track].x + entry;
-    return mix_matrices(unpack(frames[first + clip.earlier]), unpack(frames[first + clip.later]), clip.fraction);
+Affine sample_clip(ClipCursor cursor, uint entry) {
+    const uint first = tracks[cursor.first_track].x + entry;
+    return mix_matrices(unpack(frames[first + cursor.earlier]), unpack(frames[first + cursor.later]), cursor.fraction);
 }
 
 void main() {

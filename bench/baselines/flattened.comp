@@ -30,8 +30,8 @@ PUSH(BaselinePush);
 
 #include "sample/exact.glsl"
 
-JointPose sample_clip(ClipCursor clip, uint joint) {
-    return sample_exact(ROW_AT(tracks, clip.first_track + joint), clip);
+JointPose sample_clip(ClipCursor cursor, uint joint) {
+    return sample_exact(ROW_AT(tracks, cursor.first_track + joint), cursor);
 }
 
 void main() {

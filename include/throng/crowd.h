@@ -374,11 +374,13 @@ public:
     // in that update does not come back if CrowdGroup::pose_capacity was exhausted and its room has been given to
     // another.) If an update is dropped without this call, its changes are lost (with the first update also what the
     // buffers begin with), and after four in a row record() fails if there is feedback(). Errors: kInvalidArgument
-    // (nothing has been recorded since the last discard or update(), or its commands have run).
+    // (nothing has been recorded since the last discard or update(), its commands have run, or the last record()
+    // failed).
     Result<void> discard_last_record();
     // record(), submit to the device's queue, and wait; a native device computes here. Commands of record() that have
-    // not been submitted are assumed to be dropped. After an error half of an update may have happened (a device that
-    // is lost, a JobSystem that throws): then restore a saved state before the crowd goes on.
+    // not been submitted are assumed to be dropped. After an error other than those of record() half of an update may
+    // have happened (a device that is lost, a JobSystem that throws): then restore a saved state before the crowd goes
+    // on.
     Result<void> update(float time_step_s, const CrowdView* view = nullptr);
 
     // Everything that the next updates build on, as bytes: for a game that is saved, a replay, a rollback. A crowd that

@@ -17,8 +17,7 @@ inline constexpr size_t kMorphLimit = 4'096;
 // The size of the keys, of the packed words and of the track table, each; the arrays of morphs have the same limit
 inline constexpr uint64_t kKeyLimit_bytes = uint64_t{256} << 20;
 
-// Vertices with their influences, and indices; a mesh counts once for each node that shows it. More than any file has
-// that is read, unless a mesh is shown by many nodes
+// Vertices with their influences, and indices; a mesh counts once for each node that shows it
 inline constexpr uint64_t kMeshLimit_bytes = uint64_t{2} << 30;
 
 // The last value of an enumeration whose values come from files and applications.

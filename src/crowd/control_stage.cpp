@@ -15,8 +15,8 @@ namespace {
 
 io::InstancePlayback rest_of(const Group& group) {
     const auto rest = static_cast<uint32_t>(group.clip_durations_s.size());
-    const io::ClipPlay slot{.clip = rest, .loop = 0, .time_s = 0, .speed = 0};
-    return {slot, slot, 1};
+    const io::ClipPlay play{.clip = rest, .loop = 0, .time_s = 0, .speed = 0};
+    return {play, play, 1};
 }
 
 bool blends(const io::InstancePlayback& playback) { return playback.weight > 0 && playback.weight < 1; }
@@ -58,13 +58,13 @@ io::InstancePlayback ControlStage::checked(uint32_t instance, const Playback& pl
     const auto clip_count = static_cast<uint32_t>(durations_s.size());
     check_playback(playback, clip_count, place);
     // Wrapped in double precision here, so that a late time costs no digits on the GPU.
-    const auto slot = [&](const ClipPlayback& from) {
+    const auto play = [&](const ClipPlayback& from) {
         if (from.clip == kNone) return io::ClipPlay{.clip = clip_count, .loop = 0, .time_s = 0, .speed = 0};
         const double time_s = local_time_reference(from.time_s, durations_s[from.clip], from.loop);
         return io::ClipPlay{
             .clip = from.clip, .loop = from.loop ? 1u : 0u, .time_s = static_cast<float>(time_s), .speed = from.speed};
     };
-    return {slot(playback.first), slot(playback.second), playback.weight};
+    return {play(playback.first), play(playback.second), playback.weight};
 }
 
 void ControlStage::set(const Instances& instances, const Each<Playback>& playback) {

@@ -21,8 +21,10 @@ Result<GroupPath> advise_path(const Device& device, const Character& character, 
         check_has_joints(character);
         const PathChoice choice = choose_path(*device.gpu(), {},
                                               {.character = &character, .instance_count = instance_count});
-        return GroupPath{
-            choice.fused.has_value(), choice.native, choice.path_reason, {name_of(choice.scan), choice.scan_reason}};
+        return GroupPath{choice.fused.has_value(),
+                         choice.native,
+                         shown_reason(choice.native, choice.path_reason),
+                         {name_of(choice.scan), choice.scan_reason}};
     });
 }
 
@@ -48,7 +50,10 @@ uint32_t Crowd::instance_count() const { return state_ ? state_->instance_count 
 Result<GroupPath> Crowd::path(uint32_t group) const {
     return as_result([&] {
         const Group& of = state().group_at(group);
-        return GroupPath{!of.fused.empty(), of.native, of.path_reason, {name_of(of.scan_choice), of.scan_reason}};
+        return GroupPath{!of.fused.empty(),
+                         of.native,
+                         shown_reason(of.native, of.path_reason),
+                         {name_of(of.scan_choice), of.scan_reason}};
     });
 }
 

@@ -33,6 +33,9 @@ std::string_view difference(const CrowdSettings& a, const CrowdSettings& b) {
 }  // namespace
 
 void CrowdState::check_may_change(const char* what) const {
+    if (is_half_recorded_)
+        throw Failure(ErrorCode::kInvalidArgument, what,
+                      "the last record() failed on its way: restore a saved state first");
     if (cull && cull->is_half_done())
         throw Failure(ErrorCode::kInvalidArgument, what,
                       "the last record() was for a view with occlusion, and its record_disoccluded() is to come");
@@ -43,7 +46,7 @@ void CrowdState::check_goes_with(const CrowdState& other) const {
     if (&other == this || other.groups.empty())
         throw Failure(ErrorCode::kInvalidArgument, kPlace, "the other crowd is this one, or has been added before");
     if (other.gpu != gpu) throw Failure(ErrorCode::kInvalidArgument, kPlace, "the other crowd lives on another device");
-    if (other.has_updated_ || other.can_discard_)
+    if (other.has_updated_ || other.can_discard_ || other.is_half_recorded_)
         throw Failure(ErrorCode::kInvalidArgument, kPlace, "the other crowd has been updated");
     if (const std::string_view setting = difference(settings_, other.settings_); !setting.empty())
         throw Failure(ErrorCode::kInvalidArgument, kPlace, "the other crowd has another CrowdSettings::", setting);

@@ -188,7 +188,8 @@ std::vector<std::byte> CrowdState::save_state() {
     for (const KeptBuffer& one : kept) head.buffers_bytes += one.buffer->size_bytes();
     StateArchive archive;
     constexpr uint64_t kHostBytes = 256;  // of an instance, roughly: a state that turns out larger is copied to grow
-    archive.reserve(sizeof head + head.buffers_bytes + instance_count * kHostBytes);
+    const size_t sure_bytes = sizeof head + head.buffers_bytes;
+    archive.reserve(sure_bytes + instance_count * kHostBytes, sure_bytes);
     archive.value(head);
     const std::span<std::byte> contents = archive.room_for(head.buffers_bytes);
     download_all(kept, contents);
@@ -223,7 +224,7 @@ void CrowdState::download_all(std::span<const KeptBuffer> kept, std::span<std::b
 
 // Checks before anything changes. If an error only shows while reading, what has been read is taken back.
 void CrowdState::restore_state(std::span<const std::byte> state) {
-    check_may_change("crowd state");
+    if (!is_half_recorded_) check_may_change("crowd state");
     check_last_has_run("crowd state");
     finish_uploads();
     const std::vector<KeptBuffer> kept = kept_buffers();
@@ -249,7 +250,8 @@ void CrowdState::restore_state(std::span<const std::byte> state) {
         at += buffer->size_bytes();
     }
     StateArchive as_it_was;
-    as_it_was.reserve((rest.size() - buffers_bytes) / 4 * 5);  // about as much, and some more
+    const size_t host_bytes = rest.size() - buffers_bytes;
+    as_it_was.reserve(host_bytes / 4 * 5, host_bytes);  // about as much, perhaps more
     exchange(as_it_was);
     try {
         StateArchive archive(rest.subspan(buffers_bytes));
@@ -263,7 +265,7 @@ void CrowdState::restore_state(std::span<const std::byte> state) {
     upload_all(kept, contents);
     has_updated_ = had_updated_ = (head.flags & kHasUpdated) != 0;
     was_native_ = (head.flags & kWasNative) != 0;
-    awaits_commands_ = can_discard_ = false;
+    awaits_commands_ = can_discard_ = is_half_recorded_ = false;
     if (feedback) feedback->restart(head.update_count);
 }
 

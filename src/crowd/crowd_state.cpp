@@ -191,7 +191,7 @@ void CrowdState::check_runs(bool natively) const {
 }
 
 void CrowdState::check_last_has_run(const char* what) const {
-    if (!can_discard_ || recorded_.has_last_run()) return;
+    if ((!can_discard_ && !is_half_recorded_) || recorded_.has_last_run()) return;
     gpu->wait_idle();
     if (!recorded_.has_last_run())
         throw Failure(ErrorCode::kInvalidArgument, what,
@@ -216,6 +216,7 @@ void CrowdState::record(VkCommandBuffer commands, float time_step_s, const Crowd
     had_native_ = std::exchange(was_native_, commands == VK_NULL_HANDLE);
     awaits_commands_ = commands != VK_NULL_HANDLE;  // a native update has run when this returns
     can_discard_ = false;                           // until all is recorded
+    is_half_recorded_ = true;
     const Update update = update_of(commands, time_step_s, seen);
     for (const auto& stage : stages) stage->begin(update);
     go_to_slot((slot + 1) % static_cast<uint32_t>(outputs.size()));
@@ -237,6 +238,7 @@ void CrowdState::record(VkCommandBuffer commands, float time_step_s, const Crowd
     memory_barrier(*gpu, commands, kShaderWrite | kTransferWrite,
                    instance_commands ? consumers() | kShaderWrite | kTransferWrite : consumers());
     recorded_.record(commands);
+    is_half_recorded_ = false;
     can_discard_ = commands != VK_NULL_HANDLE;
 }
 
@@ -264,6 +266,9 @@ Access CrowdState::consumers() const {
 // What the update has taken up is pending again, and what it has advanced goes back. The timer notices by itself that
 // the update never runs.
 void CrowdState::discard_last_record() {
+    if (is_half_recorded_)
+        throw Failure(ErrorCode::kInvalidArgument, "discard",
+                      "the last record() failed on its way: restore a saved state instead");
     if (!can_discard_)
         throw Failure(ErrorCode::kInvalidArgument, "discard",
                       "there is no record() to discard, or it has been discarded, or an update() has run since");

@@ -226,12 +226,13 @@ private:
     bool is_in_flight_ = false;          // drawing may read the outputs of one update while the next one runs
     std::optional<Kernel> skin_kernel_;  // made when positions are first read back
     bool has_updated_ = false;
-    bool was_native_ = false;       // the last record()
-    bool had_native_ = false;       // the one before it
-    bool had_updated_ = false;      // before the last record()
-    bool awaits_commands_ = false;  // the last update has been recorded, discarded or not
-    bool can_discard_ = false;      // the last record() has not been discarded
-    float full_rate_factor_ = 1;    // the budget's factor on CrowdView::full_rate_pixels
+    bool was_native_ = false;        // the last record()
+    bool had_native_ = false;        // the one before it
+    bool had_updated_ = false;       // before the last record()
+    bool awaits_commands_ = false;   // the last update has been recorded, discarded or not
+    bool can_discard_ = false;       // the last record() has not been discarded
+    bool is_half_recorded_ = false;  // the last one failed on the way
+    float full_rate_factor_ = 1;     // the budget's factor on CrowdView::full_rate_pixels
     std::vector<Watched> watched_;
     uint32_t watch_capacity_ = 0;
     std::vector<uint32_t> pose_requests_, recorded_pose_requests_;  // for the next record(), and of the last one

@@ -241,7 +241,7 @@ void Group::leave_native(const std::string& reason) {
     if (sockets_only) throw Failure(ErrorCode::kUnsupported, name + ": sockets only", reason);
     native = false;
     for (FusedJoints& joints : fused) joints.native.reset();
-    path_reason = path_reason.substr(path_reason.find(' ') + 1) + "; not native: " + reason;  // "native, …"
+    path_reason += "; not native: " + reason;
 }
 
 // Adds the sets of joints of coarser levels, as far as the method of the finest supports them, and the influences that

@@ -56,11 +56,11 @@ PathChoice native_path(const Gpu& gpu, const CrowdSettings& settings, const Crow
                                                                     : natively_staged_only(settings, group);
     if (reason.empty()) {
         choice.fused.emplace(FusedPlan{.unsupported_reason = {}, .choice = choice.scan});
-        choice.path_reason = "native, fused: all stages in one pass, by " + std::string(name_of(native_isas().back()));
+        choice.path_reason = "fused: all stages in one pass, by " + std::string(name_of(native_isas().back()));
     } else {
         if (settings.path == UpdatePath::kFused)
             throw Failure(ErrorCode::kUnsupported, character.name + ": fused update", reason);
-        choice.path_reason = "native, staged: " + reason;
+        choice.path_reason = "staged: " + reason;
     }
     return choice;
 }
@@ -133,8 +133,7 @@ PathChoice vulkan_path(const Gpu& gpu, const CrowdSettings& settings, const Crow
     if (is_native && !reason.empty())
         throw Failure(ErrorCode::kUnsupported, group.character->name + ": native update", reason);
     choice.native = reason.empty();
-    choice.path_reason = choice.native ? "native, " + choice.path_reason
-                                       : choice.path_reason + "; not native: " + reason;
+    if (!choice.native) choice.path_reason += "; not native: " + reason;
     return choice;
 }
 
@@ -144,7 +143,8 @@ void check_sockets_only(const PathChoice& choice, const CrowdGroup& group) {
     if (group.sockets.empty()) throw Failure(ErrorCode::kInvalidArgument, place, "there are no sockets");
     if (!choice.native || !choice.fused)
         throw Failure(ErrorCode::kUnsupported, place,
-                      "only a native update in one pass computes them alone, and this is " + choice.path_reason);
+                      "only a native update in one pass computes them alone, and this is " +
+                          shown_reason(choice.native, choice.path_reason));
 }
 
 }  // namespace

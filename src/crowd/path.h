@@ -18,6 +18,11 @@ struct PathChoice {
     std::string scan_reason, path_reason;
 };
 
+// As applications and people are told.
+inline std::string shown_reason(bool is_native, const std::string& path_reason) {
+    return (is_native ? "native, " : "") + path_reason;
+}
+
 // The scan method of an update stage by stage. Throws as choose_path() does.
 ExplainedChoice choose_scan(const Gpu& gpu, const std::string& wanted, const Rig& rig, uint32_t instance_count);
 // Throws kInvalidArgument for an unknown scan and kUnsupported where what is asked for does not apply.

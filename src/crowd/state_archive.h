@@ -51,9 +51,10 @@ public:
             written_.insert(written_.end(), bytes.begin(), bytes.end());
         }
     }
-    void reserve(size_t size_bytes) {
+    // Room for so many bytes, of which at least `sure_bytes` will be written.
+    void reserve(size_t size_bytes, size_t sure_bytes) {
         written_.reserve(size_bytes);
-        populate({written_.data(), size_bytes});
+        populate({written_.data(), sure_bytes});
     }
     // Room for this many more bytes, to write to before anything else is written.
     std::span<std::byte> room_for(size_t size_bytes) {

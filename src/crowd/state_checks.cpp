@@ -19,9 +19,9 @@ std::vector<T> copied(std::span<const std::byte> contents) {
     return all;
 }
 
-void check_slot(const io::ClipPlay& slot, uint32_t clip_count) {
-    StateArchive::require(slot.clip <= clip_count, "a clip that the character does not have");
-    StateArchive::require(std::isfinite(slot.time_s) && std::isfinite(slot.speed), "a time that is not finite");
+void check_clip_play(const io::ClipPlay& play, uint32_t clip_count) {
+    StateArchive::require(play.clip <= clip_count, "a clip that the character does not have");
+    StateArchive::require(std::isfinite(play.time_s) && std::isfinite(play.speed), "a time that is not finite");
 }
 
 void check_layer(const io::LayerState& layer, const LayerKind& kind, uint32_t mask_count, uint32_t clip_count) {
@@ -37,8 +37,8 @@ void check_layer(const io::LayerState& layer, const LayerKind& kind, uint32_t ma
 
 void check_playbacks(std::span<const io::InstancePlayback> playbacks, const Group& group) {
     for (const io::InstancePlayback& playback : playbacks) {
-        check_slot(playback.first, clip_count_of(group));
-        check_slot(playback.second, clip_count_of(group));
+        check_clip_play(playback.first, clip_count_of(group));
+        check_clip_play(playback.second, clip_count_of(group));
         StateArchive::require(playback.weight >= 0 && playback.weight <= 1, "a weight outside 0..1");
     }
 }

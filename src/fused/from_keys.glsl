@@ -23,14 +23,14 @@ ClipCursor only_clip() {
     return cursor.first;
 }
 
-uvec4 tracks_of(ClipCursor clip, uint joint) { return ROW_AT(tracks, clip.first_track + joint); }
+uvec4 tracks_of(ClipCursor of_clip, uint joint) { return ROW_AT(tracks, of_clip.first_track + joint); }
 
 JointPose animated_pose(uint instance, uint joint) {
     if (kInertial) return inertial_pose(instance, at(instance, joint), active_clips_pose(instance, joint));
     if (kLayered) return active_clips_pose(instance, joint);
     if (!kBlends) {
-        const ClipCursor clip = only_clip();
-        return sample_joint(tracks_of(clip, joint), clip);
+        const ClipCursor only = only_clip();
+        return sample_joint(tracks_of(only, joint), only);
     }
     JointPose first, second;
     if (cursor.weight > 0) first = sample_joint(tracks_of(cursor.first, joint), cursor.first);
@@ -52,8 +52,8 @@ JointPose animated_pose_of_fixed(uint instance, uint joint) {
         return pose;
     }
     if (!kBlends) {
-        const ClipCursor clip = only_clip();
-        pose.rotation = sample_rotation(tracks_of(clip, joint).x, clip);
+        const ClipCursor only = only_clip();
+        pose.rotation = sample_rotation(tracks_of(only, joint).x, only);
         return pose;
     }
     vec4 first, second;

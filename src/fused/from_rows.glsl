@@ -48,9 +48,9 @@ void begin_clips(uint instance) {
     if (kLayered) return;
     const InstanceCursor cursor = cursors[instance];
     first_weight = cursor.weight;
-    ClipCursor clip = cursor.second;
-    if (cursor.weight > 0) clip = cursor.first;
-    first_place = row_place(clip);
+    ClipCursor first = cursor.second;
+    if (cursor.weight > 0) first = cursor.first;
+    first_place = row_place(first);
     if (!kBlends) return;
     if (cursor.weight <= 0) first_weight = 1;
     second_place = row_place(cursor.second);

@@ -35,7 +35,7 @@ public:
     // This buffer if there is one, else `other`: even a binding that a kernel does not use must have a buffer.
     const Buffer& or_else(const Buffer& other) const { return content_ ? *this : other; }
     VkDeviceSize size_bytes() const { return content_ ? content_->size_bytes : 0; }
-    // Where the CPU sees it: what is mapped, and every buffer where kernels may run natively (Gpu::native).
+    // Where the CPU sees it: what is mapped, and every buffer where kernels may run natively (Gpu::processor).
     std::byte* mapped() const { return content_ ? content_->mapped : nullptr; }
     // 4 or 16: a kernel may read the buffer as texels of one or four components; 0: only as a storage buffer.
     uint32_t texel_bytes() const { return content_ ? content_->texel_bytes : 0; }
@@ -114,7 +114,7 @@ Buffer make_table(const std::shared_ptr<Gpu>& gpu, std::string_view what, uint64
 // buffers are smaller.
 VkBufferUsageFlags table_usage(const Gpu& gpu, std::string_view what, uint64_t size_bytes, uint32_t texel_bytes);
 
-// Below, a command buffer of VK_NULL_HANDLE means: now, by this machine's processor (Gpu::native).
+// Below, a command buffer of VK_NULL_HANDLE means: now, by this machine's processor (Gpu::processor).
 
 // The data travels inside the command buffer, so that no staging memory has to outlive the call; offset and size are
 // multiples of four bytes.

@@ -14,7 +14,7 @@ struct KernelSettings {
     std::vector<uint32_t> constants = {};  // constant_id 1, 2, …
     uint32_t subgroup_size = 0;            // asked for, where Gpu::can_choose_subgroup; 0: the device chooses
     bool full_subgroups = false;           // no idle invocations in them, where the device can promise it
-    const NativeKernel* native = nullptr;  // what Gpu::native runs; null: nothing
+    const NativeKernel* native = nullptr;  // what Gpu::processor runs; null: nothing
 };
 
 // Makes the pipelines of all existing kernels that have none yet. Thread-safe.
@@ -77,7 +77,7 @@ private:
     std::shared_ptr<Gpu> gpu_;
     std::string name_;
     std::shared_ptr<const CompiledKernel> compiled_;  // null on a native device
-    const NativeKernel* native_ = nullptr;            // where there is Gpu::native
+    const NativeKernel* native_ = nullptr;            // where there is Gpu::processor
     std::vector<uint32_t> constants_;                 // of native_: constant_id 0, 1, …
     uint32_t workgroup_size_ = 0;
 };

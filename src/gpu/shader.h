@@ -66,7 +66,7 @@ public:
     Bindings(const std::shared_ptr<const Gpu>& gpu, std::string_view what, const ShaderLayout::Set& set,
              const BufferTable& buffers, std::span<const VkDescriptorImageInfo> images = {});
 
-    // For a kernel that Gpu::native runs.
+    // For a kernel that Gpu::processor runs.
     void add_native(const BufferTable& buffers);
 
     VkDescriptorSet set() const { return set_; }

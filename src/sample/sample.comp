@@ -19,9 +19,9 @@ PUSH(SamplePush);
 void main() {
     const uint instance = gl_WorkGroupID.x;
     const InstanceCursor cursor = cursors[instance];
-    const bool is_first = push.clip == 0;
+    const bool is_first = push.is_second == 0;
     if ((is_first ? cursor.weight : 1 - cursor.weight) <= 0) return;
-    const ClipCursor clip = is_first ? cursor.first : cursor.second;
+    const ClipCursor chosen = is_first ? cursor.first : cursor.second;
     for (uint joint = gl_LocalInvocationID.x; joint < push.joint_count; joint += kSampleWorkgroupSize)
-        poses[instance * push.joint_count + joint] = sample_joint(ROW_AT(tracks, clip.first_track + joint), clip);
+        poses[instance * push.joint_count + joint] = sample_joint(ROW_AT(tracks, chosen.first_track + joint), chosen);
 }

@@ -25,7 +25,7 @@ struct JointPose {
 
 struct SamplePush {
     uint joint_count;
-    uint clip;  // 0: the first clip of each instance, 1: the second
+    uint is_second;  // 0: the first clip of each instance, 1: the second
 };
 
 THRONG_IO_END

@@ -15,7 +15,7 @@ void add(std::vector<NamedCharacter>& all, const std::string& name, const Asset&
             all.push_back({name + (error > 0 ? " packed" : " exact"), *std::move(character)});
 }
 
-io::ClipCursor slot_of(const Character& character, const ClipPlayback& playback) {
+io::ClipCursor cursor_of(const Character& character, const ClipPlayback& playback) {
     return cursor_reference(playback, character.clips, character.times_s, character.rig.joint_count());
 }
 
@@ -47,7 +47,7 @@ const std::vector<NamedCharacter>& native_characters() {
 }
 
 io::InstanceCursor cursor_of(const Character& character, const Playback& playback) {
-    return {slot_of(character, playback.first), slot_of(character, playback.second), playback.weight};
+    return {cursor_of(character, playback.first), cursor_of(character, playback.second), playback.weight};
 }
 
 namespace {
@@ -68,14 +68,14 @@ bool has_two_ways(const Character& character, const Playback& playback) {
 }  // namespace
 
 Playback random_playback(const Character& character, Random& random) {
-    const auto slot = [&] {
+    const auto play = [&] {
         const uint32_t clip = random.below(static_cast<uint32_t>(character.clips.size()) + 1);
         if (clip == character.clips.size()) return ClipPlayback{};
         return ClipPlayback{.clip = clip,
                             .time_s = random.between(0, 1.1 * character.clips[clip].duration_s),
                             .loop = random.chance(0.5)};
     };
-    Playback playback{.first = slot(), .second = slot(), .weight = static_cast<float>(random.unit())};
+    Playback playback{.first = play(), .second = play(), .weight = static_cast<float>(random.unit())};
     if (random.chance(0.1)) playback.weight = 0;
     if (random.chance(0.1)) playback.weight = 1;
     return has_two_ways(character, playback) ? random_playback(character, random) : playback;

@@ -51,8 +51,8 @@ TEST(NativeMesh, MorphFollowsTheReference) {
     std::vector<io::ActiveClip> active_clips(kInstances * kLimit);
     std::vector<float> times_s(active_clips.size());
     for (uint32_t i = 0; i < kInstances; ++i) {
-        const auto slot = [&] { return io::ClipPlay{any_clip(), 1, static_cast<float>(random.between(0, 2)), 1}; };
-        playbacks.push_back({slot(), slot(), static_cast<float>(random.unit())});
+        const auto play = [&] { return io::ClipPlay{any_clip(), 1, static_cast<float>(random.between(0, 2)), 1}; };
+        playbacks.push_back({play(), play(), static_cast<float>(random.unit())});
         const auto part = [&](const io::ClipPlay& of, double weight) {
             return MorphActiveClip{of.clip, double{of.time_s}, weight};
         };

@@ -40,10 +40,10 @@ TEST(NativeKernels, ControlAdvancesClips) {
     std::vector<uint32_t> words = as_words(timelines);
     std::vector<float> times_s = character.times_s;
     std::vector<io::InstancePlayback> playbacks;
-    const auto slot = [&] {
+    const auto play = [&] {
         return io::ClipPlay{random.below(3), random.below(2), 0, static_cast<float>(random.between(-2, 2))};
     };
-    for (int i = 0; i < 200; ++i) playbacks.push_back({slot(), slot(), static_cast<float>(random.unit())});
+    for (int i = 0; i < 200; ++i) playbacks.push_back({play(), play(), static_cast<float>(random.unit())});
     auto cursors = unwritten<io::InstanceCursor>(200);
     NativeRun run(kernels::control.native);
     run.bind(io::kPlaybacksBuffer, playbacks).bind(io::kTimelineBuffer, words).bind(io::kTimesBuffer, times_s);
@@ -76,15 +76,15 @@ void expect_sampled(Character character) {
         shown.push_back({random_moment(random, character), random_moment(random, character)});
         cursors.push_back({shown.back()[0].cursor(character), shown.back()[1].cursor(character), 0.5f});
     }
-    for (const uint32_t slot : {0u, 1u}) {
+    for (const uint32_t which : {0u, 1u}) {
         auto poses = unwritten<io::JointPose>(cursors.size() * joint_count);
         NativeRun run(kernels::sample.native, {character.packed});
         run.bind(io::kCursorsBuffer, cursors).bind(io::kTracksBuffer, character.tracks);
         run.bind(io::kKeysBuffer, character.keys).bind(io::kWordsBuffer, character.words);
         run.bind(io::kSampledPosesBuffer, poses);
-        run.workgroups(io::SamplePush{joint_count, slot}, 30);
+        run.workgroups(io::SamplePush{joint_count, which}, 30);
         for (size_t i = 0; i < cursors.size(); ++i) {
-            const auto wanted = sample_reference(character, shown[i][slot].clip, shown[i][slot].time_s);
+            const auto wanted = sample_reference(character, shown[i][which].clip, shown[i][which].time_s);
             for (size_t joint = 0; joint < joint_count; ++joint)
                 ASSERT_LE(pose_error(poses[i * joint_count + joint], wanted[joint]), kNativePoseBound)
                     << "joint " << joint << " of " << joint_count;

@@ -120,7 +120,7 @@ void add_compile(Command app) {
     command.footer(
         "Examples:\n  throng compile fox.glb -o fox.throng\n  throng compile fox.glb -o fox.throng --error 0.1\n"
         "  throng compile fox.glb -o fox.throng --error exact --json | jq .ratio\n"
-        "  throng compile fox.glb -o fox.throng --root-motion hips\n"
+        "  throng compile fox.glb -o fox.throng --root-motion b_Hip_01\n"
         "  throng compile knight.glb --clips walk.glb jump.glb -o knight.throng\n  throng info fox.throng");
 }
 

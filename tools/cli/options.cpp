@@ -1,14 +1,18 @@
 #include "tools/cli/options.h"
 
+#include "base/replace_file.h"
 #include "json/known_names.h"
 #include "tools/cli/command.h"
 
 #include <CLI/CLI.hpp>
 
 #include <algorithm>
+#include <cerrno>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <filesystem>
+#include <system_error>
 #include <unistd.h>
 
 namespace throng::tools {
@@ -99,7 +103,8 @@ Check scan_name(const std::vector<std::string>& others) {
 Check writable_file() {
     return {[](const std::string& text) -> std::string {
         if (text.empty()) return "the name of the file is empty";
-        const std::filesystem::path path = text, folder = path.has_parent_path() ? path.parent_path() : ".";
+        const std::filesystem::path path = text, target = link_target(path),
+                                    folder = target.has_parent_path() ? target.parent_path() : ".";
         std::error_code error;
         const auto type = std::filesystem::status(path, error).type();
         if (access(folder.c_str(), W_OK) != 0)
