@@ -13,8 +13,8 @@
 namespace throng::gltf {
 
 inline constexpr uint64_t kFileLimitBytes = uint64_t(2) << 30;  // a file, and all side files of a file together
-// Of JSON as read and everything decoded: 384 MiB or twelve times the size of the files, whichever is more. JSON takes
-// up to twelve times as much memory as its text.
+// The memory that a file's content may take, JSON as read and everything decoded: 384 MiB, or twelve times the size of
+// the file and its side files, whichever is more. Twelve, because JSON takes up to that many times its text.
 inline constexpr uint64_t kMemoryLimitBytes = uint64_t(384) << 20, kMemoryOfFile = 12;
 inline constexpr uint64_t kJsonLimitBytes = uint64_t(256) << 20;  // JSON text, data: URIs included
 inline constexpr uint32_t kWarningLimit = 100;
