@@ -179,6 +179,8 @@ struct Application {
         queue_family = test_device().gpu()->queue_family;
         VkPhysicalDeviceVulkan13Features features{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_FEATURES};
         features.synchronization2 = features.maintenance4 = VK_TRUE;
+        features.subgroupSizeControl = test_device().gpu()->can_choose_subgroup;
+        features.computeFullSubgroups = test_device().gpu()->has_full_subgroups;
         const float priority = 1;
         VkDeviceQueueCreateInfo queue_create{VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO};
         queue_create.queueFamilyIndex = queue_family;
@@ -199,6 +201,22 @@ struct Application {
 
     VolkDeviceTable table{};
 };
+
+// Without being told, throng does not know that the application has enabled them.
+TEST(Device, AnAdoptedOneUsesTheFeaturesThatItIsSaidToHave) {
+    const Gpu& of_throng = *test_device().gpu();
+    const Application application;
+    AdoptedDevice adopted = application.adopted();
+    for (const bool told : {false, true}) {
+        adopted.subgroup_size_control = told && of_throng.can_choose_subgroup;
+        adopted.compute_full_subgroups = told && of_throng.has_full_subgroups;
+        const Device device = Device::adopt(adopted).value();
+        EXPECT_EQ(device.gpu()->can_choose_subgroup, adopted.subgroup_size_control);
+        EXPECT_EQ(device.gpu()->has_full_subgroups, adopted.compute_full_subgroups);
+        const Character character = make_character({});
+        Show(device, character, 0.1).update_and_compare(0.2f);
+    }
+}
 
 TEST(Device, AnApplicationsDeviceIsAdoptedAndLeftAlone) {
     const Application application;

@@ -29,6 +29,7 @@ public:
                               .culling = Culling{}});
         EXPECT_TRUE(crowd.set_playback(Instances::numbered(0, 5), Playback{.first = {.clip = 0, .time_s = 0.3f}}));
         EXPECT_TRUE(crowd.set_placement(Instances::numbered(1, 2), to_affine(Trs<float>{.translation = {1, 0, 2}})));
+        EXPECT_TRUE(crowd.set_wind({.velocity = {3, 0, 1}}));
         return crowd;
     }
     // In any order of the calls, the same comes out as of a crowd that has been updated so often.
@@ -104,6 +105,34 @@ TEST(FirstUploads, OfAnUpdateThatIsDiscardedGoWithTheNext) {
         EXPECT_TRUE(crowd.discard_last_record());
         ASSERT_TRUE(crowd.update(Cast::kStep_s));
         cast.expect_as_updated(crowd, 3);
+    }
+}
+
+// As where a window has been closed meanwhile. Neither this crowd nor a later one, which shares its tables, must take
+// for uploaded what was not.
+TEST(FirstUploads, OfCommandsThatAreDroppedGoWithTheNext) {
+    const Cast cast;
+    const auto skins_after_one = [&] {  // of a crowd that shares no tables, since it is gone before the next is made
+        Crowd crowd = cast.make();
+        EXPECT_TRUE(crowd.update(Cast::kStep_s));
+        return skins_of(crowd);
+    };
+    const auto expected = skins_after_one();
+    Recorder recorder;
+    for (const bool with_update : {true, false}) {
+        Crowd crowd = cast.make();
+        recorder.record([&](VkCommandBuffer commands) {
+            EXPECT_TRUE(crowd.record_uploads(commands));
+            EXPECT_TRUE(!with_update || crowd.record(commands, Cast::kStep_s));
+        });
+        if (with_update)
+            EXPECT_TRUE(crowd.discard_last_record());
+        else
+            recorder.submit(
+                recorder.record([&](VkCommandBuffer commands) { EXPECT_TRUE(crowd.record_uploads(commands)); }));
+        ASSERT_TRUE(crowd.update(Cast::kStep_s));
+        EXPECT_TRUE(same_bits(skins_of(crowd), expected));
+        EXPECT_TRUE(same_bits(skins_after_one(), expected));
     }
 }
 

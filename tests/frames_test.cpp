@@ -277,6 +277,22 @@ TEST(Frames, AnUpdateThatHasFailedIsRestored) {
     EXPECT_TRUE(crowd.save_state());
 }
 
+// What the buffers begin with is uploaded again, since it was to come with that update.
+TEST(Frames, AFirstUpdateThatHasFailedIsRestored) {
+    const Character character = small_character();
+    const auto make = [&] { return create({.groups = {{&character, 2}}, .path = UpdatePath::kDevice}); };
+    Crowd crowd = make(), twin = make();
+    const std::vector<std::byte> saved = *twin.save_state();
+    FailingStage& stage = add_failing_stage(crowd);
+    stage.fails = true;
+    Recorder recorder;
+    recorder.record([&](VkCommandBuffer commands) { EXPECT_FALSE(crowd.record(commands, 0.1f)); });
+    stage.fails = false;
+    EXPECT_EQ(refusal(crowd.restore_state(saved)), "");
+    ASSERT_TRUE(crowd.update(0.1f) && twin.update(0.1f));
+    EXPECT_TRUE(same_bits(skins_of(crowd), skins_of(twin)));
+}
+
 // The update that comes is its first, as if nothing had been recorded.
 TEST(Frames, WhoIsSpawnedBeforeADiscardIsNewInTheNextUpdate) {
     const Character character = creature(20, 8);

@@ -151,8 +151,9 @@ TEST(GpuMemory, OfBlocksThatAreEmptyOneIsKept) {
 TEST(GpuMemory, ThreadsDoNotGetEachOthersParts) {
     const Device device = another_device();
     Gpu& gpu = *device.gpu();
-    const uint32_t type = gpu.memory_type(
-        ~0u, VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT, 0);
+    uint32_t type = 0;
+    gpu.allocate(~0u, VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT, 0,
+                 [&](uint32_t mapped) { type = mapped; });
     std::atomic<uint32_t> wrong{0};
     const auto work = [&](std::byte number) {
         std::mt19937 random(static_cast<uint32_t>(number));
@@ -215,7 +216,7 @@ VKAPI_ATTR void VKAPI_CALL free_and_have_more(VkDevice device, VkDeviceMemory me
 TEST(GpuMemory, WhatIsKeptGoesWhereMemoryIsOut) {
     const Device device = another_device();
     Gpu& gpu = *device.gpu();
-    const uint32_t type = gpu.memory_type(~0u, 0, 0);
+    const uint32_t type = 0;
     gpu.memory.give_back(gpu.memory.take(type, 20 * kMiB, 64));
     ASSERT_EQ(gpu.memory.block_count(), 1u) << "kept, and too small for what follows";
     driver_allocate = std::exchange(gpu.vk.vkAllocateMemory, &allocate_little);
@@ -227,6 +228,46 @@ TEST(GpuMemory, WhatIsKeptGoesWhereMemoryIsOut) {
     gpu.memory.clear();
     gpu.vk.vkAllocateMemory = driver_allocate;
     gpu.vk.vkFreeMemory = driver_free;
+}
+
+// A device whose first memory type, of the driver's only one, lies beside the processor, and has no memory left.
+PFN_vkGetBufferMemoryRequirements driver_requirements = nullptr;
+
+VKAPI_ATTR void VKAPI_CALL fits_both(VkDevice device, VkBuffer buffer, VkMemoryRequirements* needs) {
+    driver_requirements(device, buffer, needs);
+    needs->memoryTypeBits = 3;
+}
+
+VKAPI_ATTR VkResult VKAPI_CALL allocate_of_second(VkDevice device, const VkMemoryAllocateInfo* asked,
+                                                  const VkAllocationCallbacks* callbacks, VkDeviceMemory* memory) {
+    if (asked->memoryTypeIndex == 0) return VK_ERROR_OUT_OF_DEVICE_MEMORY;
+    VkMemoryAllocateInfo of_driver = *asked;
+    of_driver.memoryTypeIndex = 0;
+    return driver_allocate(device, &of_driver, callbacks, memory);
+}
+
+TEST(GpuMemory, OfAnotherHeapIsTakenWhereTheBestHasNoneLeft) {
+    const Device device = another_device();
+    Gpu& gpu = *device.gpu();
+    if (gpu.memory_properties.memoryTypeCount != 1) GTEST_SKIP() << "the test device has several memory types";
+    VkPhysicalDeviceMemoryProperties& memory = gpu.memory_properties;
+    memory.memoryTypeCount = memory.memoryHeapCount = 2;
+    memory.memoryTypes[1] = memory.memoryTypes[0];
+    memory.memoryTypes[1].heapIndex = 1;
+    memory.memoryTypes[1].propertyFlags &= ~VkMemoryPropertyFlags{VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT};
+    memory.memoryHeaps[1] = memory.memoryHeaps[0];
+    driver_requirements = std::exchange(gpu.vk.vkGetBufferMemoryRequirements, &fits_both);
+    driver_allocate = std::exchange(gpu.vk.vkAllocateMemory, &allocate_of_second);
+    {
+        const std::vector<uint32_t> numbers = {1, 2, 3, 4};
+        const Buffer buffer = upload(device.gpu(), "numbers", numbers);
+        EXPECT_EQ(download<uint32_t>(device.gpu(), buffer), numbers);
+        memory.memoryTypeCount = 1;
+        EXPECT_THROW(Buffer(device.gpu(), "more", 64 * kMiB, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT), Failure);
+    }
+    gpu.memory.clear();
+    gpu.vk.vkAllocateMemory = driver_allocate;
+    gpu.vk.vkGetBufferMemoryRequirements = driver_requirements;
 }
 
 // ---- Uploads

@@ -247,6 +247,27 @@ TEST(Occlusion, ATexelAroundABoxCountsToo) {
     EXPECT_GT(hidden, kCount * kSize / 2);
 }
 
+// Nothing has been updated then, also of the crowds that could have been.
+TEST(Occlusion, WhatThereIsNoRoomForLeavesTheCrowdAsItWas) {
+    const Device device = another_device();
+    const Character character = creature(20, 8);
+    Crowd crowd =
+        Crowd::create(device, {.groups = {{&character, 4}}, .path = UpdatePath::kDevice, .culling = Culling{}}).value();
+    Renderer renderer = Renderer::create(device, {.width = 64, .height = 64, .path = DrawPath::kDevice}).value();
+    ASSERT_TRUE(renderer.set_options({.occlusion = true}));
+    const Camera camera{.eye = {0, 2, 9}, .target = {}};
+    const std::vector<std::byte> before = *crowd.save_state();
+    uint32_t& limit_bytes = device.gpu()->properties.limits.maxStorageBufferRange;
+    const uint32_t enough_bytes = std::exchange(limit_bytes, 64 * 64 * 4 - 1);  // the depths of the picture do not fit
+    const Result<RenderResult> refused = renderer.render_frame(crowd, 0.1f, camera);
+    ASSERT_FALSE(refused);
+    EXPECT_EQ(refused.error().code, ErrorCode::kLimit) << refused.error().text();
+    limit_bytes = enough_bytes;
+    EXPECT_EQ(*crowd.save_state(), before);
+    EXPECT_TRUE(renderer.render_frame(crowd, 0.1f, camera));
+    EXPECT_FALSE(drawn_of(crowd).empty());
+}
+
 Character at_full_lod(Character character) {
     character.lods.clear();
     character.lod_ranges.clear();

@@ -3,6 +3,7 @@
 #include "gpu/barrier.h"
 #include "gpu/buffer.h"
 #include "tests/draw_cases.h"
+#include "tests/kernel_runner.h"
 #include "tests/subset.h"
 #include "tests/test_device.h"
 
@@ -26,6 +27,13 @@ Renderer renderer_of(RendererSettings settings = {.width = kDrawWidth, .height =
     Result<Renderer> renderer = Renderer::create(test_device(), settings);
     EXPECT_TRUE(renderer) << (renderer ? "" : renderer.error().text());
     return std::move(*renderer);
+}
+
+// So that one thread can make it while others use the queue.
+TEST(Renderer, IsMadeWithoutASubmission) {
+    const uint64_t before = test_gpu()->counts.submissions;
+    renderer_of();
+    EXPECT_EQ(test_gpu()->counts.submissions, before);
 }
 
 TEST(Renderer, RefusesWhatTheDeviceCannotDo) {

@@ -338,8 +338,9 @@ public:
     // Records the upload of what the crowd's buffers begin with, so that the first update need not: into commands for
     // any queue that can copy, of the adopted queue's family or of AdoptedDevice::more_queue_families. Submit them so
     // that they have run, or are waited for by a semaphore, before the commands of the first record() run. If their
-    // queue is not the adopted one, they must also have run before the crowd is saved, restored, read or drawn. Does
-    // nothing once record() has been called, and on a native device. Errors: kInvalidArgument (no command buffer).
+    // queue is not the adopted one, they must also have run before the crowd is saved, restored, read or drawn. If they
+    // will never be submitted, call it again, or discard the first record(). Does nothing once record() has been
+    // called, and on a native device. Errors: kInvalidArgument (no command buffer).
     Result<void> record_uploads(VkCommandBuffer commands);
 
     // Records one update into the caller's command buffer (recording, outside a render pass, of the adopted queue's
@@ -388,7 +389,8 @@ public:
     // the same device: all that instances play, layers and parameters, placements, poses, springs, agents, who is there
     // and their handles, who is watched, and what has been set and not yet been taken up. Matrices are left out, except
     // where updates build on them (CrowdSettings::keep_previous_matrices, Culling::skips_updates, inertial
-    // transitions). The same version of throng reads them, on machines of the same byte order. Both calls submit and
+    // transitions). (Bit for bit except where an order is left to chance: more than 64 agents in one cell of the
+    // steering grid.) The same version of throng reads them, on machines of the same byte order. Both calls submit and
     // wait; updates that have been recorded must have been submitted or discarded, and one for a view with occlusion
     // must have had its second half.
     //

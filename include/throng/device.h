@@ -61,6 +61,9 @@ struct AdoptedDevice {
     VkQueue queue = VK_NULL_HANDLE;
     uint32_t queue_family = 0;
     bool shader_int64 = false;  // that feature is enabled too: software devices run faster with it
+    // These features of VkPhysicalDeviceVulkan13Features are enabled too: GPUs whose subgroups have several sizes run
+    // faster with both, and compute the same bits as a device of throng's own.
+    bool subgroup_size_control = false, compute_full_subgroups = false;
     // The application's own cache, with which throng makes its pipelines; the application still destroys it. Null:
     // none. It must not have been created as externally synchronized.
     VkPipelineCache pipeline_cache = VK_NULL_HANDLE;

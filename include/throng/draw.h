@@ -136,10 +136,13 @@ public:
     // Records the same into the caller's command buffer (recording, outside a render pass, of the device's queue
     // family). The picture is then in picture(), in VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL and visible to transfer reads,
     // until the next frame. The recorded commands must be submitted once, in the order of the calls, to the device's
-    // queue, and must have finished before the renderer or the crowd is destroyed, or the renderer resized. Frames may
-    // be recorded before the last has finished. For a crowd that this renderer has neither drawn nor prepared, it
-    // uploads textures and waits. The device draws whatever the path, since the crowd is updated there. Errors:
-    // kUnsupported (a native device).
+    // queue, and must have finished before the renderer or the crowd is destroyed, or the renderer resized. If they
+    // will never be submitted, call Crowd::discard_last_record() for each crowd that record() was given. What was bound
+    // for graphics and compute, the index buffer, and the states that the pipelines set dynamically (viewport, scissor,
+    // cull mode) are other ones afterwards. After an error no crowd has been updated, except for one whose own record()
+    // failed on its way. Frames may be recorded before the last has finished. For a crowd that this renderer has
+    // neither drawn nor prepared, it uploads textures and waits. The device draws whatever the path, since the crowd is
+    // updated there. Errors: kUnsupported (a native device).
     Result<void> record(VkCommandBuffer commands, Crowd& crowd, float time_step_s, const Camera& camera);
     Result<void> record(VkCommandBuffer commands, std::span<Crowd* const> crowds, float time_step_s,
                         const Camera& camera);

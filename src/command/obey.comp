@@ -51,7 +51,7 @@ ClipPlay clip_play_of(uvec4 played) {
 // 1 / seconds, 0: at once.
 float rate_of(uint fade_s) {
     const float fade = uintBitsToFloat(fade_s);
-    return fade > 0 ? min(1 / fade, 1e6) : 0;
+    return fade > 0 ? min(1 / min(fade, kLongestFade_s), 1e6) : 0;
 }
 
 ControlCommand play_command(InstanceCommand command) {

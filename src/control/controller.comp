@@ -21,22 +21,31 @@ BUFFER(kRootsBuffer, RootState, roots);
 BUFFER(kRootRemaindersBuffer, vec2, root_remainders);
 // world_from_model, three rows each
 WRITEONLY_BUFFER(kPlacementsBuffer, vec4, placements);
-// Layers and parameters once more, for reading: as tables, a software device reads them faster
+// For reading, a software device has layers and parameters as tables too, which are faster there. Others must not,
+// since compilers take buffers of two names for different memory (SPIR-V 2.18.2, "Aliasing").
+#ifdef GPU_SOFTWARE
 TABLE_OF_WORDS(kLayersBeforeBuffer, layers_before);
 TABLE_OF_WORDS(kParametersBeforeBuffer, parameters_before);
+#define PARAMETER_AT(index) FLOAT_AT(parameters_before, index)
+#define LAYER_AT(index) LAYER_STATE_AT(layers_before, kLayerStateWords*(index))
+#else
+#define PARAMETER_AT(index) parameters[index]
+#define LAYER_AT(index) layers[index]
+#endif
 BUFFER(kInertiasBuffer, InstanceInertia, inertias);
 WRITEONLY_BUFFER(kActiveClipTimesBuffer, float, active_clip_times);  // [instance][active_clip_limit]
 PUSH(ControllerPush);
 
 uint instance, first_parameter;
 
-// What is not finite counts as 0.
+// What is not finite counts as 0, and so does what is so small (below 1.2e-38) that devices may take it for 0.
 float parameter_at(uint index) {
-    const float value = FLOAT_AT(parameters_before, first_parameter + index);
-    return (floatBitsToUint(value) & 0x7F800000u) == 0x7F800000u ? 0 : value;
+    const float value = PARAMETER_AT(first_parameter + index);
+    const uint exponent = floatBitsToUint(value) & 0x7F800000u;
+    return exponent == 0x7F800000u || exponent == 0 ? 0 : value;
 }
 
-LayerState load_layer_state(uint index) { return LAYER_STATE_AT(layers_before, kLayerStateWords * index); }
+LayerState load_layer_state(uint index) { return LAYER_AT(index); }
 
 #include "control/control.glsl"
 #include "control/rounded.glsl"

@@ -166,6 +166,9 @@ struct EventRecord {
     float time_s;  // after the beginning of the update's time step, 0..time step
 };
 
+// Longer fades take as long: the rate of a longer one would be denormal, and a device may take it for 0, at once.
+THRONG_IO_FLOAT kLongestFade_s = 8e37f;
+
 // What the CPU asks of an instance. An instance's commands lie together, in the order in which they were given.
 struct ControlCommand {
     uint instance;  // of the batch

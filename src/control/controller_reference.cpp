@@ -22,8 +22,8 @@ struct ControllerText : ArrayTables {
     uint shown_layer = 0;
     float shown_weight = 0;
 
-    // What is not finite counts as 0.
-    float parameter_at(uint index) const { return std::isfinite(parameters[index]) ? parameters[index] : 0; }
+    // What is not finite counts as 0, and so does a denormal number.
+    float parameter_at(uint index) const { return std::isnormal(parameters[index]) ? parameters[index] : 0; }
     const LayerState& load_layer_state(uint index) const { return layers[index]; }
 
 #include "control/plays.glsl"

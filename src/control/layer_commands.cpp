@@ -18,7 +18,7 @@ void check_layer(std::span<const LayerKind> kinds, uint32_t layer, const ErrorPl
 
 float rate_of(float fade_s, const ErrorPlace& place) {
     if (!(fade_s >= 0 && std::isfinite(fade_s))) refuse(place, "the fade must be finite, and not negative");
-    return fade_s > 0 ? std::min(1 / fade_s, 1e6f) : 0;
+    return fade_s > 0 ? std::min(1 / std::min(fade_s, io::kLongestFade_s), 1e6f) : 0;
 }
 
 }  // namespace

@@ -226,6 +226,7 @@ void CrowdState::download_all(std::span<const KeptBuffer> kept, std::span<std::b
 void CrowdState::restore_state(std::span<const std::byte> state) {
     if (!is_half_recorded_) check_may_change("crowd state");
     check_last_has_run("crowd state");
+    if (is_half_recorded_) discard_uploads();
     finish_uploads();
     const std::vector<KeptBuffer> kept = kept_buffers();
     uint64_t checksum = 0;

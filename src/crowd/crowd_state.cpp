@@ -152,6 +152,10 @@ void CrowdState::finish_uploads() {
     for (const auto& uploads : first_uploads_) uploads->finish();
 }
 
+void CrowdState::discard_uploads() {
+    for (const auto& uploads : first_uploads_) uploads->discard_update();
+}
+
 void CrowdState::follow_placements() {
     placements->follow(has_updated_ && (!awaits_commands_ || first_uploads_.front()->first_update_has_run()));
 }
@@ -282,7 +286,7 @@ void CrowdState::discard_last_record() {
         batch.has_updated = batch.had_updated;
         batch.has_outputs = batch.had_outputs;
     }
-    for (const auto& uploads : first_uploads_) uploads->discard_update();
+    discard_uploads();
     for (Retired& retired : retired_) retired.discard();
     for (const auto& stage : stages) stage->discard();
     if (feedback) feedback->discard();

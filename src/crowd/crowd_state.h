@@ -73,6 +73,7 @@ struct CrowdState {
     // waits for the upload.
     void record_uploads(VkCommandBuffer commands);
     void finish_uploads();
+    void discard_uploads();  // of the last update, if it was the first
     // Throws kInvalidArgument where the last record() was not discarded and its commands have not run. May wait for the
     // device's queue.
     void check_last_has_run(const char* what) const;

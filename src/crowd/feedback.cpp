@@ -46,23 +46,15 @@ Buffer FeedbackRing::make_copy() const {
             MemoryKind::kReadback};
 }
 
-// Whether the update was never submitted, and nobody said so: a later update has run, and updates run in the order in
-// which they were recorded.
-bool FeedbackRing::was_dropped(const Slot& slot) const {
-    return std::ranges::any_of(
-        slots_, [&](const Slot& other) { return other.update.number > slot.update.number && other.done.is_set(); });
-}
-
 void FeedbackRing::begin(VkCommandBuffer commands) {
     Slot& slot = slots_[update_count_ % slots_.size()];
-    const bool is_free = slot.update.number == 0 || slot.done.is_set();
-    if (!is_free && !was_dropped(slot)) {
+    if (!is_free(slots_, slot, [](const Slot& any) { return any.update.number; })) {
         const std::string count = std::to_string(slots_.size());
         throw Failure(ErrorCode::kInvalidArgument, "crowd",
                       "the update recorded " + count + " record()s ago has not finished: at most " + count +
                           " may be in flight; of one that will never be submitted, tell by discard_last_record()");
     }
-    if (!is_free) slot.update.is_read = true;  // there is nothing to read
+    if (!slot.done.is_set()) slot.update.is_read = true;  // it was dropped: there is nothing to read
     if (slot.copy.size_bytes() < events_.size_bytes() + instance_bytes_) {
         slot.copy = make_copy();
         slot.update.is_read = true;  // what it told has gone

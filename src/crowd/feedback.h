@@ -85,7 +85,6 @@ private:
     Buffer make_copy() const;
     BufferRange happened() const;
     Slot& last_slot() { return slots_[(update_count_ - 1) % slots_.size()]; }
-    bool was_dropped(const Slot& slot) const;
     Feedback read(const Slot& slot) const;
     // Both read from `at` on, and move it on.
     static void read_watched(const Slot& slot, const std::byte*& at, Feedback& feedback);

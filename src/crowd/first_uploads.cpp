@@ -1,9 +1,15 @@
 #include "crowd/first_uploads.h"
 
+#include "gpu/barrier.h"
+
+#include <utility>
+
 namespace throng {
 
 void FirstUploads::record(VkCommandBuffer commands) {
-    if (state_ != State::kPending) return;
+    if (state_ == State::kDone || has_event_) return;
+    // Commands recorded before may come before these, and write the same
+    if (state_ == State::kRecorded) memory_barrier(*gpu_, commands, kTransferWrite, kTransferWrite);
     uploads.record(commands);
     state_ = State::kRecorded;
 }
@@ -11,17 +17,18 @@ void FirstUploads::record(VkCommandBuffer commands) {
 // Only updates set the event: a queue that only copies cannot.
 void FirstUploads::begin_update(VkCommandBuffer commands) {
     poll();
-    recorded_them_ = state_ == State::kPending;
-    record(commands);
+    if (state_ == State::kPending) record(commands);
     recorded_event_ = state_ == State::kRecorded && !has_event_;
     if (recorded_event_) have_run_.record_set(commands);
     has_event_ = has_event_ || recorded_event_;
 }
 
+// What was recorded before the first update may have been dropped together with it. So it goes with the next one too:
+// before any update has run, it writes what is there already.
 void FirstUploads::discard_update() {
-    if (recorded_them_) state_ = State::kPending;
-    if (recorded_event_) has_event_ = false;
-    recorded_them_ = recorded_event_ = false;
+    if (!std::exchange(recorded_event_, false)) return;
+    state_ = State::kPending;
+    has_event_ = false;
 }
 
 void FirstUploads::poll() {

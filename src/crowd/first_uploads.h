@@ -14,11 +14,11 @@ public:
 
     Uploads uploads;  // to be filled before any of the calls
 
-    // Records the uploads alone; does nothing if they have been recorded before.
+    // Records the uploads alone, each time until an update has been recorded.
     void record(VkCommandBuffer commands);
     // At the beginning of an update: records them unless that has been done.
     void begin_update(VkCommandBuffer commands);
-    // The last update will never be submitted.
+    // The last update will never be submitted, and perhaps nor will what record() has recorded before it.
     void discard_update();
     // Frees the staging memory once they have run.
     void poll();
@@ -37,8 +37,7 @@ private:
     State state_ = State::kPending;
     DeviceEvent have_run_;  // set by the first update
     bool has_event_ = false;
-    // What the last update, which may be discarded, has recorded
-    bool recorded_them_ = false, recorded_event_ = false;
+    bool recorded_event_ = false;  // by the last update, which may be discarded
 };
 
 }  // namespace throng

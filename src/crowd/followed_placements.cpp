@@ -18,13 +18,9 @@ FollowedPlacements::FollowedPlacements(std::shared_ptr<Gpu> gpu, const std::vect
     }
 }
 
-// A slot is also free if its update was never submitted and nobody said so: then a later update has run.
 void FollowedPlacements::begin(uint64_t number) {
     Slot& slot = slots_[number % slots_.size()];
-    const bool is_free = slot.number == 0 || slot.done.is_set() || std::ranges::any_of(slots_, [&](const Slot& other) {
-                             return other.number > slot.number && other.done.is_set();
-                         });
-    next_ = is_free ? &slot : nullptr;
+    next_ = is_free(slots_, slot, &Slot::number) ? &slot : nullptr;
     if (!next_) return;
     if (newest_ == next_) newest_ = nullptr;
     next_->done.reset();

@@ -28,6 +28,15 @@ layout(location = 0) out vec4 out_color;
 void main() {
     const vec4 color = texture(base_color_texture, in_texcoord) * push.base_color * in_color;
     const bool front = gl_FrontFacing != (in_mirrored != 0);
+    // Before anything is discarded: beside a fragment that has ended, derivatives and textures' levels are undefined.
+    MapTexels maps;
+    PixelSteps steps;
+    if (kMaps) {
+        const vec4 metallic_roughness = texture(metallic_roughness_texture, in_texcoord);
+        maps = MapTexels(metallic_roughness.b, metallic_roughness.g, texture(normal_texture, in_texcoord).xyz,
+                         texture(occlusion_texture, in_texcoord).r, texture(emissive_texture, in_texcoord).rgb);
+        steps = PixelSteps(dFdx(in_world), dFdy(in_world), dFdx(in_texcoord), dFdy(in_texcoord));
+    }
     if (kDiscards) {
         if (!front && push.double_sided == 0) discard;
 #ifdef COVERS
@@ -38,12 +47,6 @@ void main() {
     }
     const vec3 normal = normalize(in_normal);
     Surface surface = plain_surface(color.rgb, push.metallic, push.roughness, push.emissive.rgb, in_world, normal);
-    if (kMaps) {
-        const vec4 metallic_roughness = texture(metallic_roughness_texture, in_texcoord);
-        const MapTexels maps = {metallic_roughness.b, metallic_roughness.g, texture(normal_texture, in_texcoord).xyz,
-                                texture(occlusion_texture, in_texcoord).r, texture(emissive_texture, in_texcoord).rgb};
-        const PixelSteps steps = {dFdx(in_world), dFdy(in_world), dFdx(in_texcoord), dFdy(in_texcoord)};
-        surface = mapped_surface(surface, maps, push.normal_scale, push.emissive.w, steps);
-    }
+    if (kMaps) surface = mapped_surface(surface, maps, push.normal_scale, push.emissive.w, steps);
     out_color = vec4(pictured_surface(surface, in_world, normal, front), 1);
 }

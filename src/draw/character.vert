@@ -57,8 +57,8 @@ ModelVertex model_vertex(uint instance, VertexRows vertex) {
     const uint of_section = gl_VertexIndex - push.first_vertex;
     const Affine model_from_bind = blended_skin_matrix(push.first_influences, push.influence_sets, of_section,
                                                        skin_row * push.palette_count);
-    const vec3 bind_normal = morphed_normal(floatBitsToUint(vertex.position_normal.w), push.morph_count, morphs.normal);
-    return ModelVertex(affine_point(model_from_bind, vertex.position_normal.xyz + morphs.position),
+    const vec3 bind_normal = morphed_normal(vertex.position_normal.w, push.morph_count, morphs.normal);
+    return ModelVertex(affine_point(model_from_bind, uintBitsToFloat(vertex.position_normal.xyz) + morphs.position),
                        transform_normal(model_from_bind, bind_normal));
 }
 

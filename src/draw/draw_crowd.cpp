@@ -50,6 +50,7 @@ void CrowdDrawing::bind(VkCommandBuffer commands, uint32_t set_number, VkDescrip
 
 void CrowdDrawing::draw(VkCommandBuffer commands, DrawPass pass) const {
     for (const Batch& batch : crowd.batches) {
+        if (!batch.has_outputs) continue;  // nothing has been uploaded either
         const Group& group = crowd.groups[batch.group];
         // Front faces of mirrored instances wind the other way: then the fragment shader culls.
         const bool mirrors = has_mirrored_instances(crowd, batch);
@@ -107,6 +108,7 @@ void CrowdDrawing::draw_lines(VkCommandBuffer commands, const OwnedPipeline& pip
     constexpr uint32_t kLineVertices = 6;  // two triangles
     crowd.gpu->vk.vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pipeline.get());
     for (const Batch& batch : crowd.batches) {
+        if (!batch.has_outputs) continue;
         auto [push, line_count] = push_of(crowd.groups[batch.group]);
         push.instance_count = batch.instance_count;
         bind(commands, kBatchSet, groups[batch.group]->set_of(batch));

@@ -38,11 +38,11 @@ Image::Image(const std::shared_ptr<Gpu>& gpu, const ImageSettings& settings) {
             throw Failure(ErrorCode::kLimit, {},
                           std::to_string(needs.size) + " bytes exceed the device's largest allocation of " +
                               std::to_string(gpu->max_allocation_bytes));
-        const VkMemoryAllocateInfo allocate{
-            .sType = VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO,
-            .allocationSize = needs.size,
-            .memoryTypeIndex = gpu->memory_type(needs.memoryTypeBits, 0, VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT)};
-        memory_ = OwnedMemory(gpu, gpu->vk.vkAllocateMemory, allocate, "vkAllocateMemory");
+        gpu->allocate(needs.memoryTypeBits, 0, VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT, [&](uint32_t type) {
+            const VkMemoryAllocateInfo allocate{
+                .sType = VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO, .allocationSize = needs.size, .memoryTypeIndex = type};
+            memory_ = OwnedMemory(gpu, gpu->vk.vkAllocateMemory, allocate, "vkAllocateMemory");
+        });
         check(gpu->vk.vkBindImageMemory(gpu->device, image_.get(), memory_.get(), 0), "vkBindImageMemory");
         constexpr VkImageUsageFlags kCopied = VK_IMAGE_USAGE_TRANSFER_SRC_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT;
         if ((settings.usage & ~kCopied) == 0) return;

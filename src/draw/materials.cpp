@@ -4,7 +4,7 @@
 
 namespace throng {
 
-MaterialSampling::MaterialSampling(const std::shared_ptr<Gpu>& gpu) : white_(make_white_texture(gpu)) {
+MaterialSampling::MaterialSampling(const std::shared_ptr<Gpu>& gpu) {
     // By TextureFilter and TextureWrap
     constexpr std::array kMagnified{VK_FILTER_LINEAR, VK_FILTER_NEAREST};
     constexpr std::array kOutside{VK_SAMPLER_ADDRESS_MODE_REPEAT, VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE,
@@ -31,13 +31,13 @@ VkSampler MaterialSampling::sampler_of(const AssetMaterial& material) const {
 
 GroupMaterials::GroupMaterials(Uploads& uploads, const Group& group, const ShaderLayout::Set& set,
                                const MaterialSampling& sampling, TextureAccount& account)
-    : materials_(group, [&](const AssetImage& image, bool is_color) {
-          return make_texture(uploads, image, is_color, account);
-      }) {
+    : materials_(group, [&](const AssetImage& image,
+                            bool is_color) { return make_texture(uploads, image, is_color, account); }),
+      white_(make_white_texture(uploads, account.textures)) {
     for (const TexturedMaterial<Image>& material : materials_.all()) {
         std::array<VkDescriptorImageInfo, kMaterialTextures.size()> images{};
         for (size_t t = 0; t < images.size(); ++t) {
-            const Image& shown = material.textures[t] ? *material.textures[t] : sampling.white();
+            const Image& shown = material.textures[t] ? *material.textures[t] : *white_;
             images[t] = {sampling.sampler_of(material.factors), shown.view(), kTexture.layout};
         }
         bindings_.emplace_back(uploads.gpu(), group.name, set, BufferTable(), images);

@@ -9,18 +9,16 @@
 
 namespace throng {
 
-// How the textures of materials are read, and what is read where there is none.
+// How the textures of materials are read.
 class MaterialSampling {
 public:
-    explicit MaterialSampling(const std::shared_ptr<Gpu>& gpu);  // submits and waits
+    explicit MaterialSampling(const std::shared_ptr<Gpu>& gpu);
 
     VkSampler sampler_of(const AssetMaterial& material) const;
-    const Image& white() const { return white_; }
 
 private:
     static constexpr size_t kFilters = 2, kWraps = 3;
     std::array<std::array<std::array<OwnedSampler, kWraps>, kWraps>, kFilters> samplers_;  // [filter][wrap u][wrap v]
-    Image white_;
 };
 
 class GroupMaterials {
@@ -37,7 +35,8 @@ public:
 
 private:
     TexturedMaterials<Image> materials_;
-    std::vector<Bindings> bindings_;  // of each material's textures
+    std::shared_ptr<const Image> white_;  // what is read where a material has no texture
+    std::vector<Bindings> bindings_;      // of each material's textures
 };
 
 }  // namespace throng

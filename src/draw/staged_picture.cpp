@@ -15,18 +15,15 @@ StagedPicture::StagedPicture(std::shared_ptr<Gpu> gpu, VkExtent2D extent, bool b
                     .usage = VK_IMAGE_USAGE_TRANSFER_SRC_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT}) {}
 
 uint8_t* StagedPicture::next() {
-    const auto free = std::ranges::find_if(
-        slots_, [](const auto& slot) { return !slot->is_recorded || slot->is_copied.is_set(); });
-    if (free != slots_.end()) {
-        current_ = free->get();
-    } else {
-        auto made = std::make_unique<Slot>();
-        made->pixels = Buffer(gpu_, "drawn picture", VkDeviceSize{4} * extent_.width * extent_.height,
-                              VK_BUFFER_USAGE_TRANSFER_SRC_BIT, MemoryKind::kUpload);
-        made->is_copied = DeviceEvent(gpu_);
-        current_ = slots_.emplace_back(std::move(made)).get();
-    }
-    if (std::exchange(current_->is_recorded, false)) current_->is_copied.reset();
+    const auto free = std::ranges::find_if(slots_,
+                                           [&](const Slot& slot) { return is_free(slots_, slot, &Slot::number); });
+    current_ = free != slots_.end()
+                   ? &*free
+                   : &slots_.emplace_back(
+                         Slot{.pixels = Buffer(gpu_, "drawn picture", VkDeviceSize{4} * extent_.width * extent_.height,
+                                               VK_BUFFER_USAGE_TRANSFER_SRC_BIT, MemoryKind::kUpload),
+                              .done = DeviceEvent(gpu_)});
+    if (std::exchange(current_->number, 0) != 0) current_->done.reset();
     return reinterpret_cast<uint8_t*>(current_->pixels.mapped());
 }
 
@@ -36,8 +33,8 @@ void StagedPicture::record(VkCommandBuffer commands) {
                                  .imageExtent = {extent_.width, extent_.height, 1}};
     gpu_->vk.vkCmdCopyBufferToImage(commands, current_->pixels.handle(), image(), kCopyTarget.layout, 1, &copy);
     transition(*gpu_, commands, image(), kCopyTarget, kCopySource);
-    current_->is_copied.record_set(commands);
-    current_->is_recorded = true;
+    current_->done.record_set(commands);
+    current_->number = ++record_count_;
 }
 
 void StagedPicture::record_copy(VkCommandBuffer commands, VkImage picture) const {

@@ -5,8 +5,8 @@
 #include "gpu/buffer.h"
 #include "gpu/event.h"
 
+#include <deque>
 #include <memory>
-#include <vector>
 
 namespace throng {
 
@@ -26,15 +26,16 @@ public:
 private:
     struct Slot {
         Buffer pixels;
-        DeviceEvent is_copied;
-        bool is_recorded = false;
+        DeviceEvent done;     // copied
+        uint64_t number = 0;  // of the record() that copies it; 0: none does
     };
 
     std::shared_ptr<Gpu> gpu_;
     VkExtent2D extent_;
     Image image_;
-    std::vector<std::unique_ptr<Slot>> slots_;  // as many as frames have been under way
+    std::deque<Slot> slots_;  // as many as frames have been under way
     Slot* current_ = nullptr;
+    uint64_t record_count_ = 0;
 };
 
 }  // namespace throng

@@ -57,10 +57,13 @@ void Targets::end(VkCommandBuffer commands) const {
     transition(*gpu_, commands, picture(), kColorTarget, kCopySource);
 }
 
-void Targets::record_read_back(VkCommandBuffer commands) {
+void Targets::make_read_back() {
     if (!read_back_.handle())
         read_back_ = Buffer(gpu_, "picture read-back", uint64_t{extent_.width} * extent_.height * 4, 0,
                             MemoryKind::kReadback);
+}
+
+void Targets::record_read_back(VkCommandBuffer commands) const {
     const VkBufferImageCopy copy{.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1},
                                  .imageExtent = {extent_.width, extent_.height, 1}};
     gpu_->vk.vkCmdCopyImageToBuffer(commands, picture(), kCopySource.layout, read_back_.handle(), 1, &copy);

@@ -20,8 +20,9 @@ public:
     void begin(VkCommandBuffer commands) const;
     // Ends it. The picture is then in TRANSFER_SRC_OPTIMAL, visible to transfers.
     void end(VkCommandBuffer commands) const;
-    // Then copies the picture to where read_back() finds it, once the commands have run.
-    void record_read_back(VkCommandBuffer commands);
+    // Then copies the picture to where read_back() finds it, once the commands have run. make_read_back() comes first.
+    void record_read_back(VkCommandBuffer commands) const;
+    void make_read_back();
     Picture read_back() const;
 
     VkImage picture() const { return (resolved_.handle() ? resolved_ : color_).handle(); }
@@ -32,8 +33,8 @@ private:
     VkExtent2D extent_{};
     bool blue_first_ = false;
     Image color_, depth_;
-    Image resolved_;    // of color_, where that has several samples
-    Buffer read_back_;  // made when first needed
+    Image resolved_;  // of color_, where that has several samples
+    Buffer read_back_;
 };
 
 }  // namespace throng

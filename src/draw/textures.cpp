@@ -128,12 +128,12 @@ std::shared_ptr<const raster::OwnedTexture> make_native_texture(Gpu& gpu, const 
     });
 }
 
-Image make_white_texture(const std::shared_ptr<Gpu>& gpu) {
-    Uploads uploads(gpu);
-    Image texture = upload_texture(uploads, "white texture", {.width = 1, .height = 1, .rgba = {255, 255, 255, 255}},
-                                   kColorTexture);
-    uploads.finish();
-    return texture;
+std::shared_ptr<const Image> make_white_texture(Uploads& uploads, SharedValues& textures) {
+    const SharedValues::Key of_no_image{static_cast<uint64_t>(SharedValue::kTexture)};
+    return textures.get<Image>(of_no_image, [&] {
+        return upload_texture(uploads, "white texture", {.width = 1, .height = 1, .rgba = {255, 255, 255, 255}},
+                              kColorTexture);
+    });
 }
 
 }  // namespace throng

@@ -28,6 +28,8 @@ VkSampleCountFlagBits lower_samples(const Gpu& gpu, uint32_t wanted) {
     return VK_SAMPLE_COUNT_1_BIT;
 }
 
+bool culls(const CrowdState* crowd) { return crowd->cull != nullptr; }
+
 }  // namespace
 
 VulkanRenderer::VulkanRenderer(std::shared_ptr<Gpu> gpu_in, const RendererSettings& settings)
@@ -54,8 +56,8 @@ void VulkanRenderer::resize(VkExtent2D extent) {
 
 RenderResult VulkanRenderer::render(Crowds crowds, const Camera& camera) {
     Frame frame = frame_of(crowds, camera);
+    targets_.make_read_back();
     gpu->submit_and_wait([&](VkCommandBuffer commands) {
-        for (CrowdState* crowd : crowds) crowd->record_uploads(commands);
         record_frame(commands, frame);
         targets_.record_read_back(commands);
     });
@@ -66,11 +68,12 @@ RenderResult VulkanRenderer::render_frame(Crowds crowds, float time_step_s, cons
     Frame frame = frame_of(crowds, camera);
     std::vector<CrowdState*> native, others;
     for (CrowdState* crowd : crowds) (crowd->is_native(options.occlusion) ? native : others).push_back(crowd);
-    const CrowdView view = view_of(crowds, camera);
+    CrowdView view = view_of(crowds, camera);
+    view.occlusion = makes_room_for_occlusion(others);
+    targets_.make_read_back();
     for (CrowdState* crowd : native) crowd->update(time_step_s, crowd->cull ? &view : nullptr);
     gpu->submit_and_wait([&](VkCommandBuffer commands) {
-        record_update(commands, others, time_step_s, view, frame);
-        record_frame(commands, frame);
+        record_all(commands, others, time_step_s, view, frame);
         targets_.record_read_back(commands);
     });
     return result_of(frame);
@@ -78,8 +81,9 @@ RenderResult VulkanRenderer::render_frame(Crowds crowds, float time_step_s, cons
 
 void VulkanRenderer::record(VkCommandBuffer commands, Crowds crowds, float time_step_s, const Camera& camera) {
     Frame frame = frame_of(crowds, camera);
-    record_update(commands, crowds, time_step_s, view_of(crowds, camera), frame);
-    record_frame(commands, frame);
+    CrowdView view = view_of(crowds, camera);
+    view.occlusion = makes_room_for_occlusion(crowds);
+    record_all(commands, crowds, time_step_s, view, frame);
 }
 
 void VulkanRenderer::prepare(Crowds crowds) {
@@ -127,27 +131,37 @@ VulkanRenderer::Frame VulkanRenderer::frame_of(Crowds crowds, const Camera& came
 
 void VulkanRenderer::record_drawing(VkCommandBuffer commands, Crowds crowds, const Camera& camera) {
     Frame frame = frame_of(crowds, camera);
-    for (CrowdState* crowd : crowds) crowd->record_uploads(commands);
     record_frame(commands, frame);
 }
 
-void VulkanRenderer::record_update(VkCommandBuffer commands, Crowds crowds, float time_step_s, CrowdView view,
-                                   Frame& frame) {
-    const auto culls = [](const CrowdState* crowd) { return crowd->cull != nullptr; };
-    view.occlusion = options.occlusion && std::ranges::any_of(crowds, culls) &&
-                     (gpu->properties.limits.sampledImageDepthSampleCounts & samples_);
+bool VulkanRenderer::makes_room_for_occlusion(Crowds crowds) {
+    const bool tests_occlusion = options.occlusion && std::ranges::any_of(crowds, culls) &&
+                                 (gpu->properties.limits.sampledImageDepthSampleCounts & samples_);
+    if (!tests_occlusion) return false;
+    if (!occluders_) occluders_.emplace(gpu, targets_.extent(), samples_);
+    for (CrowdState* crowd : crowds)
+        if (culls(crowd)) crowd->cull->make_room_for(occluders_->depths());
+    return true;
+}
+
+void VulkanRenderer::record_all(VkCommandBuffer commands, Crowds crowds, float time_step_s, const CrowdView& view,
+                                Frame& frame) {
     size_t recorded_count = 0;
     try {
         for (; recorded_count < crowds.size(); ++recorded_count) {
             CrowdState& crowd = *crowds[recorded_count];
             crowd.record(commands, time_step_s, culls(&crowd) ? &view : nullptr);
         }
+        if (view.occlusion) record_occlusion(commands, crowds, frame);
+        record_frame(commands, frame);
     } catch (...) {  // time advances for none, except for the one that failed, if it had begun
         for (CrowdState* crowd : crowds.first(recorded_count)) crowd->discard_last_record();
         throw;
     }
-    if (!view.occlusion) return;
-    if (!occluders_) occluders_.emplace(gpu, targets_.extent(), samples_);
+}
+
+// Draws what each crowd has listed for certain, and lists what that does not hide.
+void VulkanRenderer::record_occlusion(VkCommandBuffer commands, Crowds crowds, Frame& frame) {
     begin_draw(commands, frame);
     occluders_->begin(commands);
     for (const CrowdDrawing& drawing : frame.drawings) drawing.draw(commands, DrawPass::kOccluders);

@@ -39,8 +39,13 @@ private:
     // Submits and waits if there are new groups.
     std::vector<const GroupBindings*> bindings_of(const CrowdState& crowd);
     Frame frame_of(Crowds crowds, const Camera& camera);
-    // Records the update of these crowds, which may be fewer than the frame shows.
-    void record_update(VkCommandBuffer commands, Crowds crowds, float time_step_s, CrowdView view, Frame& frame);
+    // Whether an update of these crowds tests for what is hidden, and makes what that takes. The rest of a frame
+    // allocates nothing.
+    bool makes_room_for_occlusion(Crowds crowds);
+    // Records the update of these crowds, which may be fewer than the frame shows, and the frame. If that fails, their
+    // updates are discarded.
+    void record_all(VkCommandBuffer commands, Crowds crowds, float time_step_s, const CrowdView& view, Frame& frame);
+    void record_occlusion(VkCommandBuffer commands, Crowds crowds, Frame& frame);
     void begin_draw(VkCommandBuffer commands, Frame& frame);
     void record_frame(VkCommandBuffer commands, Frame& frame);
     void draw_picture(VkCommandBuffer commands, const std::vector<CrowdDrawing>& drawings) const;

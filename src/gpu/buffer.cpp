@@ -71,7 +71,8 @@ void Buffer::Content::create(VkDeviceSize size, VkBufferUsageFlags usage, Memory
     constexpr VkDeviceSize kMapped = 64;  // the least that minMemoryMapAlignment may be
     const bool is_mapped = kind != MemoryKind::kDevice || gpu->processor;
     const VkDeviceSize alignment = is_mapped ? std::max(needs.alignment, kMapped) : needs.alignment;
-    memory = gpu->memory.take(gpu->memory_type(needs.memoryTypeBits, required, preferred), needs.size, alignment);
+    gpu->allocate(needs.memoryTypeBits, required, preferred,
+                  [&](uint32_t type) { memory = gpu->memory.take(type, needs.size, alignment); });
     if (is_mapped && !memory.mapped)
         throw Failure(ErrorCode::kOutOfMemory, "vkMapMemory", "memory for the CPU cannot be mapped");
     check(gpu->vk.vkBindBufferMemory(gpu->device, buffer, memory.memory, memory.offset_bytes), "vkBindBufferMemory");

@@ -11,7 +11,10 @@ DeviceEvent::DeviceEvent(std::shared_ptr<Gpu> gpu) : gpu_(std::move(gpu)) {
 }
 
 bool DeviceEvent::is_set() const {
-    return gpu_->is_native() ? is_set_ : gpu_->vk.vkGetEventStatus(gpu_->device, event_.get()) == VK_EVENT_SET;
+    if (gpu_->is_native()) return is_set_;
+    const VkResult status = gpu_->vk.vkGetEventStatus(gpu_->device, event_.get());
+    if (status < 0) check(status, "vkGetEventStatus");
+    return status == VK_EVENT_SET;
 }
 
 void DeviceEvent::set() {
@@ -30,9 +33,10 @@ void DeviceEvent::reset() {
 
 void DeviceEvent::record_set(VkCommandBuffer commands) {
     if (!commands) return set();
-    // An event's own barrier works only for waits on the GPU, so the barrier for the CPU comes before it.
-    memory_barrier(*gpu_, commands, kTransferWrite, kHostRead);
-    record_set(commands, barrier_between(kTransferWrite, kHostRead));
+    // An event's own barrier works only for waits on the GPU, and must not name the CPU
+    // (VUID-vkCmdSetEvent2-dstStageMask-09392). So the barrier for the CPU comes before it, and the event after both.
+    memory_barrier(*gpu_, commands, kTransferWrite, {kHostRead.stage | kTransferWrite.stage, kHostRead.access});
+    record_set(commands, barrier_between(kTransferWrite, {}));
 }
 
 void DeviceEvent::record_set_behind_all(VkCommandBuffer commands) {

@@ -3,6 +3,8 @@
 
 #include "gpu/owned.h"
 
+#include <algorithm>
+#include <functional>
 #include <vector>
 
 namespace throng {
@@ -49,5 +51,16 @@ private:
     std::shared_ptr<Gpu> gpu_;
     std::vector<DeviceEvent> free_;
 };
+
+// Whether nobody uses one of several slots any more that commands use in turn: no commands do, or they have run, or
+// they never will, since later ones have run. Each slot has an event `done`, and numbers its commands in the order in
+// which they were recorded and run; 0: none.
+template <class Slots, class Slot, class Number>
+bool is_free(const Slots& slots, const Slot& slot, const Number& number) {
+    const uint64_t of_slot = std::invoke(number, slot);
+    return of_slot == 0 || slot.done.is_set() || std::ranges::any_of(slots, [&](const Slot& other) {
+               return std::invoke(number, other) > of_slot && other.done.is_set();
+           });
+}
 
 }  // namespace throng

@@ -174,7 +174,8 @@ std::shared_ptr<Gpu> Gpu::adopt(const AdoptedDevice& adopted) {
     gpu->queue_family = adopted.queue_family;
     gpu->has_int64 = adopted.shader_int64;
     gpu->read_properties(adopted.physical_device);
-    gpu->can_choose_subgroup = false;  // whether the application has enabled it is not known
+    gpu->can_choose_subgroup = gpu->can_choose_subgroup && adopted.subgroup_size_control;
+    gpu->has_full_subgroups = adopted.compute_full_subgroups;
     if (!(gpu->queue_flags & VK_QUEUE_COMPUTE_BIT))
         throw Failure(ErrorCode::kInvalidArgument, "adopted device",
                       "queue family " + std::to_string(adopted.queue_family) + " has no compute");
@@ -388,12 +389,26 @@ void Gpu::set_name(VkObjectType type, uint64_t handle, std::string_view what) co
     check(set_name_(device, &name_info), "vkSetDebugUtilsObjectNameEXT");
 }
 
-uint32_t Gpu::memory_type(uint32_t type_bits, VkMemoryPropertyFlags required, VkMemoryPropertyFlags preferred) const {
+void Gpu::allocate(uint32_t type_bits, VkMemoryPropertyFlags required, VkMemoryPropertyFlags preferred,
+                   const std::function<void(uint32_t memory_type)>& from) const {
+    const auto types = std::span(memory_properties.memoryTypes).first(memory_properties.memoryTypeCount);
+    std::vector<uint32_t> fitting;  // the first one that is preferred, then the first one of each other heap
     for (const VkMemoryPropertyFlags wanted : {required | preferred, required})
-        for (uint32_t i = 0; i < memory_properties.memoryTypeCount; ++i)
-            if ((type_bits & (1u << i)) && (memory_properties.memoryTypes[i].propertyFlags & wanted) == wanted)
-                return i;
-    throw Failure(ErrorCode::kVulkan, {}, "the device has no memory type that fits a buffer of throng");
+        for (uint32_t i = 0; i < types.size(); ++i) {
+            const bool is_of_known_heap = std::ranges::any_of(
+                fitting, [&](uint32_t other) { return types[other].heapIndex == types[i].heapIndex; });
+            if ((type_bits & (1u << i)) && (types[i].propertyFlags & wanted) == wanted && !is_of_known_heap)
+                fitting.push_back(i);
+        }
+    if (fitting.empty())
+        throw Failure(ErrorCode::kVulkan, {}, "the device has no memory type that fits a buffer of throng");
+    for (size_t i = 0;; ++i) {
+        try {
+            return from(fitting[i]);
+        } catch (const Failure& failure) {
+            if (failure.error.code != ErrorCode::kOutOfMemory || i + 1 == fitting.size()) throw;
+        }
+    }
 }
 
 uint64_t Gpu::largest_heap_bytes() const {

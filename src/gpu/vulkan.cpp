@@ -10,6 +10,7 @@ std::string result_name(VkResult result) {
     switch (result) {
         case VK_ERROR_OUT_OF_HOST_MEMORY: return "out of host memory";
         case VK_ERROR_OUT_OF_DEVICE_MEMORY: return "out of device memory";
+        case VK_ERROR_TOO_MANY_OBJECTS: return "too many allocations (maxMemoryAllocationCount)";
         case VK_ERROR_INITIALIZATION_FAILED: return "initialization failed";
         case VK_ERROR_DEVICE_LOST: return "device lost";
         case VK_ERROR_LAYER_NOT_PRESENT: return "layer not present";
@@ -26,7 +27,8 @@ std::string result_name(VkResult result) {
 
 void check(VkResult result, const char* call) {
     if (result == VK_SUCCESS) return;
-    const bool memory = result == VK_ERROR_OUT_OF_HOST_MEMORY || result == VK_ERROR_OUT_OF_DEVICE_MEMORY;
+    const bool memory = result == VK_ERROR_OUT_OF_HOST_MEMORY || result == VK_ERROR_OUT_OF_DEVICE_MEMORY ||
+                        result == VK_ERROR_TOO_MANY_OBJECTS;
     throw Failure(memory ? ErrorCode::kOutOfMemory : ErrorCode::kVulkan, {},
                   std::string(call) + ": " + result_name(result));
 }

@@ -54,10 +54,10 @@ void main() {
             const Affine model_from_bind = blended_skin_matrix(section.first_influences + push.influence_offset,
                                                                section.influence_sets, vertex,
                                                                skin_row * push.palette_count);
-            const vec3 position = affine_point(model_from_bind, rows.position_normal.xyz + morphs.position);
+            const vec3 position = affine_point(model_from_bind,
+                                               uintBitsToFloat(rows.position_normal.xyz) + morphs.position);
             const vec3 normal = transform_normal(
-                model_from_bind,
-                morphed_normal(floatBitsToUint(rows.position_normal.w), section.morph_count, morphs.normal));
+                model_from_bind, morphed_normal(rows.position_normal.w, section.morph_count, morphs.normal));
             skinned[first_written + section.first_vertex + vertex] = uvec4(floatBitsToUint(position),
                                                                            pack_normal(normal));
         }

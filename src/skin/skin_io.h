@@ -10,11 +10,11 @@ THRONG_IO_CONSTANT kSkinWorkgroupSize = 64;
 THRONG_IO_CONSTANT kSkinLinear = 0;
 THRONG_IO_CONSTANT kSkinDualQuaternion = 1;
 
-// throng::Vertex as a float4, position and normal (its bits), and four words: the bits of two floats, the texture
-// coordinate; colour; first_delta. first_delta must not go through a float: so small a number would be denormal, and a
-// device may take it for 0.
+// throng::Vertex as eight words: the bits of three floats, the position; normal; the bits of two floats, the texture
+// coordinate; colour; first_delta. Normal and first_delta must not go through a float: some would be denormal, and a
+// device may take these for 0.
 struct VertexRows {
-    vec4 position_normal;
+    uvec4 position_normal;
     uvec4 texcoord_color_delta;
 };
 

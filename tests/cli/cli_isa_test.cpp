@@ -36,6 +36,14 @@ TEST_F(Isa, ADeviceWithoutHardwareIsListedAndRefused) {
     EXPECT_TRUE(run_tool("render creature.glb --out creature.png --size 32x32", without_hardware()).exit_code == 0);
 }
 
+// As in a container with the driver of a graphics card that is not there: the loader gives an error then.
+TEST_F(Isa, DriversWithoutHardwareAreNoDevices) {
+    const RunSettings only_a_driver{.environment = {{"VK_DRIVER_FILES", kDriverFile}}};
+    EXPECT_EQ(json_of("devices --json", only_a_driver)[0]["type"], "native");
+    generate("creature.glb", "--joints 20 --levels 8");
+    EXPECT_TRUE(run_tool("pose creature.glb", only_a_driver).succeeded());
+}
+
 TEST_F(Isa, WhatIsMissingIsNamed) {
     EXPECT_TRUE(run_tool("bench isa", {.environment = {{"VK_DRIVER_FILES", "/nowhere.json"}}}).refused("driver"));
     EXPECT_GT(run_tool("bench isa --family voodoo").exit_code, 0);

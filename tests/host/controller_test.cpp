@@ -181,6 +181,13 @@ TEST(Controller, TheFirstTransitionThatHoldsIsTakenAndOnlyOne) {
     instance.set("x", std::numeric_limits<float>::infinity());
     instance.update(0);
     EXPECT_EQ(instance.leading().motion, 0u) << "what is not finite counts as 0";
+    instance.set("on", 0);
+    instance.set("x", std::numeric_limits<float>::denorm_min());
+    instance.update(0);
+    EXPECT_EQ(instance.leading().motion, 0u) << "and so does what a device may take for 0";
+    instance.set("x", std::numeric_limits<float>::min());
+    instance.update(0);
+    EXPECT_EQ(instance.leading().motion, 2u);
 }
 
 TEST(Controller, AnyStateDoesNotLeadToItselfUnlessNamed) {
