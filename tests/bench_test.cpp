@@ -183,10 +183,14 @@ TEST(Bench, AWrongMethodIsReportedAndNotTimed) {
     EXPECT_FALSE(on_chip[0].contains("on_chip_ns_per_joint"));
 }
 
-// Every row of the table, in both measurements: right, timed, or with a reason why not.
+// Every row of the table, in both measurements: right, timed, or with a reason why not. Of more than two numbers of
+// threads the first alone, since each is compiled: scan_test runs all of them.
 TEST(Bench, EveryMethodIsMeasured) {
     std::vector<Entrant> entrants;
-    for (const ScanMethod& method : scan_table()) entrants.push_back(entrant_of(std::string(method.name), method));
+    for (const ScanMethod& method : scan_table()) {
+        entrants.push_back(entrant_of(std::string(method.name), method));
+        if (entrants.back().choices.size() > 2) entrants.back().choices.resize(1);
+    }
     const auto records = measure_scans(test_gpu(), kCell, entrants, kSampling, kBenchQuiet),
                on_chip = measure_on_chip(test_gpu(), kCell, entrants, kSampling, kBenchQuiet);
     ASSERT_EQ(records.size(), entrants.size());

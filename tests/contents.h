@@ -11,36 +11,64 @@
 
 namespace throng::test {
 
-inline constexpr std::pair<const char*, BufferView OutputBlock::*> kOutputs[]{
-    {"skin", &OutputBlock::skin},      {"previous skin", &OutputBlock::previous_skin},
-    {"model", &OutputBlock::model},    {"placement", &OutputBlock::placement},
-    {"socket", &OutputBlock::socket},  {"root", &OutputBlock::root},
-    {"morph", &OutputBlock::morph},    {"look", &OutputBlock::look},
-    {"skinned", &OutputBlock::skinned}};
+struct Output {
+    const char* name;
+    BufferView OutputBlock::*member;
+    bool is_in_slots = true;  // else it is the same in all frame slots
+};
+inline constexpr Output kOutputs[]{{"skin", &OutputBlock::skin},
+                                   {"previous skin", &OutputBlock::previous_skin},
+                                   {"model", &OutputBlock::model},
+                                   {"placement", &OutputBlock::placement},
+                                   {"socket", &OutputBlock::socket},
+                                   {"parameter", &OutputBlock::parameter, false},
+                                   {"root", &OutputBlock::root},
+                                   {"target", &OutputBlock::target, false},
+                                   {"destination", &OutputBlock::destination, false},
+                                   {"morph", &OutputBlock::morph},
+                                   {"look", &OutputBlock::look},
+                                   {"skinned", &OutputBlock::skinned}};
 
-// By the block's number and what it is, bytes: of what is drawn, where there are lists, and then not of skinned
-// vertices, of which a level of detail has some only.
+// By the block's number and what it is, bytes: of what is drawn, where there are lists.
 using Contents = std::map<std::string, std::string>;
 
-inline Contents contents_of(std::span<const OutputBlock> blocks) {
+// Which row of `skin` each instance has; empty where that is its own number.
+inline std::vector<uint32_t> skin_rows_of(const OutputBlock& block) {
+    if (!block.host.skin_row.empty()) return {block.host.skin_row.begin(), block.host.skin_row.end()};
+    if (!block.skin_row) return {};
+    return output<uint32_t>(block, &OutputBlock::skin_row, block.instance_count);
+}
+
+// `is_newest`: false leaves out what is the same in all frame slots.
+inline Contents contents_of(std::span<const OutputBlock> blocks, bool is_newest = true) {
     Contents all;
     for (const OutputBlock& block : blocks) {
         const std::string place = std::to_string(block.group) + ": ";
         std::vector<uint32_t> shown(block.instance_count);
         std::iota(shown.begin(), shown.end(), 0u);
-        const bool is_listed = has_output(block, &OutputBlock::list);
-        if (is_listed) {
+        size_t finest_count = shown.size();  // these come first, and have all vertices
+        if (has_output(block, &OutputBlock::list)) {
             const auto list = output<uint32_t>(block, &OutputBlock::list, 5 + block.instance_count);
             shown.assign(list.begin() + 5, list.begin() + 5 + list[0]);
+            finest_count = list[2];
             for (const uint32_t instance : shown) all[place + "list"] += std::to_string(instance) + " ";
         }
-        for (const auto& [name, member] : kOutputs) {
-            if (!has_output(block, member) || (is_listed && member == &OutputBlock::skinned)) continue;
-            const uint64_t stride_bytes = (block.*member).stride_bytes;
-            for (const uint32_t instance : shown)
-                for (const std::byte byte : download<std::byte>(
-                         test_gpu(), output_range(block, member, instance * stride_bytes, stride_bytes)))
-                    all[place + name] += static_cast<char>(byte);
+        if (block.draw)
+            for (const uint32_t word :
+                 output<uint32_t>(block, &OutputBlock::draw, block.draw.size_bytes / sizeof(uint32_t)))
+                all[place + "draw"] += std::to_string(word) + " ";
+        const std::vector<uint32_t> skin_rows = skin_rows_of(block);
+        for (const uint32_t instance : skin_rows.empty() ? std::vector<uint32_t>() : shown)
+            all[place + "skin row"] += std::to_string(skin_rows[instance]) + " ";
+        for (const auto& [name, member, is_in_slots] : kOutputs) {
+            if (!has_output(block, member) || (!is_newest && !is_in_slots)) continue;
+            const auto& [buffer, offset_bytes, size_bytes, stride_bytes] = block.*member;
+            const auto bytes = output<char>(block, member, size_bytes);
+            const size_t count = member == &OutputBlock::skinned ? finest_count : shown.size();
+            const bool in_rows = member == &OutputBlock::skin && !skin_rows.empty();
+            for (const uint32_t instance : std::span(shown).first(count))
+                all[place + name].append(bytes.data() + (in_rows ? skin_rows[instance] : instance) * stride_bytes,
+                                         stride_bytes);
         }
     }
     return all;

@@ -137,10 +137,8 @@ double instance_error(Crowd& crowd, uint32_t instance, const Character& characte
     const std::vector<Vec3<double>> wanted = reference_positions(character, pose);
     const std::vector<Vec3<float>> got = *crowd.read_positions({instance});
     if (got.size() != wanted.size()) return std::numeric_limits<double>::infinity();
-    for (size_t i = 0; i < wanted.size(); ++i) {
-        const double distance = length(got[i].as<double>() - wanted[i]) / character.size;
-        worst = std::isnan(distance) ? std::numeric_limits<double>::infinity() : std::max(worst, distance);
-    }
+    for (size_t i = 0; i < wanted.size(); ++i)
+        worst = worse_of(worst, length(got[i].as<double>() - wanted[i]) / character.size);
     return worst;
 }
 

@@ -24,10 +24,7 @@ double largest_matrix_error(std::span<const Affine> matrices, std::span<const Af
     EXPECT_EQ(matrices.size(), wanted.size());
     double worst = 0;
     for (size_t i = 0; i < std::min(matrices.size(), wanted.size()); ++i)
-        for (size_t row = 0; row < 3; ++row)
-            for (size_t column = 0; column < 4; ++column)
-                worst = std::max(worst, std::abs(double{matrices[i].row[row][column]} - wanted[i].row[row][column]) /
-                                            (column == 3 ? size : 1));
+        worst = std::max(worst, matrix_error(matrices[i], wanted[i], size));
     return worst;
 }
 
@@ -175,7 +172,7 @@ TEST(CrowdController, AnInertialPlayBeginsWhereTheCharacterIs) {
         double furthest = 0;
         for (size_t joint = 0; joint < before.size(); ++joint)
             for (size_t row = 0; row < 3; ++row)
-                furthest = std::max(furthest,
+                furthest = worse_of(furthest,
                                     std::abs(after[joint].row[row][3] - before[joint].row[row][3]) / character.size);
         return furthest;
     };

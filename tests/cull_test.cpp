@@ -2,8 +2,8 @@
 #include "crowd/crowd_state.h"
 #include "crowd/cull_stage.h"
 #include "cull/cull_reference.h"
-#include "tests/crowd_cases.h"
 #include "tests/kernel_runner.h"
+#include "tests/lively_crowd.h"
 #include "tests/recorder.h"
 #include "tests/subset.h"
 #include "tools/creatures/creature.h"
@@ -324,22 +324,29 @@ TEST(Cull, WrongViewsAreRefused) {
     const Result<void> unprepared = plain.update(0, &sound);
     ASSERT_FALSE(unprepared);
     EXPECT_EQ(unprepared.error().code, ErrorCode::kInvalidArgument);
-    EXPECT_FALSE(plain.read_drawn());
-    const float kInfinity = std::numeric_limits<float>::infinity();
-    for (const auto spoil : std::initializer_list<void (*)(CrowdView&)>{
-             [](CrowdView& v) { v.clip_from_world[1][2] = NAN; }, [](CrowdView& v) { v.eye.y = NAN; },
-             [](CrowdView& v) { v.pixels = 0; }, [](CrowdView& v) { v.lod_pixels = -1; },
-             [](CrowdView& v) { v.shadow.x = NAN; }, [](CrowdView& v) { v.ground = NAN; },
-             [](CrowdView& v) { v.full_rate_pixels = std::numeric_limits<float>::infinity(); },
-             [](CrowdView& v) { v.pixels = v.lod_pixels = std::numeric_limits<float>::infinity(); },
-             [](CrowdView& v) { v.pixels = v.shared_pose_pixels = std::numeric_limits<float>::infinity(); },
-             [](CrowdView& v) { v.budget_ms = -1; }}) {
+    EXPECT_EQ(unprepared.error().text(), "view: CrowdSettings::culling is not set");
+    EXPECT_EQ(refusal(plain.read_drawn()), "read-back: CrowdSettings::culling is not set");
+    const auto refused = [&](const std::string& says, void (*spoil)(CrowdView&)) {
         CrowdView view = sound;
         spoil(view);
         const Result<void> updated = crowd.update(0, &view);
-        ASSERT_FALSE(updated);
+        ASSERT_FALSE(updated) << says;
         EXPECT_EQ(updated.error().code, ErrorCode::kInvalidArgument);
-    }
+        EXPECT_EQ(updated.error().text(), "view: " + says);
+    };
+    const std::string places = "eye, shadow and ground must be finite", sizes = "pixels and lod_pixels must be above 0",
+                      rates = "full_rate_pixels and budget_ms must not be negative, and the first is at most 1e30",
+                      detail = "where pixels is infinite, lod_pixels and shared_pose_pixels must not be";
+    refused("clip_from_world must be finite", [](CrowdView& v) { v.clip_from_world[1][2] = kNan; });
+    refused(places, [](CrowdView& v) { v.eye.y = kNan; });
+    refused(places, [](CrowdView& v) { v.shadow.x = kNan; });
+    refused(places, [](CrowdView& v) { v.ground = kNan; });
+    refused(sizes, [](CrowdView& v) { v.pixels = 0; });
+    refused(sizes, [](CrowdView& v) { v.lod_pixels = -1; });
+    refused(rates, [](CrowdView& v) { v.full_rate_pixels = kInfinity; });
+    refused(rates, [](CrowdView& v) { v.budget_ms = -1; });
+    refused(detail, [](CrowdView& v) { v.pixels = v.lod_pixels = kInfinity; });
+    refused(detail, [](CrowdView& v) { v.pixels = v.shared_pose_pixels = kInfinity; });
     CrowdView far = sound;
     far.pixels = kInfinity;
     EXPECT_TRUE(crowd.update(0, &far)) << "full detail";
@@ -376,7 +383,7 @@ TEST(Cull, PositionsAreThoseOfTheLevel) {
     const std::vector<Vec3<float>> got = *crowd.read_positions({0});
     const std::vector<Vec3<double>> all = reference_positions(character, *reference_pose(character, playback));
     double worst = 0;
-    for (size_t v = 0; v < got.size(); ++v) worst = std::max(worst, length(got[v].as<double>() - all[v]));
+    for (size_t v = 0; v < got.size(); ++v) worst = worse_of(worst, length(got[v].as<double>() - all[v]));
     EXPECT_LE(worst, 1.01 * double{character.lods[lod - 1].error} + 1e-5 * double{character.size});
 }
 
@@ -406,6 +413,36 @@ TEST(Cull, PosesFromOutsideMayGoFarIfTheGroupSaysSo) {
         ASSERT_FALSE(refused);
         EXPECT_NE(refused.error().text().find("pose margin: "), std::string::npos) << refused.error().text();
     }
+}
+
+// How far a pose may reach beyond the boxes of all clips, where the group does not say: by where the view begins that
+// still sees an instance.
+TEST(Cull, UsuallyPosesReachNotFarBeyondTheirClips) {
+    const Character character = creature(30, 10);
+    const Controller controller = example("dragon");
+    const ProceduralRules rules{.rules = {WindRule{.joint = character.rig.names[1]}}};
+    float end = character.bounds_max.x;
+    for (const Clip& clip : character.clips) end = std::max(end, clip.bounds_max.x);
+    const auto is_drawn = [&](Crowd& crowd, float sizes_beyond) {
+        const float half = 10 * character.size;
+        const CrowdView view = view_of_box({end + sizes_beyond * character.size + half, 0, 0}, half);
+        EXPECT_TRUE(crowd.update(0, &view));
+        return drawn_of(crowd).size() == 1;
+    };
+    const auto expect_reach = [&](float sizes, CrowdGroup group, SkinBlend blend, const char* what) {
+        group.character = &character;
+        group.instance_count = 1;
+        Crowd crowd = create({.groups = {group}, .culling = Culling{}, .skin_blend = blend});
+        EXPECT_TRUE(is_drawn(crowd, 0.9f * sizes)) << what;
+        EXPECT_FALSE(is_drawn(crowd, 1.1f * sizes)) << what;
+    };
+    constexpr float kBlends = 0.1f, kAnything = 0.5f;
+    expect_reach(kBlends, {}, SkinBlend::kLinear, "two clips");
+    expect_reach(kAnything, {.controller = &controller}, SkinBlend::kLinear, "a controller");
+    expect_reach(kAnything, {.procedural = &rules}, SkinBlend::kLinear, "rules");
+    expect_reach(kAnything, {.pose_capacity = 1}, SkinBlend::kLinear, "poses from outside");
+    expect_reach(kAnything, {}, SkinBlend::kDualQuaternion, "dual quaternions");
+    expect_reach(0.3f, {.controller = &controller, .pose_margin = 0.3f}, SkinBlend::kLinear, "what the group says");
 }
 
 }  // namespace

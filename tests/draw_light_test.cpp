@@ -171,6 +171,29 @@ TEST(DrawLight, LooksAlongTheSun) {
     for (size_t i = 0; i < picture.rgba.size(); i += 4) ASSERT_NEAR(picture.rgba[i], first.r, 2) << "pixel " << i / 4;
 }
 
+// Everywhere, by the inverse of how light becomes a colour: what is neither dark nor bright loses 0.04 (Khronos PBR
+// Neutral tone mapper).
+TEST(DrawLight, AllLightIsMultipliedByTheExposure) {
+    const Camera camera{.eye = {0.5f, 1, 4}, .target = {0, 0.5f, 0}};
+    Asset grey = square();
+    grey.materials[0].base_color = {0.5f, 0.4f, 0.3f, 1};
+    const Picture once = pictured(grey, {Affine{}}, camera, {.exposure = 0.4f}),
+                  twice = pictured(grey, {Affine{}}, camera, {.exposure = 0.8f});
+    constexpr double kLost = 0.04, kDark = 0.08, kBright = 0.76;
+    const auto light = [](uint8_t colour) { return linear(colour / 255.0) + kLost; };
+    size_t compared = 0;
+    for (size_t i = 0; i < once.rgba.size(); i += 4) {
+        const auto [low, high] = std::minmax({light(once.rgba[i]), light(once.rgba[i + 1]), light(once.rgba[i + 2])});
+        if (low < 1.1 * kDark || 2 * high > 0.95 * kBright) continue;
+        for (size_t c = i; c < i + 3; ++c)
+            ASSERT_NEAR(twice.rgba[c], encoded(2 * light(once.rgba[c]) - kLost), 2) << "pixel " << i / 4;
+        ++compared;
+    }
+    EXPECT_GT(compared, once.rgba.size() / 4 / 3) << "of all pixels";
+    for (const Vec3<double>& point : {Vec3<double>{0, 0.5, 0}, {-0.9, 0, 0.5}})  // the square and the ground
+        EXPECT_GT(sum_of(seen_at(twice, camera, point)), 1.2 * sum_of(seen_at(once, camera, point)));
+}
+
 TEST(DrawLight, FogGrowsWithDistance) {
     const Camera camera{.eye = {0, 0.5f, 5}, .target = {0, 0.5f, 0}};
     const std::vector<Affine> places{placed({.translation = {-0.8f, 0, 0}}),

@@ -20,14 +20,15 @@ inline uint32_t parameter_of(const Controller& controller, const char* name) {
     return static_cast<uint32_t>(found - controller.parameters.begin());
 }
 
-// Groups of all kinds: two clips with poses from outside, root motion, inertial transitions and sockets, springs,
-// agents.
+// Groups of all kinds: two clips with poses from outside, root motion, inertial transitions and sockets, springs in the
+// wind (if it blows), agents.
 struct Kinds {
     Character character = creature(30, 10), walking = walking_creature();
     Controller walker = example("walker"), dragon = example("dragon");
-    ProceduralRules rules{.targets = {"there"},
-                          .rules = {SpringRule{.joint = character.rig.names[1]},
-                                    LookAtRule{.joint = character.rig.names.back(), .target = "there"}}};
+    ProceduralRules rules{
+        .targets = {"there"},
+        .rules = {WindRule{.joint = character.rig.names[1]}, SpringRule{.joint = character.rig.names[1], .drag = 0.5f},
+                  LookAtRule{.joint = character.rig.names.back(), .target = "there"}}};
 
     CrowdSettings settings(UpdatePath path) {
         CrowdSettings settings{.path = path, .culling = Culling{}, .watch_capacity = 5 * kRoom};

@@ -20,12 +20,12 @@ double direction_error(const Affine& got, const Quaternion<double>& wanted) {
     double worst = 0;
     for (size_t row = 0; row < 3; ++row)
         for (size_t column = 0; column < 3; ++column)
-            worst = std::max(worst, std::abs(double{got.row[row][column]} - matrix.row[row][column]));
+            worst = worse_of(worst, std::abs(double{got.row[row][column]} - matrix.row[row][column]));
     return worst;
 }
 
 double difference(const Quaternion<double>& a, const Quaternion<double>& b) {
-    return std::sqrt(std::max(0.0, 1 - dot(a, b) * dot(a, b)));
+    return std::sqrt(worse_of(0, 1 - dot(a, b) * dot(a, b)));
 }
 
 ReferenceLayer layer_of(const Trs<double>& pose, double weight, bool in_model_space) {

@@ -137,7 +137,7 @@ double compare(const std::vector<io::ActiveMorph>& got, const std::vector<double
         if (got[i].morph >= weights.size()) return 1e9;
         EXPECT_FALSE(is_active[got[i].morph]) << "twice";
         is_active[got[i].morph] = true;
-        worst = std::max(worst, std::abs(got[i].weight - weights[got[i].morph]));
+        worst = worse_of(worst, std::abs(got[i].weight - weights[got[i].morph]));
     }
     for (size_t morph = 0; morph < weights.size(); ++morph)
         if (!is_active[morph]) {
@@ -272,10 +272,8 @@ double position_error(Crowd& crowd, uint32_t instance, std::span<const Vec3<doub
     const Result<std::vector<Vec3<float>>> got = crowd.read_positions({instance});
     EXPECT_TRUE(got && got->size() == wanted.size());
     double worst = 0;
-    for (size_t v = 0; got && v < wanted.size(); ++v) {
-        const double difference = length((*got)[v].as<double>() - wanted[v]);
-        worst = std::max(worst, std::isfinite(difference) ? difference / size : 1e9);
-    }
+    for (size_t v = 0; got && v < wanted.size(); ++v)
+        worst = worse_of(worst, length((*got)[v].as<double>() - wanted[v]) / size);
     return worst;
 }
 

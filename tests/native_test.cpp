@@ -47,11 +47,11 @@ double distance(Crowd& a, Crowd& b, uint32_t instance) {
     EXPECT_EQ(of_a.size(), of_b.size());
     double worst = 0;
     for (size_t i = 0; i < of_a.size(); ++i)
-        worst = std::max(worst, length(of_a[i].as<double>() - of_b[i].as<double>()));
+        worst = worse_of(worst, length(of_a[i].as<double>() - of_b[i].as<double>()));
     const std::vector<Affine> joints_of_a = *a.read_model_matrices({instance}),
                               joints_of_b = *b.read_model_matrices({instance});
     for (size_t i = 0; i < joints_of_a.size(); ++i)
-        worst = std::max(worst, length(transform_point(joints_of_a[i].as<double>(), Vec3<double>{}) -
+        worst = worse_of(worst, length(transform_point(joints_of_a[i].as<double>(), Vec3<double>{}) -
                                        transform_point(joints_of_b[i].as<double>(), Vec3<double>{})));
     return worst;
 }

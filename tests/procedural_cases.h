@@ -1,9 +1,16 @@
-// A character for rules that move joints.
+// A character for rules that move joints, and what tests of them ask of its pose.
 #pragma once
 
+#include "procedural/procedural_reference.h"
+#include "reference/reference.h"
 #include "tests/test_rig.h"
 
+#include <string>
+#include <vector>
+
 namespace throng::test {
+
+using Locals = std::vector<Trs<double>>;  // parent_from_joint[joint_count]
 
 // A straight chain up along +y, a unit a bone, beside a first joint that all hang on.
 inline Character chain(uint32_t joint_count) {
@@ -15,6 +22,25 @@ inline Character chain(uint32_t joint_count) {
         character.rig.rest[joint] = {.translation = {0, joint == 0 ? 0.0f : 1.0f, 0}};
     }
     return character;
+}
+
+inline Locals rest_of(const Character& character) {
+    Locals local;
+    for (const Trs<float>& rest : character.rig.rest) local.push_back(rest.as<double>());
+    return local;
+}
+
+// Of a joint, in the model.
+inline Vec3<double> place_of(const Character& character, const Locals& local, uint32_t joint) {
+    return transform_point(pose_from_local(character, local).model_from_joint[joint], {});
+}
+
+// What a crowd's wind is after so many seconds.
+inline WindClock::Moment blowing(const Wind& wind, double at_s = 0) {
+    WindClock clock;
+    clock.set(wind);
+    clock.advance(at_s);
+    return clock.moment();
 }
 
 }  // namespace throng::test

@@ -21,8 +21,6 @@ const InSubset kProceduralInSubsets({Subset::kGpuAssisted},
 const InSubset kProceduralNatively({Subset::kNative},
                                    {"Procedural.*", "-Procedural.ChainsBeyondTheDevicesLoopsAreRefused"});
 
-using Locals = std::vector<Trs<double>>;
-
 TEST(Procedural, WrongRulesAreRefusedWithTheirNumber) {
     Character character = chain(6);
     character.rig.names[4] = character.rig.names[5] = "twice";

@@ -136,7 +136,7 @@ double put_together_error(const Character& whole, const Character& taken, uint32
     const GroundMove place = place_at(rows_of(taken, taken.clips[clip]), phase_at(time_s, duration_s, false));
     const std::vector<Vec3<double>> wanted = points(whole, clip, time_s), got = points(taken, clip, time_s);
     double worst = 0;
-    for (size_t v = 0; v < wanted.size(); ++v) worst = std::max(worst, length(moved(place, got[v]) - wanted[v]));
+    for (size_t v = 0; v < wanted.size(); ++v) worst = worse_of(worst, length(moved(place, got[v]) - wanted[v]));
     return worst / double{whole.size};
 }
 

@@ -167,6 +167,7 @@ protected:
     CrowdSettings settings(uint32_t count = 4) const {
         return {.groups = {{.character = &character_, .instance_count = count, .pose_capacity = 2}}};
     }
+    static std::string skin_of(const Crowd& crowd) { return contents_of(crowd.outputs()).at("0: skin"); }
     Character character_ = creature(20, 8);
 };
 
@@ -186,6 +187,31 @@ TEST_F(SavedState, KeepsWhatThePreviousUpdateShowed) {
         EXPECT_NE(wanted.at("0: skin"), wanted.at("0: previous skin"));
         for (Crowd* const one : {&other, &fresh})
             expect_same(wanted, contents_of(one->outputs()), "in flight " + std::to_string(in_flight));
+    }
+}
+
+// A budget that no update keeps to lowers the rate more and more, until all are animated in every eighth update only.
+TEST_F(SavedState, KeepsHowFarABudgetHasLoweredTheRate) {
+    CrowdSettings of = settings(16);
+    of.culling = Culling{.skips_updates = true};
+    of.groups[0].pose_capacity = 0;
+    const CrowdView unlimited = view_of_box({}, 10 * character_.size);
+    CrowdView view = unlimited;
+    view.full_rate_pixels = 1;  // at first, all are larger
+    view.budget_ms = 1e-6f;
+    Crowd crowd = create(of), other = create(of), at_full_rate = create(of);
+    for (Crowd* const one : {&crowd, &at_full_rate})
+        ASSERT_TRUE(one->set_playback(one->instances(), {.first = {.clip = 0}}));
+    for (int update = 0; update < 16; ++update) {
+        ASSERT_TRUE(crowd.update(0.03f, &view));
+        ASSERT_TRUE(at_full_rate.update(0.03f, &unlimited));
+    }
+    if (!crowd.stage_times()) GTEST_SKIP() << "the device measures no times";
+    EXPECT_FALSE(skin_of(crowd) == skin_of(at_full_rate)) << "nobody skips an update";
+    ASSERT_TRUE(other.restore_state(*crowd.save_state()));
+    for (int update = 0; update < 4; ++update) {
+        for (Crowd* const one : {&crowd, &other}) ASSERT_TRUE(one->update(0.03f, &view));
+        EXPECT_TRUE(skin_of(crowd) == skin_of(other)) << update;
     }
 }
 

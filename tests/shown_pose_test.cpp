@@ -12,7 +12,7 @@ const InSubset kShownPoseInSubsets({Subset::kNative}, {"ShownPose.*"});
 double furthest(const std::vector<Vec3<float>>& a, const std::vector<Vec3<float>>& b) {
     double most = a.size() == b.size() ? 0 : 1e9;
     for (size_t i = 0; i < std::min(a.size(), b.size()); ++i)
-        most = std::max(most, length(a[i].as<double>() - b[i].as<double>()));
+        most = worse_of(most, length(a[i].as<double>() - b[i].as<double>()));
     return most;
 }
 

@@ -384,7 +384,10 @@ TEST(SkinPool, WhatDoesNotGoTogetherIsRefused) {
     CrowdView seen = view(10);
     seen.shared_pose_pixels = -1;
     Crowd crowd = create({.groups = {{.character = &character, .instance_count = 1}}, .culling = Culling{}});
-    EXPECT_FALSE(crowd.update(0, &seen));
+    const Result<void> updated = crowd.update(0, &seen);
+    ASSERT_FALSE(updated);
+    EXPECT_EQ(updated.error().code, ErrorCode::kInvalidArgument);
+    EXPECT_EQ(updated.error().text(), "view: shared_pose_pixels must not be negative");
 }
 
 }  // namespace

@@ -60,7 +60,7 @@ TEST(SkinStage, WithoutAViewAllIsSkinned) {
                 const std::vector<Vec3<double>> wanted = wanted_positions(character, playbacks[i], SkinBlend::kLinear);
                 ASSERT_EQ(got.size(), wanted.size());
                 for (size_t v = 0; v < got.size(); ++v)
-                    worst = std::max(worst, length(got[v].position.as<double>() - wanted[v]) / double{character.size});
+                    worst = worse_of(worst, length(got[v].position.as<double>() - wanted[v]) / double{character.size});
             }
         }
         EXPECT_LE(worst, 2 * kPoseBound);
@@ -121,7 +121,7 @@ TEST(SkinStage, WithAViewWhatItListsIsSkinned) {
         for (const Affine& matrix : read) matrices.push_back(matrix.as<double>());
         const std::vector<Vec3<double>> wanted = skin_reference(lod_of[i] > 0 ? reduced : character, matrices);
         for (const uint32_t v : indices)
-            worst = std::max(worst, length(got[v].position.as<double>() - wanted[v]) / double{character.size});
+            worst = worse_of(worst, length(got[v].position.as<double>() - wanted[v]) / double{character.size});
     }
     EXPECT_GT(left_alone, 20u);
     EXPECT_LE(worst, 1e-6);
@@ -190,7 +190,7 @@ TEST(SkinStage, DualQuaternionsFollowTheReference) {
             const std::vector<Vec3<double>> wanted = wanted_positions(character, playback, SkinBlend::kDualQuaternion),
                                             linear = wanted_positions(character, playback, SkinBlend::kLinear);
             for (size_t v = 0; v < got.size(); ++v) {
-                worst = std::max(worst, length(got[v].as<double>() - wanted[v]) / double{character.size});
+                worst = worse_of(worst, length(got[v].as<double>() - wanted[v]) / double{character.size});
                 moved = std::max(moved, length(linear[v] - wanted[v]) / double{character.size});
             }
         }

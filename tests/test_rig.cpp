@@ -234,6 +234,8 @@ Character compiled(const Asset& asset, const CompileSettings& settings) {
     return std::move(*character);
 }
 
+double worse_of(double a, double b) { return std::isnan(a) || std::isnan(b) ? double{kInfinity} : std::max(a, b); }
+
 double matrix_error(const Affine& got, const AffineT<double>& wanted, double size) {
     double scale = 1, linear = 0, translation = 0;
     for (size_t row = 0; row < 3; ++row)

@@ -81,6 +81,9 @@ Asset make_asset(const AssetSettings& settings);
 Character compiled(const Asset& asset, const CompileSettings& settings = kExact);
 inline Character make_character(const AssetSettings& settings) { return compiled(make_asset(settings)); }
 
+// The larger of two errors; infinite where one is not a number, which std::max() may pass over.
+double worse_of(double a, double b);
+
 // A matrix's linear part is compared relative to its largest element (at least 1), its translation relative to the
 // size. Infinite where a number is not finite.
 double matrix_error(const Affine& got, const AffineT<double>& wanted, double size);

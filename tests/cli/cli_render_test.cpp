@@ -100,6 +100,21 @@ TEST_F(CliRender, LooksAreChosenForEachCharacter) {
                     .refused("c=d.json: no such file"));
 }
 
+TEST_F(CliRender, OptionsOfDrawingTakeEffect) {
+    const std::string plain = picture("plain.png", {}), skeletons = picture("skeletons.png", {"--skeletons"}),
+                      bounds = picture("bounds.png", {"--bounds"});
+    EXPECT_TRUE(skeletons != plain && bounds != plain && skeletons != bounds);
+    EXPECT_TRUE(picture("coarse.png", {"--lod-pixels", "50"}) != plain);
+    EXPECT_TRUE(picture("dual.png", {"--skinning", "dual-quaternion"}) != plain);
+    // The same is seen, but other work is done.
+    const auto stages_ms = [](const Words& more) { return json_of(command("timed.png") + more)["stages_ms"]; };
+    const Json usual = stages_ms({});
+    EXPECT_GT(usual["cull"], 0);
+    EXPECT_EQ(usual["skin"], 0);
+    EXPECT_EQ(stages_ms({"--everything"})["cull"], 0);
+    EXPECT_GT(stages_ms({"--skin-once"})["skin"], 0);
+}
+
 TEST_F(CliRender, PicturesAreWrittenAsTheirNamesSay) {
     for (const std::string name : {"fox.jpg", "fox.PNG", "fox"}) {
         EXPECT_TRUE(run_tool(command(name)).refused("--out " + name + ": pictures are .png files")) << name;

@@ -118,8 +118,8 @@ TEST(CharacterFile, RigsComeBackBitForBit) {
     for (const double error : kErrors) {
         for (const AssetSettings& settings :
              {AssetSettings{}, AssetSettings{.joint_count = 1, .clip_count = 0},
-              AssetSettings{.joint_count = 70, .shape = RigShape::kComb, .key_count = 12},
-              AssetSettings{.seed = 3, .scale_spread = 0}, AssetSettings{.cubic = true},
+              AssetSettings{.joint_count = 70, .shape = RigShape::kComb, .clip_count = 1, .key_count = 12},
+              AssetSettings{.seed = 3, .scale_spread = 0}, AssetSettings{.clip_count = 1, .cubic = true},
               AssetSettings{.vertex_count = 0}}) {
             const Character character = compiled(make_full_asset(settings), {.error = error});
             EXPECT_EQ(character.packed, error > 0);
@@ -147,6 +147,8 @@ TEST(CharacterFile, AFileIsKnownByItsFirstBytesWhateverItsName) {
     EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder.path()), {}), 1) << "something was left behind";
 }
 
+// Under sanitizers with exact keys alone: rigs come back with packed ones, too, and real characters are packed for
+// native_characters().
 TEST(CharacterFile, RealCharactersComeBackBitForBit) {
     const std::filesystem::path characters = shared_folder("characters");
     THRONG_SKIP_WITHOUT(characters);
@@ -157,6 +159,7 @@ TEST(CharacterFile, RealCharactersComeBackBitForBit) {
         const Result<Asset> asset = load_asset(entry.path());
         if (!asset) continue;  // import_test's business
         for (const double error : kErrors) {
+            if (kSanitized && error > 0) continue;
             const Character character = compiled(*asset, {.error = error});
             const std::filesystem::path path = folder.path() / "character.throng";
             const Result<void> saved = save_character(character, path);
@@ -177,6 +180,8 @@ TEST(CharacterFile, EveryDamagedByteIsRefused) {
         ASSERT_TRUE(load(bytes));
         for (size_t i = 0; i < bytes.size(); ++i) {
             for (const unsigned flip : {0x01u, 0x02u, 0x04u, 0x08u, 0x10u, 0x20u, 0x40u, 0x80u, 0xFFu}) {
+                // Behind the header the checksum refuses all of them; that is the same code nine times
+                if (kSanitized && i >= sizeof(Header) && flip != 0xFF) continue;
                 bytes[i] ^= std::byte(flip);
                 const Result<Character> result = load(bytes);
                 bytes[i] ^= std::byte(flip);

@@ -6,6 +6,7 @@
 #include "compile/rig/rig.h"
 #include "sample/sample_reference.h"
 #include "tests/host/compile_cases.h"
+#include "tests/shared.h"
 #include "tests/test_rig.h"
 
 #include <gtest/gtest.h>
@@ -35,18 +36,21 @@ TrackErrors clip_errors(const Asset& asset, const Character& character, uint32_t
     }
     times_s.push_back(compiled.duration_s);
     times_s.push_back(0);
+    std::vector<AssetClip> of_nodes(asset.nodes.size());  // their own tracks: node_trs() looks through all
+    for (const AssetTrack& track : asset.clips[clip].tracks) of_nodes[track.node].tracks.push_back(track);
     for (const double time_s : times_s) {
         const std::vector<Trs<double>> pose = sample_reference(character, clip, time_s);
         for (uint32_t joint = 0; joint < character.rig.joint_count(); ++joint) {
-            const Trs<double> wanted = node_trs(asset, character.rig.nodes[joint], &asset.clips[clip], time_s);
+            const uint32_t node = character.rig.nodes[joint];
+            const Trs<double> wanted = node_trs(asset, node, &of_nodes[node], time_s);
             const auto &q = pose[joint].rotation, w = normalized(wanted.rotation);
             const double chord = std::min(dot(Quaternion<double>{q.x - w.x, q.y - w.y, q.z - w.z, q.w - w.w},
                                               {q.x - w.x, q.y - w.y, q.z - w.z, q.w - w.w}),
                                           dot(Quaternion<double>{q.x + w.x, q.y + w.y, q.z + w.z, q.w + w.w},
                                               {q.x + w.x, q.y + w.y, q.z + w.z, q.w + w.w}));
-            errors.rotation_rad = std::max(errors.rotation_rad, 2 * std::sqrt(chord));
-            errors.translation = std::max(errors.translation, length(pose[joint].translation - wanted.translation));
-            errors.scale = std::max(errors.scale, length(pose[joint].scale - wanted.scale));
+            errors.rotation_rad = worse_of(errors.rotation_rad, 2 * std::sqrt(chord));
+            errors.translation = worse_of(errors.translation, length(pose[joint].translation - wanted.translation));
+            errors.scale = worse_of(errors.scale, length(pose[joint].scale - wanted.scale));
         }
     }
     return errors;
@@ -114,7 +118,7 @@ TEST(Compile, WhatHasNoSuchNameIsAnErrorThatSaysWhatThereIs) {
 TEST(Compile, CubicClipsAreRefinedToTheBound) {
     TrackErrors worst;
     uint32_t rows = 0;
-    for (const uint64_t seed : {4u, 5u, 6u}) {
+    for (const uint64_t seed : kSanitized ? std::vector<uint64_t>{4} : std::vector<uint64_t>{4, 5, 6}) {
         const Asset asset = make_asset(
             {.joint_count = 20, .seed = seed, .clip_count = 2, .key_count = 5, .cubic = true});
         const Character character = compiled(asset);
@@ -131,7 +135,7 @@ TEST(Compile, CubicClipsAreRefinedToTheBound) {
     EXPECT_LE(worst.rotation_rad, 1e-6 + kRounding);
     EXPECT_LE(worst.translation, 1e-6 + kRounding);
     EXPECT_LE(worst.scale, 1e-6 + kRounding);
-    std::printf("  6 cubic clips, %u rows added: largest error %.1e rad, %.1e of the size, factor %.1e\n", rows,
+    std::printf("  cubic clips, %u rows added: largest error %.1e rad, %.1e of the size, factor %.1e\n", rows,
                 worst.rotation_rad, worst.translation, worst.scale);
 }
 

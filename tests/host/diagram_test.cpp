@@ -3,6 +3,7 @@
 #include "bench/diagrams/diagram.h"
 #include "bench/skeletons.h"
 #include "tests/files.h"
+#include "tests/shared.h"
 
 #include <gtest/gtest.h>
 
@@ -33,6 +34,7 @@ std::vector<ScanMethod> flow_methods() {
 }
 
 TEST(Diagram, EveryMethodMakesEachJointsChain) {
+    THRONG_SKIP_WHERE_SANITIZED();  // TheDocumentationHasTheCurrentOnes simulates each method there
     for (const ScanMethod& method : flow_methods())
         for (const ScanRig& rig : rigs())
             for (const FlowSettings& settings : {FlowSettings{}, kDiagramSettings}) {
@@ -50,6 +52,7 @@ TEST(Diagram, EveryMethodMakesEachJointsChain) {
 
 // A step's left factor ends above where the rest of its product begins, and each joint is stored once.
 TEST(Diagram, StepsAreMultiplicationsOfNeighboursInTheTree) {
+    THRONG_SKIP_WHERE_SANITIZED();
     for (const ScanMethod& method : flow_methods())
         for (const ScanRig& rig : rigs()) {
             SCOPED_TRACE(method.name);
@@ -72,6 +75,7 @@ TEST(Diagram, StepsAreMultiplicationsOfNeighboursInTheTree) {
 }
 
 TEST(Diagram, CountsAreThePlans) {
+    THRONG_SKIP_WHERE_SANITIZED();
     for (const ScanMethod& method : flow_methods())
         for (const ScanRig& rig : rigs())
             for (const uint32_t threads : {16u, 32u}) {

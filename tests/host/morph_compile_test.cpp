@@ -101,7 +101,7 @@ TEST(MorphCompile, RowsFollowTheTracksOfTheFile) {
                         const double difference = std::abs(*morph_weight_reference(character, clip, morph, time_s) -
                                                            weight_of_track(*track, 5, morph % 5, time_s));
                         double& largest = track->interpolation == Interpolation::kCubicSpline ? worst_cubic : worst;
-                        largest = std::max(largest, difference);
+                        largest = worse_of(largest, difference);
                     }
                 }
         }

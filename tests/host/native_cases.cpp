@@ -100,11 +100,7 @@ double displacement(const Character& character, std::span<const Affine> skin, co
     const std::vector<Vec3<double>> at = reference_positions(character, got),
                                     should = reference_positions(character, wanted);
     double worst = 0;
-    for (size_t i = 0; i < at.size(); ++i) {
-        const double off = length(at[i] - should[i]);
-        if (!(off >= 0)) return std::numeric_limits<double>::infinity();
-        worst = std::max(worst, off);
-    }
+    for (size_t i = 0; i < at.size(); ++i) worst = worse_of(worst, length(at[i] - should[i]));
     return worst / character.size;
 }
 

@@ -27,7 +27,10 @@ struct Layered {
 class LayerMaker {
 public:
     LayerMaker(const Character& character, std::span<const float> masks, uint64_t seed)
-        : character_(character), masks_(masks), random_(seed) {}
+        : character_(character), masks_(masks), random_(seed) {
+        for (uint32_t clip = 0; clip < character.clips.size(); ++clip)
+            first_poses_.push_back(sample_reference(character, clip, 0));
+    }
 
     // None where the character turns too far for it: the small ones that are made of random numbers.
     std::optional<Layered> make() {
@@ -69,7 +72,7 @@ private:
                                      static_cast<float>(weight), layer_weight, character_.clips[clip].first_row,
                                      flags});
                 const std::vector<Trs<double>> pose = sample_reference(character_, clip, playback.time_s),
-                                               first = sample_reference(character_, clip, 0);
+                                               &first = first_poses_[clip];
                 for (uint32_t j = 0; j < joints; ++j)
                     of_joints[j].back().active_clips.push_back({pose[j], first[j], weight});
             }
@@ -80,6 +83,7 @@ private:
             local.push_back(active_clips_reference(layers));
             for (size_t k = 0; k < layers.size(); ++k)
                 out.has_two_ways |= is_far(layers[k], active_clips_reference(std::span(layers).first(k)));
+            if (out.has_two_ways) return out;  // which is not used
         }
         out.wanted = pose_from_local(character_, local);
         return out;
@@ -100,6 +104,7 @@ private:
     const Character& character_;
     std::span<const float> masks_;
     Random random_;
+    std::vector<std::vector<Trs<double>>> first_poses_;  // [clip][joint]
 };
 
 TEST(NativeLayers, FollowTheReference) {

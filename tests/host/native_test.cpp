@@ -108,8 +108,7 @@ TEST(Native, OtherFormatsHoldTheSameMatrices) {
                             const double unit = format == SkinFormat::kHalfAffine
                                                     ? std::max(std::abs(value), 0x1p-14)
                                                     : (c == 3 ? size : std::max(1.0, std::abs(value)));
-                            const double off = std::abs(got[i].row[r][c] - value) / unit;
-                            worst = std::max(worst, off >= 0 ? off : 1e9);
+                            worst = worse_of(worst, std::abs(got[i].row[r][c] - value) / unit);
                         }
                 EXPECT_LE(worst, bound) << named.name << " " << name_of(isa) << " format " << static_cast<int>(format);
             }

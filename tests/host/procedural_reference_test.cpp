@@ -1,6 +1,4 @@
 // Rules that move joints: their plan, and what the definition promises.
-#include "reference/reference.h"
-#include "procedural/procedural_reference.h"
 #include "tests/procedural_cases.h"
 
 #include <gtest/gtest.h>
@@ -10,26 +8,6 @@
 
 namespace throng::test {
 namespace {
-
-using Locals = std::vector<Trs<double>>;
-
-Locals rest_of(const Character& character) {
-    Locals local;
-    for (const Trs<float>& rest : character.rig.rest) local.push_back(rest.as<double>());
-    return local;
-}
-
-Vec3<double> place_of(const Character& character, const Locals& local, uint32_t joint) {
-    const AffineT<double> m = pose_from_local(character, local).model_from_joint[joint];
-    return {m.row[0][3], m.row[1][3], m.row[2][3]};
-}
-
-WindClock::Moment wind(const Wind& wind, double at_s = 0) {
-    WindClock clock;
-    clock.set(wind);
-    clock.advance(at_s);
-    return clock.moment();
-}
 
 TEST(ProceduralPlan, ASubtreeBecomesItsLongestChainsInRanks) {
     Character character = make_character({.joint_count = 31, .shape = RigShape::kBinary});
@@ -111,7 +89,7 @@ TEST(ProceduralReference, WindBendsAChainItsWayAndNotPastIt) {
         ProceduralReference reference(rules, character);
         Locals local = rest_of(character);
         reference.update(local, {.world_from_model = {},
-                                 .wind = wind({.velocity = {strength, 0, 0}, .gust = 0}),
+                                 .wind = blowing({.velocity = {strength, 0, 0}, .gust = 0}),
                                  .instance = 0,
                                  .time_step_s = 1});
         const Vec3<double> tip = place_of(character, local, 8);
@@ -174,7 +152,7 @@ TEST(ProceduralReference, SpringsAreStableAtAnyTimeStep) {
                 placement.row[0][3] = random.between(-3, 3);
                 const double step_s = std::pow(10, random.between(-6, 2));
                 reference.update(local, {.world_from_model = placement,
-                                         .wind = wind({.velocity = {5, 0, 5}}, i),
+                                         .wind = blowing({.velocity = {5, 0, 5}}, i),
                                          .instance = 0,
                                          .time_step_s = random.chance(0.1) ? 0 : step_s});
                 const ReferencePose pose = pose_from_local(character, local);

@@ -190,7 +190,7 @@ TEST(TriangleIndex, DistancesAreRightOfThinTrianglesToo) {
                 const Place p = i % 2 == 0 ? place_within(random, 1.5) : above.as<float>();
                 const double wanted = distance_to_triangle(p.as<double>(), a.as<double>(), b.as<double>(),
                                                            c.as<double>());
-                worst = std::max(worst, std::abs(std::sqrt(double{squared_distance(p, triangle)}) - wanted));
+                worst = worse_of(worst, std::abs(std::sqrt(double{squared_distance(p, triangle)}) - wanted));
             }
         }
         EXPECT_LE(worst, 2e-5);

@@ -257,11 +257,15 @@ TEST_F(View, EscapeClosesAList) {
 }
 
 TEST_F(View, LeavesOutTheHiddenAndAnimatesSmallOnesLessOften) {
-    const Outcome run = view("2 type u\n3 type o\n6 shot " + file("skipped.png") + "\n20 move 630 20\n",
+    const Outcome run = view(std::string(kStill) + "4 shot " + file("all.png") + "\n5 type u\n6 type o\n14 shot " +
+                                 file("skipped.png") + "\n20 move 630 20\n",
                              {"--count", "60"});
     EXPECT_TRUE(run.err.empty()) << run;
     EXPECT_EQ(state_["skips_updates"], true);
     EXPECT_EQ(state_["occlusion"], true);
+    const Png skipped = seen("skipped.png");
+    EXPECT_GT(part_with_detail(skipped, kMiddle), 0.02);
+    EXPECT_LT(changed(seen("all.png"), skipped, all_of(skipped)), 0.005) << "nobody sees what is left out";
     EXPECT_GT(state_["drawn"].get<std::vector<uint32_t>>().back(), 0u);
 }
 
