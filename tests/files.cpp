@@ -2,6 +2,8 @@
 
 #include <fstream>
 #include <random>
+#include <sstream>
+#include <utility>
 
 namespace throng::test {
 
@@ -25,8 +27,9 @@ std::filesystem::path TemporaryFolder::write(const std::string& name, const std:
 }
 
 std::string read_file(const std::filesystem::path& path) {
-    std::ifstream file(path, std::ios::binary);
-    return {std::istreambuf_iterator<char>(file), {}};
+    std::ostringstream content;
+    content << std::ifstream(path, std::ios::binary).rdbuf();
+    return std::move(content).str();
 }
 
 }  // namespace throng::test

@@ -70,7 +70,7 @@ TEST(Isa, ADeviceThatCompilesOnlyRunsNothing) {
 
 // A stage's kernel has the name of its file, a scan method's may have another behind it.
 TEST(Isa, EachKernelIsInTheRecord) {
-    const auto record_file = source_file("bench/results/2026-11-28_isa_navi21.jsonl"), sources = source_file("src");
+    const auto record_file = source_file("bench/results/2026-11-29_isa_navi21.jsonl"), sources = source_file("src");
     THRONG_SKIP_WITHOUT(record_file);
     THRONG_SKIP_WITHOUT(sources);
     std::set<std::string> recorded;
@@ -92,7 +92,7 @@ TEST(Isa, EachKernelIsInTheRecord) {
 
 // Where this goes red on purpose: throng bench isa --json > bench/results/…_isa_navi21.jsonl
 TEST(Isa, DefaultFormsAreAsTheRecordHasThem) {
-    const auto record_file = source_file("bench/results/2026-11-28_isa_navi21.jsonl");
+    const auto record_file = source_file("bench/results/2026-11-29_isa_navi21.jsonl");
     THRONG_SKIP_WITHOUT(record_file);
     const std::shared_ptr<Gpu> gpu = compiler_or_null();
     if (!gpu) GTEST_SKIP() << "without AMD's driver";

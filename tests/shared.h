@@ -24,9 +24,10 @@ inline constexpr bool kSanitized = false;
 
 }  // namespace throng
 
-// For tests that take minutes then, and only repeat with more data what others do.
+// For tests that take long then, and only repeat with more data what others do, or run nothing of the library's that
+// others do not.
 #define THRONG_SKIP_WHERE_SANITIZED() \
-    if (throng::kSanitized) GTEST_SKIP() << "it takes minutes under sanitizers"
+    if (throng::kSanitized) GTEST_SKIP() << "it takes long under sanitizers"
 
 #define THRONG_SKIP_WITHOUT(folder) \
     if (!std::filesystem::exists(folder)) GTEST_SKIP() << (folder).string() << " is not there"

@@ -166,7 +166,8 @@ OutputBlock CrowdState::output_of(const Batch& batch, uint32_t of_slot) const {
     const uint32_t parameters = group.controller ? group.controller->parameter_count : 0,
                    targets = group.procedural ? group.procedural->target_count : 0;
     const auto view = [](const Buffer& buffer, uint64_t count, uint64_t stride_bytes) {
-        return buffer ? BufferView{buffer.handle(), 0, count * stride_bytes, stride_bytes} : BufferView();
+        return buffer && stride_bytes > 0 ? BufferView{buffer.handle(), 0, count * stride_bytes, stride_bytes}
+                                          : BufferView();
     };
     const auto output = [&](uint32_t number, uint64_t stride_bytes) {
         return view(batch.shown_in(of_slot, number), n, stride_bytes);
