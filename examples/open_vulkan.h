@@ -24,7 +24,14 @@ inline throng::AdoptedDevice open_vulkan(Cleanup& cleanup, const char* name) {
     constexpr VkQueueFlags kNeeded = VK_QUEUE_GRAPHICS_BIT | VK_QUEUE_COMPUTE_BIT;
     while (out.queue_family + 1 < count && (families[out.queue_family].queueFlags & kNeeded) != kNeeded)
         ++out.queue_family;
+    VkPhysicalDeviceVulkan13Features available{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_FEATURES};
+    VkPhysicalDeviceFeatures2 asked{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2, .pNext = &available};
+    vkGetPhysicalDeviceFeatures2(out.physical_device, &asked);
+    out.subgroup_size_control = available.subgroupSizeControl == VK_TRUE;
+    out.compute_full_subgroups = available.computeFullSubgroups == VK_TRUE;
     VkPhysicalDeviceVulkan13Features features{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_FEATURES,
+                                              .subgroupSizeControl = available.subgroupSizeControl,
+                                              .computeFullSubgroups = available.computeFullSubgroups,
                                               .synchronization2 = VK_TRUE,
                                               .dynamicRendering = VK_TRUE,
                                               .maintenance4 = VK_TRUE};

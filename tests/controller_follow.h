@@ -63,9 +63,10 @@ inline Character controlled_creature() {
     return std::move(*character);
 }
 
-// A new value for a parameter, as an application would set it.
+// A new value for a parameter, as an application would set it; at times so small that a device may take it for 0.
 inline float random_value(Random& random, ParameterType type) {
     if (type != ParameterType::kFloat) return static_cast<float>(random.below(2));
+    if (random.below(8) == 0) return random.below(2) == 0 ? 1e-40f : -1e-40f;
     return static_cast<float>(random.between(-3, 3));
 }
 
@@ -81,6 +82,19 @@ inline std::vector<io::ControlCommand> random_commands(Random& random, const Con
                                 .target = parameter,
                                 .value = random_value(random, controller.parameters[parameter].type)});
         }
+    for (uint32_t instance = 0; instance < count; ++instance) {
+        const uint32_t layer = random.below(static_cast<uint32_t>(controller.layers.size()));
+        const auto state_count = static_cast<uint32_t>(controller.layers[layer].states.size());
+        if (state_count == 0 || random.below(500) > 0) continue;
+        commands.push_back({.instance = instance,
+                            .kind = io::kCommandState,
+                            .target = layer,
+                            .motion = random.below(state_count),
+                            .phase = random.below(UINT32_MAX),
+                            .loop = random.below(3),
+                            .fade_rate = random.below(2) == 0 ? 0 : static_cast<float>(random.between(0.5, 20))});
+    }
+    std::ranges::stable_sort(commands, {}, &io::ControlCommand::instance);
     return commands;
 }
 

@@ -300,6 +300,35 @@ TEST(CrowdController, TellsWhatLayersPlay) {
     EXPECT_EQ(three[2].fade, 1);
 }
 
+// What another one shows is set from what feedback tells, also after a saved state in which it waits.
+TEST(CrowdController, IsPutIntoAStateThatFeedbackHasTold) {
+    const Character character = creature(20);
+    const Controller guard = example("guard");
+    Crowd crowd = create({.groups = {{.character = &character, .instance_count = 2, .controller = &guard}}});
+    const InstanceHandle follower{1};
+    ASSERT_TRUE(crowd.watch(crowd.instances()));
+    ASSERT_TRUE(crowd.set_parameter(crowd.instances(), guard.find_parameter("speed"), 2.0f));
+    ASSERT_TRUE(crowd.update(0) && crowd.update(0.7f));
+    ASSERT_TRUE(crowd.set_parameter(follower, guard.find_parameter("speed"), 0.0f) && crowd.update(1));
+    const auto played = [&] { return copy_of(crowd.feedback()->back().watched[1].layers[0]); };  // by the follower
+    const Feedback told = std::move(crowd.feedback()->back());
+    const PlayedMotion of_leader = told.watched[0].layers[0][0], of_follower = told.watched[1].layers[0][0];
+    ASSERT_NE(of_leader.motion, of_follower.motion);
+    ASSERT_TRUE(crowd.set_parameter(follower, guard.find_parameter("speed"), 2.0f));
+    ASSERT_TRUE(crowd.set_state(follower, 0, of_leader));
+    const std::vector<std::byte> saved = *crowd.save_state();
+    for (int again = 0; again < 2; ++again) {
+        ASSERT_TRUE(crowd.update(0));
+        const std::vector<PlayedMotion> shown = played();
+        ASSERT_EQ(shown.size(), 1u);
+        EXPECT_EQ(shown[0], of_leader);
+        ASSERT_TRUE(crowd.update(0.1f));
+        ASSERT_TRUE(crowd.restore_state(saved));
+    }
+    ASSERT_TRUE(crowd.set_state(follower, 0, of_follower, 2) && crowd.update(0.5f));
+    EXPECT_NEAR(played()[0].fade, 0.25, 1e-6);
+}
+
 TEST(CrowdController, WrongCallsAreRefused) {
     const Character character = creature(20);
     const Controller controller = example("guard"), direct = direct_layers(1);
@@ -319,6 +348,13 @@ TEST(CrowdController, WrongCallsAreRefused) {
                                  {.clip = {.clip = 0, .speed = std::numeric_limits<float>::infinity()}}))
                   .find("finite"),
               std::string::npos);
+    const auto refused_state = [&](uint32_t instance, uint32_t layer, const PlayedMotion& motion, float fade_s = 0) {
+        return refusal(crowd.set_state(InstanceHandle{instance}, layer, motion, fade_s));
+    };
+    EXPECT_NE(refused_state(2, 0, {.motion = 0}).find("has no states: call play()"), std::string::npos);
+    EXPECT_NE(refused_state(1, 0, {.motion = 9}).find("state 9 of a layer"), std::string::npos);
+    EXPECT_NE(refused_state(1, 0, {.motion = 0, .phase = 1.5f}).find("phase"), std::string::npos);
+    EXPECT_NE(refused_state(1, 0, {.motion = 0}, -1).find("fade"), std::string::npos);
     EXPECT_NE(refusal(crowd.set_layer(InstanceHandle{2}, 0, {.weight = 2})).find("weight"), std::string::npos);
     EXPECT_NE(refusal(crowd.set_layer(InstanceHandle{2}, 0, {.mask = 0})).find("mask 0"), std::string::npos);
     EXPECT_NE(refusal(crowd.set_parameter(InstanceHandle{1}, 2, 0)).find("parameter 2 of a controller that has 2"),

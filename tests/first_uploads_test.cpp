@@ -136,6 +136,32 @@ TEST(FirstUploads, OfCommandsThatAreDroppedGoWithTheNext) {
     }
 }
 
+// What is restored is not overwritten by what the buffers began with, whether that comes by commands of their own that
+// are recorded again, or with the next update after one that is discarded.
+TEST(FirstUploads, DoNotComeBackAfterARestore) {
+    const Cast cast;
+    Crowd updated = cast.make();
+    ASSERT_TRUE(updated.update(Cast::kStep_s));
+    const std::vector<std::byte> saved = *updated.save_state();
+    ASSERT_TRUE(updated.update(Cast::kStep_s));
+    Recorder recorder;
+    for (const bool discards : {false, true}) {
+        Crowd crowd = cast.make();
+        recorder.submit(
+            recorder.record([&](VkCommandBuffer commands) { EXPECT_TRUE(crowd.record_uploads(commands)); }));
+        ASSERT_TRUE(crowd.restore_state(saved));
+        if (discards) {
+            recorder.record([&](VkCommandBuffer commands) { EXPECT_TRUE(crowd.record(commands, Cast::kStep_s)); });
+            EXPECT_TRUE(crowd.discard_last_record());
+        } else {
+            recorder.submit(
+                recorder.record([&](VkCommandBuffer commands) { EXPECT_TRUE(crowd.record_uploads(commands)); }));
+        }
+        ASSERT_TRUE(crowd.update(Cast::kStep_s));
+        EXPECT_TRUE(same_bits(skins_of(crowd), skins_of(updated)));
+    }
+}
+
 // Before its first update a crowd can be drawn, where it shows nobody, and saved; there are no matrices to read.
 TEST(FirstUploads, AreThereForWhoeverReadsFirst) {
     const Cast cast;

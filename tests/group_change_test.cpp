@@ -43,6 +43,10 @@ TEST_F(GroupChanges, GroupsMayBeEmpty) {
     EXPECT_EQ(crowd.instances(3)->size(), 0u);
     for (const uint32_t empty : {0u, 5u}) ASSERT_TRUE(crowd.remove_group(empty));
     ASSERT_TRUE(crowd.remove_group(1));
+    EXPECT_EQ(crowd.groups(), (std::vector<uint32_t>{2, 3, 4}));
+    EXPECT_EQ(crowd.group_of({2}).value(), 4u);
+    EXPECT_FALSE(crowd.group_of({0})) << "of the group that has been removed";
+    EXPECT_FALSE(crowd.group_of({4}));
     EXPECT_FALSE(crowd.remove_group(4)) << "the last that is not empty";
     go_on(crowd);
     EXPECT_EQ(crowd.outputs().size(), 1u);

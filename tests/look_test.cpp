@@ -211,6 +211,8 @@ TEST_P(Looks, RefusesWhatThereIsNot) {
     EXPECT_EQ(refused({.section = 1, .material = 2}),
               character.name + ": outfit 1: section 1: material 2 of a character that has 2");
     EXPECT_EQ(character.find_sections_of_material("second"), std::vector<uint32_t>{1});
+    EXPECT_EQ(character.find_material("second"), character.sections[1].material);
+    EXPECT_EQ(character.find_material("third"), kNone);
     EXPECT_EQ(character.find_sections(character.section_names[0]), (std::vector<uint32_t>{0, 1}));
     EXPECT_TRUE(character.find_sections("nobody").empty());
 }

@@ -114,6 +114,25 @@ TEST(Native, ThreadsChangeNothing) {
     }
 }
 
+// A few large meshes are work for several threads.
+TEST(Native, EachInstanceMayBeSkinnedByAThreadOfItsOwn) {
+    class WideJobs : public JobSystem {
+    public:
+        uint32_t concurrency() const override { return 4; }
+        void run(uint32_t count, void (*job)(void* context, uint32_t index), void* context) override {
+            most = std::max(most, count);
+            for (uint32_t i = 0; i < count; ++i) job(context, i);
+        }
+        uint32_t most = 0;
+    };
+    const Character character = small_character();
+    const auto jobs = std::make_shared<WideJobs>();
+    Crowd crowd =
+        Crowd::create(native_device({.jobs = jobs}), {.groups = {{&character, 16}}, .skins_once = true}).value();
+    ASSERT_TRUE(crowd.update(0.1f));
+    EXPECT_EQ(jobs->most, 16u);
+}
+
 template <class Value>
 void expect_refused(const Result<Value>& result, ErrorCode code, const std::string& says) {
     ASSERT_FALSE(result) << says;

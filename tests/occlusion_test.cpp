@@ -247,7 +247,6 @@ TEST(Occlusion, ATexelAroundABoxCountsToo) {
     EXPECT_GT(hidden, kCount * kSize / 2);
 }
 
-// Nothing has been updated then, also of the crowds that could have been.
 TEST(Occlusion, WhatThereIsNoRoomForLeavesTheCrowdAsItWas) {
     const Device device = another_device();
     const Character character = creature(20, 8);

@@ -1,8 +1,9 @@
 // Renderers: frames one after another, sizes, and what is refused.
 #include "crowd/crowd_state.h"
 #include "gpu/barrier.h"
-#include "gpu/buffer.h"
+#include "gpu/upload.h"
 #include "tests/draw_cases.h"
+#include "tests/draw_path.h"
 #include "tests/kernel_runner.h"
 #include "tests/subset.h"
 #include "tests/test_device.h"
@@ -34,6 +35,25 @@ TEST(Renderer, IsMadeWithoutASubmission) {
     const uint64_t before = test_gpu()->counts.submissions;
     renderer_of();
     EXPECT_EQ(test_gpu()->counts.submissions, before);
+}
+
+// Whatever lies where its matrices will be.
+TEST(Renderer, ShowsNobodyBeforeTheFirstUpdate) {
+    const Character character = compile_character(square()).value();
+    for (const DrawPath path : {DrawPath::kNative, DrawPath::kDevice}) {
+        if (!undrawable_reason(path).empty()) continue;
+        Renderer renderer =
+            Renderer::create(test_device(), {.width = kDrawWidth, .height = kDrawHeight, .path = path}).value();
+        Crowd crowd = crowd_of(character);
+        const Buffer& skin = crowd.state().batches[0].skins[0];
+        const std::vector<Affine> unit(skin.size_bytes() / sizeof(Affine));
+        Uploads uploads(test_gpu());
+        uploads.add(skin, std::as_bytes(std::span(unit)));
+        uploads.finish();
+        EXPECT_FALSE(is_red(at(renderer.render(crowd, kFront)->picture, 0, 0.5)));
+        ASSERT_TRUE(crowd.update(0));
+        EXPECT_TRUE(is_red(at(renderer.render(crowd, kFront)->picture, 0, 0.5)));
+    }
 }
 
 TEST(Renderer, RefusesWhatTheDeviceCannotDo) {

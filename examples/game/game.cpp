@@ -127,7 +127,7 @@ private:
                                 .sockets = {body.rig.joint_count() - 1},
                                 .steering = Steering{.radius = 0.2f * size_,
                                                      .speed = 1.5f * size_,
-                                                     .speed_parameter = mind.find_parameter("speed")},
+                                                     .speed_parameter = mind.parameter_named("speed").expect()},
                                 .pose_capacity = kMostDying,
                                 .capacity = most_,
                                 .outfits = {{}, {armoured(body)}}};

@@ -113,7 +113,7 @@ struct AssetPrimitive {
     std::vector<Vec3<float>> normals{};             // optional
     std::vector<std::array<float, 2>> texcoords{};  // optional; the set that the material's textures use
     std::vector<std::array<float, 4>> colors{};     // optional, linear
-    // Per vertex: 4 per JOINTS_n set; 0 where the primitive is not skinned
+    // Per vertex: 4 per JOINTS_n set, so a multiple of 4; 0 where the primitive is not skinned
     uint32_t influence_count = 0;
     // [vertex][influence_count], index into AssetSkin::joints. A vertex without weight follows the first of its joints;
     // where that one is out of range, the first of the skin.

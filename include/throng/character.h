@@ -233,6 +233,7 @@ struct Character {
     // All sections with this name, and all whose material has it: for outfits.
     std::vector<uint32_t> find_sections(std::string_view section_name) const;
     std::vector<uint32_t> find_sections_of_material(std::string_view material_name) const;
+    uint32_t find_material(std::string_view material_name) const;  // likewise, the first
 };
 
 struct CompileSettings {
@@ -244,7 +245,8 @@ struct CompileSettings {
     // not be animated.
     std::string root_motion_joint{};
     // Whether Character::lods and what belongs to them are made. Without them CrowdSettings::culling draws the finest
-    // mesh at any distance, and reduces_joints leaves out no joints; all else is the same.
+    // mesh at any distance, and reduces_joints leaves out no joints; all else is the same. At most kLodLimit coarser
+    // ones.
     bool lods = true;
 };
 inline const CompileSettings kExact{.error = 0};
@@ -257,11 +259,13 @@ inline const CompileSettings kExact{.error = 0};
 // not as asset.h says; the error bound, no joint of that name for root motion), kInvalidFile (poses that are not
 // finite), kUnsupported (nothing to animate; an animated or unevenly scaled joint above that of root motion), kLimit,
 // kCancelled.
+// Computes with up to four threads of its own, each of which may take some 100 MiB while clips are packed.
 Result<Character> compile_character(const Asset& asset, const CompileSettings& settings = {},
                                     const LoadHooks& hooks = {});
 
-// Whether `path` is a regular file that begins like one that save_character() wrote.
+// Whether `path` is a regular file that begins like one that save_character() wrote; whether `bytes` do.
 bool is_compiled_file(const std::filesystem::path& path);
+bool is_compiled_file(std::span<const std::byte> bytes);
 
 // Character::influences for a coarser level of detail: those of joints that do not move in it go to the next ancestor
 // that does, by Character::joint_lods. Unchanged if that is empty.
@@ -276,6 +280,8 @@ Result<Character> load_character(const std::filesystem::path& path, const Compil
 // renamed, so that nobody sees half of it. Errors: kFile, and kInvalidArgument or kLimit for a Character that
 // load_character() would refuse.
 Result<void> save_character(const Character& character, const std::filesystem::path& path);
+// The content of such a file. Errors: also kOutOfMemory.
+Result<std::vector<std::byte>> save_character(const Character& character);
 
 // The content of such a file, from memory; `name` stands in messages. Files are not trusted: nothing that is accepted
 // can lead a stage out of its buffers. Errors: kInvalidFile (damaged, cut short, or not such a file), kUnsupported

@@ -109,7 +109,8 @@ struct Controller {
     std::vector<ControllerLayer> layers{};  // lowest first
 
     // Index of the parameter, layer or mask with this name, or kNone. The ..._named() calls are the same, but a missing
-    // name is an error that says which there are: kInvalidArgument.
+    // name is an error that says which there are: kInvalidArgument. (As a mask kNone is the whole body, and as
+    // Steering::speed_parameter none, so there a wrong name would go unnoticed.)
     uint32_t find_parameter(std::string_view parameter_name) const;
     uint32_t find_layer(std::string_view layer_name) const;
     uint32_t find_mask(std::string_view mask_name) const;

@@ -127,7 +127,8 @@ struct GroupPath {
 Result<GroupPath> advise_path(const Device& device, const Character& character, uint32_t instance_count);
 
 // Updates can be for a view (CrowdView): then they animate only the instances that it sees, and give those that are
-// small on the screen a coarser level of detail.
+// small on the screen a coarser level of detail. In groups with sockets or inertial transitions, and in those that are
+// not updated in one pass (GroupPath::reason says so), all instances are animated, with all joints, in each update.
 struct Culling {
     // Animates what is small on the screen only in some updates (CrowdView::full_rate_pixels). In between, its skin
     // matrices move evenly towards the next pose; kept model matrices are those of that next pose. Doubles the memory
@@ -136,7 +137,7 @@ struct Culling {
     bool skips_updates = false;
     // Coarser levels of detail have fewer joints (Character::joint_lods): skin matrices and kept model matrices are
     // written only for these, so such an instance must be drawn with the influences of its level, which refer to no
-    // others. Does not apply to groups with CrowdGroup::pose_capacity.
+    // others. Does not apply to groups with CrowdGroup::pose_capacity either.
     bool reduces_joints = false;
 };
 
@@ -147,7 +148,9 @@ struct CrowdSettings {
     // "auto", a name of scan_methods(), or a name with its invocations a character: "subgroup:8"
     std::string scan = "auto";
     bool keep_model_matrices = false;  // else they live only within a frame, and read_model_matrices() is an error
-    // OutputBlock::previous_skin, for motion vectors; takes the memory of skin matrices once more
+    // OutputBlock::previous_skin, for motion vectors; takes the memory of skin matrices once more. Not together with
+    // CrowdGroup::capacity in groups that are animated entirely (see record()): there, keep the slot before in flight
+    // for as long as it is read as the previous one (frames_in_flight).
     bool keep_previous_matrices = false;
     // How many updates have their outputs side by side, 1 to 4, so that one can be computed while those before it are
     // drawn: on the same queue, or on one for asynchronous compute (AdoptedDevice::more_queue_families). Each takes the
@@ -192,6 +195,12 @@ public:
 
     // All instance numbers are below this. Groups with CrowdGroup::capacity count as if they were full.
     uint32_t instance_count() const;
+    // The numbers of its groups, ascending: those of CrowdSettings::groups, and what add_groups() has returned, without
+    // those that have been removed.
+    std::vector<uint32_t> groups() const;
+    // The group that an instance belongs to, or did until it went: an event's, for example. Errors: kInvalidArgument
+    // (no group has such a number).
+    Result<uint32_t> group_of(const InstanceHandle& instance) const;
     // Errors: kInvalidArgument (no such group).
     Result<GroupPath> path(uint32_t group) const;
 
@@ -204,15 +213,16 @@ public:
     // What stages share is made anew, in about a millisecond, and what updates under way still use is freed some ten
     // updates later. Nothing waits or is submitted. outputs() change because of the new groups, and spans that it has
     // returned become invalid. Both crowds need the same CrowdSettings, except for groups, path, scan, terrain,
-    // timestamps and capacities of feedback; if a group has CrowdGroup::capacity, which makes its crowd cull, the other
-    // crowd needs CrowdSettings::culling. After an error nothing has changed, except that the groups of the other
-    // crowd may not be updated natively any more. Errors: kInvalidArgument (other settings, device; it has been
-    // updated; a group with on_terrain for a crowd without terrain; the second half of an update for a view with
-    // occlusion is still to come), kUnsupported (on a software device, if one crowd is updated natively and the other
-    // cannot be), kLimit, kOutOfMemory.
+    // timestamps and capacities of feedback (but pose_request_capacity is above 0 in both or neither); if a group has
+    // CrowdGroup::capacity, which makes its crowd cull, the other crowd needs CrowdSettings::culling. After an error
+    // nothing has changed, except that the groups of the other crowd may not be updated natively any more. Errors:
+    // kInvalidArgument (other settings, device; it has been updated; a group with on_terrain for a crowd without
+    // terrain; the second half of an update for a view with occlusion is still to come), kUnsupported (on a software
+    // device, if one crowd is updated natively and the other cannot be), kLimit, kOutOfMemory.
     Result<std::vector<uint32_t>> add_groups(Crowd&& other);
     // Takes a group away with all of its instances; what hangs on them stays where it is. The other groups and their
-    // instances keep their numbers. Errors: kInvalidArgument (no such group, the last one, or as above).
+    // instances keep their numbers. Its memory is freed some ten updates later (record() with a time step of 0 counts).
+    // Errors: kInvalidArgument (no such group, the only one with instances, or as above).
     Result<void> remove_group(uint32_t group);
 
     // Adds instances to a group with CrowdGroup::capacity, one for each placement, or removes some; this takes effect
@@ -243,7 +253,8 @@ public:
     Result<uint32_t> alive_count(uint32_t group) const;
 
     // All instance numbers, in use or not; and those of one group. In groups without CrowdGroup::capacity all are
-    // there. Errors: kInvalidArgument (no such group).
+    // there; elsewhere calls that are given all numbers are errors while some are free. Errors: kInvalidArgument (no
+    // such group).
     Instances instances() const;
     Result<Instances> instances(uint32_t group) const;
 
@@ -281,9 +292,16 @@ public:
     // For instances whose groups have controllers; direct_layers() makes a controller for games that play clips only by
     // these calls. 32 bytes are uploaded for each, and applied on the GPU. Parameters and layers are numbered as in the
     // Controller. Errors: kInvalidArgument (no controller, layer with states, or without inertial plays, clip, mask or
-    // parameter out of range, value not finite, negative fade, weight outside 0..1).
+    // parameter out of range, value not finite, negative fade, weight outside 0..1; set_state(): layer without states,
+    // no such state, phase outside 0..1).
     Result<void> play(const Instances& instances, uint32_t layer, const LayerPlayback& playback);
     Result<void> play(const Instances& instances, uint32_t layer, std::span<const LayerPlayback> playback);
+    // Puts a layer with states into one of them, whatever its transitions, as WatchedInstance::layers has told of it:
+    // for what another machine, a saved game or a script knows. The state replaces within `fade_s` what is shown (0: at
+    // once; PlayedMotion::fade is not used), and transitions go on from it in the same update.
+    Result<void> set_state(const Instances& instances, uint32_t layer, const PlayedMotion& motion, float fade_s = 0);
+    Result<void> set_state(const Instances& instances, uint32_t layer, std::span<const PlayedMotion> motion,
+                           float fade_s = 0);
     Result<void> set_layer(const Instances& instances, uint32_t layer, const LayerBlend& blend);
     Result<void> set_layer(const Instances& instances, uint32_t layer, std::span<const LayerBlend> blend);
     Result<void> set_parameter(const Instances& instances, uint32_t parameter, float value);
@@ -326,8 +344,10 @@ public:
     // ragdolls, which begin where the animation ends. They are taken from the skin matrices, so they are as exact as
     // SkinFormat; joints that are in no skin have their rest pose. For an instance that the update does not animate
     // because its view does not see it, it is the pose in which it was last seen. feedback() then takes the CPU some
-    // 0.07 us a joint. Errors: kInvalidArgument (a group without CrowdGroup::pose_capacity, or of
-    // CrowdGroup::sockets_only), kLimit (more than CrowdSettings::pose_request_capacity).
+    // 0.07 us a joint. Where they stand is told by watch() in the same update. What procedural rules have bent is in
+    // the pose, and a pose that set_pose() gives back is bent by them again. Errors: kInvalidArgument (a group without
+    // CrowdGroup::pose_capacity, or of CrowdGroup::sockets_only), kLimit (more than
+    // CrowdSettings::pose_request_capacity).
     Result<void> request_poses(const Instances& instances);
 
     // What the updates that have finished since the last call reported, oldest first; does not wait. An update's
@@ -344,13 +364,14 @@ public:
     Result<void> record_uploads(VkCommandBuffer commands);
 
     // Records one update into the caller's command buffer (recording, outside a render pass, of the adopted queue's
-    // family): advances every instance by `time_step_s` times its speed, then runs control, and sample, blend, scan and
-    // bind or all four in one. A playback set since the last record() starts at its time plus this step; a negative
-    // step plays backwards. The recorded commands must have finished before the crowd is destroyed, and may be
-    // submitted once. Commands must run in the order in which they were recorded, and update(), read_...() and
-    // save_state() submit some of their own, so submit what has been recorded before you call these. What was bound for
-    // compute (pipeline, descriptor sets, push constants) is no longer bound afterwards. On a native device the command
-    // buffer is VK_NULL_HANDLE, and the update is done when the call returns, as by update().
+    // family, or of another one of AdoptedDevice::more_queue_families that computes): advances every instance by
+    // `time_step_s` times its speed, then runs control, and sample, blend, scan and bind or all four in one. A playback
+    // set since the last record() starts at its time plus this step; a negative step plays backwards. The recorded
+    // commands must have finished before the crowd is destroyed, and may be submitted once. Commands must run in the
+    // order in which they were recorded, and update(), read_...() and save_state() submit some of their own, so submit
+    // what has been recorded before you call these. What was bound for compute (pipeline, descriptor sets, push
+    // constants) is no longer bound afterwards. On a native device the command buffer is VK_NULL_HANDLE, and the update
+    // is done when the call returns, as by update().
     //
     // With a view, which needs CrowdSettings::culling, time advances for all instances, but in groups that are fused
     // and have no sockets or inertial transitions only those that the view sees are animated (other groups are animated
@@ -358,8 +379,9 @@ public:
     // clips' poses, enlarged by CrowdGroup::pose_margin. Errors: kInvalidArgument (the time step or the view is not
     // finite; a view and no culling), kUnsupported (CrowdView::occlusion on a native device; on a software device
     // CrowdGroup::sockets_only, and, with inertial transitions, after a native update()). After these nothing has
-    // changed. After another one (kOutOfMemory, kLimit, a lost device) half of an update may have been recorded, which
-    // cannot be discarded: then restore a saved state before the crowd goes on.
+    // changed. After another one (kOutOfMemory, kLimit) half of an update may have been recorded, which cannot be
+    // discarded: then restore a saved state before the crowd goes on; after kDeviceLost, into a new crowd on a new
+    // device.
     Result<void> record(VkCommandBuffer commands, float time_step_s, const CrowdView* view = nullptr);
     // The second half of an update for a view with CrowdView::occlusion, recorded after its record() and the commands
     // that draw the depths: tests the boxes of everything in view against these, and animates those that are visible
@@ -384,15 +406,16 @@ public:
     // on.
     Result<void> update(float time_step_s, const CrowdView* view = nullptr);
 
-    // Everything that the next updates build on, as bytes: for a game that is saved, a replay, a rollback. A crowd that
-    // gets them back, this one or another with the same settings, goes on as this one does from here, bit for bit on
-    // the same device: all that instances play, layers and parameters, placements, poses, springs, agents, who is there
-    // and their handles, who is watched, and what has been set and not yet been taken up. Matrices are left out, except
-    // where updates build on them (CrowdSettings::keep_previous_matrices, Culling::skips_updates, inertial
-    // transitions). (Bit for bit except where an order is left to chance: more than 64 agents in one cell of the
-    // steering grid.) The same version of throng reads them, on machines of the same byte order. Both calls submit and
-    // wait; updates that have been recorded must have been submitted or discarded, and one for a view with occlusion
-    // must have had its second half.
+    // Everything that the next updates build on, as bytes: for a rollback, a replay, a game that is saved. They fit
+    // only crowds of the same characters, controllers, rules and capacities, so a saved game that is to survive changes
+    // of these also keeps its own (feedback() of watch()). A crowd that gets them back, this one or another with the
+    // same settings, goes on as this one does from here, bit for bit on the same device (except where more than 64
+    // agents crowd into one cell of the steering grid, whose order is left to chance): all that instances play, layers
+    // and parameters, placements, poses, springs, agents, who is there and their handles, who is watched, and what has
+    // been set and not yet been taken up. Matrices are left out, except where updates build on them
+    // (CrowdSettings::keep_previous_matrices, Culling::skips_updates, inertial transitions). The same version of throng
+    // reads them, on machines of the same byte order. Both calls submit and wait; updates that have been recorded must
+    // have been submitted or discarded, and one for a view with occlusion must have had its second half.
     //
     // After restore_state(), outputs() still show what they did before (in a new crowd, nothing) until the next update,
     // so call update(0) before you draw. Feedback that has not been fetched is gone, and updates are counted on from

@@ -37,8 +37,8 @@ struct DeviceSettings {
     // The native device needs neither Vulkan nor a GPU: this machine's processor computes. Crowds are updated by
     // Crowd::update(), and OutputBlock::host is where the results are.
     std::string select{};
-    // Native and software devices: threads that compute updates, the calling one included; 0: as many as the processor
-    // runs side by side; at most 1024. Results do not depend on it.
+    // Native and software devices: threads that compute updates, the calling one included; 0: as many as the process
+    // may run side by side (its affinity, its container); at most 1024. Results do not depend on it.
     uint32_t threads = 0;
     // Native and software devices: the application's job system computes updates, in place of the device's own threads.
     std::shared_ptr<JobSystem> jobs{};

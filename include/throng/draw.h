@@ -121,7 +121,8 @@ public:
     // (no crowd, one that is null or is given twice, of another device, or with a group of sockets_only;
     // DrawOptions::skeletons without CrowdSettings::keep_model_matrices; the camera).
 
-    // Draws crowds as their last update left them (of crowds that cull, what it has listed); submits and waits. Ground,
+    // Draws crowds as their last update left them (of crowds that cull, what it has listed; before the first one,
+    // nobody); submits and waits. Ground,
     // fog and shadows are fitted to main_bounds(). Alpha-blended materials cover as many of a pixel's samples as their
     // alpha says (alpha to coverage), since a crowd is not sorted. Errors: also kInvalidArgument (the commands of a
     // crowd's last record() have been neither submitted nor discarded).

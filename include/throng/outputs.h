@@ -82,7 +82,9 @@ struct OutputBlock {
     // Skin matrices, [instance_count][palette_count] in CrowdSettings::skin_format, model space: skinned position =
     // matrix * bind position. With CrowdGroup::skin_pool [skin_row_count][palette_count].
     BufferView skin{};
-    // Skin matrices of the update before, where CrowdSettings::keep_previous_matrices is set.
+    // Skin matrices of the update before, where CrowdSettings::keep_previous_matrices is set. In model space: where
+    // instances stood is in `placement` of the slot before, if frames_in_flight is 2 or more (else all slots have the
+    // same one); of an instance that has been spawned since, it is its predecessor's.
     BufferView previous_skin{};
     uint32_t skin_row_count = 0;  // instance_count or, with a pool, its rows: shared poses, then instances' own
     // With a skin pool: which row of `skin` an instance has, uint32_t[instance_count]. Only instances that are listed
@@ -99,7 +101,8 @@ struct OutputBlock {
 
     uint32_t parameter_count = 0;
     // Parameters of the controller, float[instance_count][parameter_count]. Between two updates the application's own
-    // shaders or copies may write it. The same in all frame slots.
+    // shaders or copies may write it. The same in all frame slots. An instance begins with its controller's parameters
+    // in the update in which it is born: what is written for it before has no effect.
     BufferView parameter{};
     // Root motion of a group with a controller, float4[instance_count][5], of which the first is the last update's move
     // over the ground: x, z, then cosine and sine of the turn about +y, in the character's space before it.
@@ -107,9 +110,8 @@ struct OutputBlock {
 
     uint32_t target_count = 0;
     // Targets of procedural rules, float4[instance_count][target_count]: a place in world space, and its weight in w.
-    // May be written like the parameters, and is the same in all frame slots too. An instance that a shader's command
-    // spawns begins without any target, so one that is written for it has an effect only from the update after its
-    // birth on.
+    // May be written like the parameters, and is the same in all frame slots too. An instance begins without any
+    // target, so one that a shader writes for it has an effect only from the update after its birth on.
     BufferView target{};
     // Destinations of agents, float4[instance_count]: a place in world space, and in w whether the agent has one (1 or
     // 0). Likewise.

@@ -40,6 +40,7 @@ public:
 
     // As Crowd's functions of these names, for this character.
     Result<void> play(uint32_t layer, const LayerPlayback& playback);
+    Result<void> set_state(uint32_t layer, const PlayedMotion& motion, float fade_s = 0);
     Result<void> set_layer(uint32_t layer, const LayerBlend& blend);
     Result<void> set_parameter(uint32_t parameter, float value);
     Result<void> set_pose(std::span<const Trs<float>> parent_from_joint, float fade_s = 0);

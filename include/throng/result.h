@@ -17,8 +17,9 @@ enum class ErrorCode {
     kLimit,            // a stated limit of throng or of the device is exceeded
     kNoDevice,         // no Vulkan device fits the request
     kOutOfMemory,
-    kVulkan,     // a Vulkan call failed; the message names the call and its result
-    kCancelled,  // LoadHooks::is_cancelled wanted it
+    kVulkan,      // a Vulkan call failed; the message names the call and its result
+    kCancelled,   // LoadHooks::is_cancelled wanted it
+    kDeviceLost,  // destroy renderers, crowds and the Device, and begin anew: all calls for it fail from now on
 };
 
 // What went wrong and where: `place` is a path into the input ("fox.glb: animations[2].channels[5]"), or empty.

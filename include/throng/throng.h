@@ -9,3 +9,4 @@
 #include <throng/joint_sampler.h>
 #include <throng/procedural.h>
 #include <throng/reference.h>
+#include <throng/version.h>

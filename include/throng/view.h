@@ -10,7 +10,7 @@
 namespace throng {
 
 // What a camera sees: with CrowdSettings::culling, an update for a view animates only what the view shows, and lists it
-// for drawing.
+// for drawing. For several cameras, give one that sees what all of them do, and choose from the list for each.
 struct CrowdView {
     // Rows; a world point is seen where -w <= x, y <= w and 0 <= z <= w
     std::array<std::array<float, 4>, 4> clip_from_world{};

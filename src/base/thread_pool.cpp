@@ -1,12 +1,14 @@
 #include "base/thread_pool.h"
 
+#include "base/processor.h"
+
 #include <algorithm>
 #include <system_error>
 
 namespace throng {
 
 ThreadPool::ThreadPool(uint32_t concurrency) {
-    if (concurrency == 0) concurrency = std::max(1u, std::thread::hardware_concurrency());
+    if (concurrency == 0) concurrency = processor_threads();
     try {
         for (uint32_t i = 1; i < concurrency; ++i) threads_.emplace_back([this] { work(); });
     } catch (const std::system_error&) {
@@ -35,12 +37,14 @@ void ThreadPool::run(uint32_t count, void (*job)(void* context, uint32_t index),
         next_ = 0;
         loop_ = loop;
         ++loop_number_;
-        busy_ = static_cast<uint32_t>(threads_.size());
+        is_open_ = true;
     }
-    begun_.notify_all();
+    for (size_t i = std::min<size_t>(count > 0 ? count - 1 : 0, threads_.size()); i > 0; --i) begun_.notify_one();
     take_part(loop);
     std::unique_lock lock(mutex_);
-    done_.wait(lock, [this] { return busy_ == 0; });
+    // Threads that the system has not woken by now are not waited for
+    is_open_ = false;
+    done_.wait(lock, [this] { return taking_part_ == 0; });
 }
 
 void ThreadPool::take_part(const Loop& loop) {
@@ -51,14 +55,15 @@ void ThreadPool::work() {
     uint64_t seen = 0;
     std::unique_lock lock(mutex_);
     for (;;) {
-        begun_.wait(lock, [&] { return ends_ || loop_number_ != seen; });
+        begun_.wait(lock, [&] { return ends_ || (is_open_ && loop_number_ != seen); });
         if (ends_) return;
         seen = loop_number_;
+        ++taking_part_;
         const Loop loop = loop_;
         lock.unlock();
         take_part(loop);
         lock.lock();
-        if (--busy_ == 0) done_.notify_one();
+        if (--taking_part_ == 0) done_.notify_one();
     }
 }
 

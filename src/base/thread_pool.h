@@ -1,6 +1,8 @@
 // A few threads that share a loop.
 #pragma once
 
+#include "base/default_floats.h"
+
 #include <throng/jobs.h>
 
 #include <atomic>
@@ -39,16 +41,20 @@ private:
     std::condition_variable begun_, done_;
     Loop loop_;
     uint64_t loop_number_ = 0;
-    uint32_t busy_ = 0;  // threads that have not finished the loop
+    bool is_open_ = false;      // a thread that wakes takes part in the loop
+    uint32_t taking_part_ = 0;  // threads of the pool
     bool ends_ = false;
     std::atomic<uint32_t> next_{0};
     std::vector<std::thread> threads_;
 };
 
-// Runs body(index) for each of `count` jobs. Throws what one of them threw, when all are done.
+// Runs body(index) for each of `count` jobs, with DefaultFloats. Throws what one of them threw, when all are done.
 template <class Body>
 void for_each_job(JobSystem& jobs, uint32_t count, const Body& body) {
-    if (count == 1) return body(0u);
+    if (count == 1) {
+        const DefaultFloats floats;
+        return body(0u);
+    }
     struct Context {
         const Body& body;
         std::mutex mutex;
@@ -59,6 +65,7 @@ void for_each_job(JobSystem& jobs, uint32_t count, const Body& body) {
             count,
             [](void* of, uint32_t index) {
                 Context& each = *static_cast<Context*>(of);
+                const DefaultFloats floats;
                 try {
                     each.body(index);
                 } catch (...) {

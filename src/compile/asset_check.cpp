@@ -121,6 +121,8 @@ private:
         require_size_or_none(primitive.normals, n, "normals");
         require_size_or_none(primitive.texcoords, n, "texcoords");
         require_size_or_none(primitive.colors, n, "colors");
+        require(primitive.influence_count % 4 == 0, "influence_count is ", primitive.influence_count,
+                ", not a multiple of 4: fill up with weights of 0");
         require_size(primitive.influence_joints, n * primitive.influence_count, "influence_joints");
         require_size(primitive.influence_weights, n * primitive.influence_count, "influence_weights");
         require(all_finite(primitive.influence_weights) &&
@@ -129,7 +131,9 @@ private:
         require(primitive.indices.size() % 3 == 0, "indices has ", primitive.indices.size(),
                 " elements, which are no triangles");
         for (const uint32_t index : primitive.indices) require_index(index, n, "an index", "positions");
-        if (n > 0 || !primitive.targets.empty()) require_size(primitive.targets, target_count, "targets");
+        if (n > 0 || !primitive.targets.empty())
+            require(primitive.targets.size() == target_count, "targets has ", primitive.targets.size(), " elements; ",
+                    target_count, " are needed, as many as the mesh's weights");
         each(primitive.targets, "targets", [&](const AssetMorphTarget& target) {
             require_size_or_none(target.positions, n, "positions");
             require_size_or_none(target.normals, n, "normals");
@@ -152,11 +156,16 @@ private:
 
     void check(const AssetClip& clip) {
         require(std::isfinite(clip.duration_s) && clip.duration_s >= 0, "duration_s must be finite, and not negative");
+        const auto require_end = [&](const std::vector<float>& times_s) {
+            require(times_s.back() <= clip.duration_s, "its last key, at ", times_s.back(),
+                    " s, is after the clip's duration_s of ", clip.duration_s, " s");
+        };
         std::set<std::pair<uint32_t, TrackTarget>> moved;
         each(clip.tracks, "tracks", [&](const AssetTrack& track) {
             require_index(track.node, asset_.nodes.size(), "node", "nodes");
             require(moved.emplace(track.node, track.target).second, "an earlier track has the same node and target");
             check_keys(track, track.target == TrackTarget::kRotation ? 4 : 3);
+            require_end(track.times_s);
         });
         each(clip.morph_tracks, "morph_tracks", [&](const AssetMorphTrack& track) {
             require_index(track.node, asset_.nodes.size(), "node", "nodes");
@@ -165,7 +174,9 @@ private:
             size_t target_count = 0;  // one of a node's meshes may have some
             for (const AssetMeshInstance& instance : meshes)
                 target_count = std::max(target_count, asset_.meshes[instance.mesh].weights.size());
-            if (!meshes.empty()) check_keys(track, target_count);
+            if (meshes.empty()) return;
+            check_keys(track, target_count);
+            require_end(track.times_s);
         });
     }
 

@@ -4,8 +4,9 @@
 // Leaves the layer's blend alone, which another invocation may be setting (command/obey.comp).
 void play(uint layer, ControlCommand command) {
     const bool at_once = command.fade_rate == 0 || command.kind == kCommandPlayInertial;
-    const LayerPlay newest = {command.motion,    command.phase, 0,           float(at_once),
-                              command.fade_rate, command.value, command.loop};
+    const bool is_state = command.kind == kCommandState;
+    const LayerPlay newest = {command.motion,    command.phase, is_state ? command.loop : 0, float(at_once),
+                              command.fade_rate, command.value, is_state ? 0 : command.loop};
     LayerState state;
     state.play_count = layers[layer].play_count;
     for (uint k = 0; k < kStackSize; ++k) state.plays[k] = layers[layer].plays[k];
@@ -26,7 +27,7 @@ void set_layer(uint layer, ControlCommand command) {
 // `layer`, `parameter`: the index of its target in `layers` or `parameters`; only the one that the command needs
 // counts.
 void obey(ControlCommand command, uint layer, uint parameter) {
-    if (command.kind == kCommandPlay || command.kind == kCommandPlayInertial)
+    if (command.kind == kCommandPlay || command.kind == kCommandPlayInertial || command.kind == kCommandState)
         play(layer, command);
     else if (command.kind == kCommandLayer)
         set_layer(layer, command);

@@ -174,9 +174,9 @@ struct ControlCommand {
     uint instance;  // of the batch
     uint kind;
     uint target;      // layer, or parameter
-    uint motion;      // kCommandPlay: clip; kCommandLayer: mask or kNone
-    uint phase;       // kCommandPlay; kCommandLayer: mode
-    uint loop;        // kCommandPlay
+    uint motion;      // kCommandPlay: clip; kCommandState: state; kCommandLayer: mask or kNone
+    uint phase;       // kCommandPlay, kCommandState; kCommandLayer: mode
+    uint loop;        // kCommandPlay; kCommandState: loops since it was entered
     float value;      // kCommandPlay: speed; kCommandLayer: weight goal; kCommandParameter: value
     float fade_rate;  // 1 / seconds; 0: at once
 };
@@ -185,6 +185,7 @@ THRONG_IO_CONSTANT kCommandLayer = 1;
 THRONG_IO_CONSTANT kCommandParameter = 2;
 THRONG_IO_CONSTANT kCommandPlayInertial = 3;  // kCommandPlay, at full weight at once
 THRONG_IO_CONSTANT kCommandBegin = 4;         // resets the instance
+THRONG_IO_CONSTANT kCommandState = 5;
 
 struct ControllerPush {
     uint instance_count;

@@ -10,10 +10,15 @@
 namespace throng {
 namespace {
 
-void check_layer(std::span<const LayerKind> kinds, uint32_t layer, const ErrorPlace& place) {
+const LayerKind& kind_of(std::span<const LayerKind> kinds, uint32_t layer, const ErrorPlace& place) {
     if (layer >= kinds.size()) refuse(place, numbered("layer", layer), " of a controller that has ", kinds.size());
-    if (kinds[layer].state_count > 0)
-        refuse(place, "layer " + std::to_string(layer) + " has states: set the controller's parameters");
+    return kinds[layer];
+}
+
+void check_layer(std::span<const LayerKind> kinds, uint32_t layer, const ErrorPlace& place) {
+    if (kind_of(kinds, layer, place).state_count > 0)
+        refuse(place,
+               "layer " + std::to_string(layer) + " has states: set the controller's parameters, or call set_state()");
 }
 
 float rate_of(float fade_s, const ErrorPlace& place) {
@@ -58,6 +63,24 @@ io::ControlCommand play_command(std::span<const LayerKind> kinds, std::span<cons
             .loop = clip.loop ? 1u : 0u,
             .value = clip.speed,
             .fade_rate = rate_of(playback.fade_s, place)};
+}
+
+io::ControlCommand state_command(std::span<const LayerKind> kinds, uint32_t layer, const PlayedMotion& state,
+                                 float fade_s, const ErrorPlace& place) {
+    constexpr uint32_t kMostLoops = 1'000'000'000;  // where the controller stops counting (control/plays.glsl)
+    const uint32_t state_count = kind_of(kinds, layer, place).state_count;
+    if (state_count == 0) refuse(place, "layer " + std::to_string(layer) + " has no states: call play()");
+    if (state.motion >= state_count)
+        refuse(place, numbered("state", state.motion), " of a layer that has ", state_count);
+    if (!(state.phase >= 0 && state.phase <= 1)) refuse(place, "the phase must lie within 0..1");
+    return {.instance = 0,
+            .kind = io::kCommandState,
+            .target = layer,
+            .motion = state.motion,
+            .phase = static_cast<uint32_t>(std::min(state.phase * 0x1p32, 0x1p32 - 1)),
+            .loop = std::min(state.loops, kMostLoops),
+            .value = 0,
+            .fade_rate = rate_of(fade_s, place)};
 }
 
 io::ControlCommand layer_command(std::span<const LayerKind> kinds, uint32_t mask_count, uint32_t layer,

@@ -10,7 +10,7 @@
 
 namespace throng {
 
-// What can be asked of a layer: nothing if it has states.
+// What can be asked of a layer: only a state if it has some.
 struct LayerKind {
     uint32_t state_count = 0;     // 0: none, a direct layer
     bool inertial_plays = false;  // ControllerLayer::inertial_plays
@@ -23,6 +23,8 @@ bool has_inertia(const Controller& controller);
 // All throw kInvalidArgument with `place`. kinds[layer_count].
 io::ControlCommand play_command(std::span<const LayerKind> kinds, std::span<const float> clip_durations_s,
                                 uint32_t layer, const LayerPlayback& playback, const ErrorPlace& place);
+io::ControlCommand state_command(std::span<const LayerKind> kinds, uint32_t layer, const PlayedMotion& state,
+                                 float fade_s, const ErrorPlace& place);
 io::ControlCommand layer_command(std::span<const LayerKind> kinds, uint32_t mask_count, uint32_t layer,
                                  const LayerBlend& blend, const ErrorPlace& place);
 void check_parameter(uint32_t parameter_count, uint32_t parameter, float value, const ErrorPlace& place);

@@ -47,13 +47,30 @@ CrowdState& Crowd::state() const {
 
 uint32_t Crowd::instance_count() const { return state_ ? state_->instance_count : 0; }
 
+std::vector<uint32_t> Crowd::groups() const {
+    std::vector<uint32_t> numbers;
+    for (uint32_t i = 0; state_ && i < state_->groups.size(); ++i)
+        if (!state_->groups[i].is_gone()) numbers.push_back(i);
+    return numbers;
+}
+
+Result<uint32_t> Crowd::group_of(const InstanceHandle& instance) const {
+    return as_result([&] {
+        if (const Batch* const batch = batch_at(state().batches, instance.instance)) return batch->group;
+        throw Failure(ErrorCode::kInvalidArgument, "instance " + std::to_string(instance.instance),
+                      "no group has such a number");
+    });
+}
+
 Result<GroupPath> Crowd::path(uint32_t group) const {
     return as_result([&] {
         const Group& of = state().group_at(group);
-        return GroupPath{!of.fused.empty(),
-                         of.native,
-                         shown_reason(of.native, of.path_reason),
-                         {name_of(of.scan_choice), of.scan_reason}};
+        std::string reason = shown_reason(of.native, of.path_reason);
+        if (state().cull && !of.animates_drawn_only())
+            reason +=
+                "; animates all of its instances, with all joints, whatever the view: it has sockets, inertial "
+                "transitions, or stages of its own";
+        return GroupPath{!of.fused.empty(), of.native, std::move(reason), {name_of(of.scan_choice), of.scan_reason}};
     });
 }
 
@@ -135,6 +152,15 @@ Result<void> Crowd::play(const Instances& instances, uint32_t layer, const Layer
 
 Result<void> Crowd::play(const Instances& instances, uint32_t layer, std::span<const LayerPlayback> playback) {
     return as_result([&] { state().play(instances, layer, Each(instances, playback, "play")); });
+}
+
+Result<void> Crowd::set_state(const Instances& instances, uint32_t layer, const PlayedMotion& motion, float fade_s) {
+    return as_result([&] { state().set_state(instances, layer, Each(motion), fade_s); });
+}
+
+Result<void> Crowd::set_state(const Instances& instances, uint32_t layer, std::span<const PlayedMotion> motion,
+                              float fade_s) {
+    return as_result([&] { state().set_state(instances, layer, Each(instances, motion, "state"), fade_s); });
 }
 
 Result<void> Crowd::set_layer(const Instances& instances, uint32_t layer, const LayerBlend& blend) {

@@ -27,7 +27,9 @@ uint64_t pose_bytes(const CrowdSettings& settings) {
 void CrowdState::check_groups(const CrowdSettings& settings) const {
     uint64_t total = 0;
     for (const CrowdGroup& group : settings.groups) {
-        if (!group.character) throw Failure(ErrorCode::kInvalidArgument, "crowd", "a group has no character");
+        if (!group.character)
+            throw Failure(ErrorCode::kInvalidArgument,
+                          "groups[" + std::to_string(&group - settings.groups.data()) + "]", "it has no character");
         check_has_joints(*group.character);
         check_character(*group.character, group.character->name, ErrorCode::kInvalidArgument);
         check_steering(group);

@@ -136,6 +136,12 @@ void CrowdState::play(const Instances& instances, uint32_t layer, const Each<Lay
     });
 }
 
+void CrowdState::set_state(const Instances& instances, uint32_t layer, const Each<PlayedMotion>& state, float fade_s) {
+    send_each(instances, "state", [&](uint32_t i, const Group& group, const ErrorPlace& place) {
+        return state_command(group.controller->layer_kinds, layer, state[i], fade_s, place);
+    });
+}
+
 void CrowdState::set_layer(const Instances& instances, uint32_t layer, const Each<LayerBlend>& blend) {
     send_each(instances, "layer", [&](uint32_t i, const Group& group, const ErrorPlace& place) {
         return layer_command(group.controller->layer_kinds, group.controller->mask_count, layer, blend[i], place);

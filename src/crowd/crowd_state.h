@@ -57,6 +57,7 @@ struct CrowdState {
     void attach(const Instances& instances, const Each<Attachment>& attachment);
     void detach(const Instances& instances);
     void play(const Instances& instances, uint32_t layer, const Each<LayerPlayback>& playback);
+    void set_state(const Instances& instances, uint32_t layer, const Each<PlayedMotion>& state, float fade_s);
     void set_layer(const Instances& instances, uint32_t layer, const Each<LayerBlend>& blend);
     void set_parameter(const Instances& instances, uint32_t parameter, const Each<float>& value);
     void set_target(const Instances& instances, uint32_t target, const Each<TargetPlace>& place);

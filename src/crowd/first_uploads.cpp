@@ -1,15 +1,11 @@
 #include "crowd/first_uploads.h"
 
-#include "gpu/barrier.h"
-
 #include <utility>
 
 namespace throng {
 
 void FirstUploads::record(VkCommandBuffer commands) {
     if (state_ == State::kDone || has_event_) return;
-    // Commands recorded before may come before these, and write the same
-    if (state_ == State::kRecorded) memory_barrier(*gpu_, commands, kTransferWrite, kTransferWrite);
     uploads.record(commands);
     state_ = State::kRecorded;
 }
@@ -38,8 +34,9 @@ void FirstUploads::poll() {
 }
 
 void FirstUploads::finish() {
-    if (state_ == State::kRecorded && !has_event_) gpu_->wait_idle();  // which have no event of their own
-    if (state_ != State::kPending) return;
+    if (state_ == State::kDone || has_event_) return;
+    // What was recorded may have been dropped; if not, the same is written once more.
+    if (state_ == State::kRecorded) gpu_->wait_idle();
     if (gpu_->processor) {
         uploads.record(VK_NULL_HANDLE);
         uploads.complete();

@@ -26,8 +26,8 @@ public:
     DeviceEvent take_event() { return std::move(have_run_); }  // when it is done
     // Whether the commands of a first update that was recorded are known to have run.
     bool first_update_has_run() const { return has_event_ && have_run_.is_set(); }
-    // Called before something is read. If they have not been recorded, submits them and waits; on a software device the
-    // processor copies, since nobody uses the buffers yet. If they have been recorded alone, waits for the queue.
+    // Called before something is read or restored. Unless an update has been recorded, waits for what has been recorded
+    // alone, then submits them and waits; on a software device the processor copies, since nobody uses the buffers yet.
     void finish();
 
 private:

@@ -181,9 +181,9 @@ void FusedUpdate::update_natively(const Member& member, uint32_t set, const Buff
         natively.listed = work + work[2 * section];
         count = work[2 * section + 1];
     }
-    constexpr uint32_t kLeast = 16;  // instances that are walked side by side
-    gpu_->processor->for_parts(
-        count, kLeast, [&](uint32_t first, uint32_t end) { throng::update(*joints.native, natively, first, end); });
+    gpu_->processor->for_parts(count, least_part(*joints.native, skin_format_), [&](uint32_t first, uint32_t end) {
+        throng::update(*joints.native, natively, first, end);
+    });
 }
 
 // From model to world space, in place.

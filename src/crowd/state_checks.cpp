@@ -54,18 +54,22 @@ void check_commands(std::span<const io::ControlCommand> commands, uint32_t insta
         const bool is_of_parameter = command.kind == io::kCommandParameter;
         const bool is_of_layer = !is_of_parameter && command.kind != io::kCommandBegin;
         const bool is_of_clip = command.kind == io::kCommandPlay || command.kind == io::kCommandPlayInertial;
-        StateArchive::require(command.kind <= io::kCommandBegin && command.instance < instance_count,
+        StateArchive::require(command.kind <= io::kCommandState && command.instance < instance_count,
                               "an unknown command, or one for nobody");
         if (is_of_parameter)
             StateArchive::require(command.target < controller.parameter_count, "a parameter that there is not");
         if (!is_of_layer) continue;
-        StateArchive::require(
-            command.target < controller.layer_count && controller.layer_kinds[command.target].state_count == 0,
-            "a command for a layer that takes none");
-        StateArchive::require(is_of_clip ? command.motion <= clip_count_of(group)
-                                         : (command.motion == kNone || command.motion < controller.mask_count) &&
-                                               command.phase <= io::kModeAdditive,
-                              "a clip or mask that there is not");
+        const bool is_of_state = command.kind == io::kCommandState;
+        const uint32_t state_count = command.target < controller.layer_count
+                                         ? controller.layer_kinds[command.target].state_count
+                                         : 0;
+        StateArchive::require(command.target < controller.layer_count && (state_count > 0) == is_of_state,
+                              "a command for a layer that takes none");
+        StateArchive::require(is_of_state  ? command.motion < state_count
+                              : is_of_clip ? command.motion <= clip_count_of(group)
+                                           : (command.motion == kNone || command.motion < controller.mask_count) &&
+                                                 command.phase <= io::kModeAdditive,
+                              "a clip, state or mask that there is not");
     }
 }
 

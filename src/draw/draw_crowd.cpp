@@ -50,7 +50,7 @@ void CrowdDrawing::bind(VkCommandBuffer commands, uint32_t set_number, VkDescrip
 
 void CrowdDrawing::draw(VkCommandBuffer commands, DrawPass pass) const {
     for (const Batch& batch : crowd.batches) {
-        if (!batch.has_outputs) continue;  // nothing has been uploaded either
+        if (!batch.has_outputs) continue;  // there are no matrices yet
         const Group& group = crowd.groups[batch.group];
         // Front faces of mirrored instances wind the other way: then the fragment shader culls.
         const bool mirrors = has_mirrored_instances(crowd, batch);

@@ -27,6 +27,11 @@ bool is_behind(const io::vec4& plane, const Affine& place, const Vec3<float>& ce
 }  // namespace
 
 void list_instances(const Batch& batch, NativeList& list) {
+    if (!batch.has_outputs) {  // there are no matrices yet
+        list.instances.clear();
+        list.begins.fill(0);
+        return;
+    }
     const auto* const listed = reinterpret_cast<const uint32_t*>(batch[io::kListBuffer].mapped());
     if (!listed) {
         list.instances.resize(batch.instance_count);

@@ -46,7 +46,7 @@ std::shared_ptr<const Image> make_texture(Uploads& uploads, const AssetImage& im
 // For the native renderer.
 std::shared_ptr<const raster::OwnedTexture> make_native_texture(Gpu& gpu, const AssetImage& image, bool is_color,
                                                                 TextureAccount& account);
-// A white texture, the same for all that live at a time; draw with it only when the uploads have finished.
+// A white texture, one for all groups of a renderer; draw with it only when the uploads have finished.
 std::shared_ptr<const Image> make_white_texture(Uploads& uploads, SharedValues& textures);
 
 }  // namespace throng

@@ -39,8 +39,8 @@ private:
     // Submits and waits if there are new groups.
     std::vector<const GroupBindings*> bindings_of(const CrowdState& crowd);
     Frame frame_of(Crowds crowds, const Camera& camera);
-    // Whether an update of these crowds tests for what is hidden, and makes what that takes. The rest of a frame
-    // allocates nothing.
+    // Whether an update of these crowds tests for what is hidden. Makes what that takes, so that it cannot fail for
+    // want of memory once crowds have been updated.
     bool makes_room_for_occlusion(Crowds crowds);
     // Records the update of these crowds, which may be fewer than the frame shows, and the frame. If that fails, their
     // updates are discarded.

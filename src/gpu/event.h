@@ -52,9 +52,8 @@ private:
     std::vector<DeviceEvent> free_;
 };
 
-// Whether nobody uses one of several slots any more that commands use in turn: no commands do, or they have run, or
-// they never will, since later ones have run. Each slot has an event `done`, and numbers its commands in the order in
-// which they were recorded and run; 0: none.
+// Whether a slot can be used again: the commands that use it have run, or never will, because others that were recorded
+// later have run. A slot has the number of its commands, in the order of recording (0: none), and an event `done`.
 template <class Slots, class Slot, class Number>
 bool is_free(const Slots& slots, const Slot& slot, const Number& number) {
     const uint64_t of_slot = std::invoke(number, slot);

@@ -390,7 +390,7 @@ void Gpu::set_name(VkObjectType type, uint64_t handle, std::string_view what) co
 }
 
 void Gpu::allocate(uint32_t type_bits, VkMemoryPropertyFlags required, VkMemoryPropertyFlags preferred,
-                   const std::function<void(uint32_t memory_type)>& from) const {
+                   const std::function<void(uint32_t memory_type)>& allocate_from) const {
     const auto types = std::span(memory_properties.memoryTypes).first(memory_properties.memoryTypeCount);
     std::vector<uint32_t> fitting;  // the first one that is preferred, then the first one of each other heap
     for (const VkMemoryPropertyFlags wanted : {required | preferred, required})
@@ -404,7 +404,7 @@ void Gpu::allocate(uint32_t type_bits, VkMemoryPropertyFlags required, VkMemoryP
         throw Failure(ErrorCode::kVulkan, {}, "the device has no memory type that fits a buffer of throng");
     for (size_t i = 0;; ++i) {
         try {
-            return from(fitting[i]);
+            return allocate_from(fitting[i]);
         } catch (const Failure& failure) {
             if (failure.error.code != ErrorCode::kOutOfMemory || i + 1 == fitting.size()) throw;
         }

@@ -73,11 +73,11 @@ public:
         if (set_name_) set_name(type, reinterpret_cast<uint64_t>(handle), what);
     }
 
-    // Allocates `from` a memory type among `type_bits` with all `required` properties, if there is one with the
-    // `preferred` too. Where that has no memory left, from the next heap that will do: memory that a GPU reaches less
-    // fast is better than none.
+    // Calls allocate_from() with a memory type among `type_bits` that has all `required` properties, and the
+    // `preferred` too if there is one. Where that has no memory left, with one of the next heap: memory that a GPU
+    // reaches less fast is better than none.
     void allocate(uint32_t type_bits, VkMemoryPropertyFlags required, VkMemoryPropertyFlags preferred,
-                  const std::function<void(uint32_t memory_type)>& from) const;
+                  const std::function<void(uint32_t memory_type)>& allocate_from) const;
 
     bool is_cpu() const { return properties.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU; }
     bool has_graphics() const { return (queue_flags & VK_QUEUE_GRAPHICS_BIT) != 0; }

@@ -69,8 +69,9 @@ VkPhysicalDeviceProperties NativeDevice::properties() {
 
 void NativeDevice::run(const NativeKernel& kernel, const NativeDispatch& dispatch, uint32_t workgroup_count) const {
     const uint32_t workgroup_size = kernel.workgroup_size > 0 ? kernel.workgroup_size : dispatch.constants[0];
-    for_parts(workgroup_count, std::max(1u, kInvocationsOfJob / workgroup_size),
-              [&](uint32_t first, uint32_t end) { kernel.run(dispatch, first, end); });
+    // One invocation is a whole instance's where it goes through all elements (WORKGROUP_OF_STRIDE)
+    const uint32_t least = workgroup_size == 1 ? 1 : std::max(1u, kInvocationsOfJob / workgroup_size);
+    for_parts(workgroup_count, least, [&](uint32_t first, uint32_t end) { kernel.run(dispatch, first, end); });
 }
 
 uint32_t NativeDevice::part_limit() const {

@@ -10,7 +10,7 @@ std::string result_name(VkResult result) {
     switch (result) {
         case VK_ERROR_OUT_OF_HOST_MEMORY: return "out of host memory";
         case VK_ERROR_OUT_OF_DEVICE_MEMORY: return "out of device memory";
-        case VK_ERROR_TOO_MANY_OBJECTS: return "too many allocations (maxMemoryAllocationCount)";
+        case VK_ERROR_TOO_MANY_OBJECTS: return "too many objects, or allocations (maxMemoryAllocationCount)";
         case VK_ERROR_INITIALIZATION_FAILED: return "initialization failed";
         case VK_ERROR_DEVICE_LOST: return "device lost";
         case VK_ERROR_LAYER_NOT_PRESENT: return "layer not present";
@@ -29,8 +29,10 @@ void check(VkResult result, const char* call) {
     if (result == VK_SUCCESS) return;
     const bool memory = result == VK_ERROR_OUT_OF_HOST_MEMORY || result == VK_ERROR_OUT_OF_DEVICE_MEMORY ||
                         result == VK_ERROR_TOO_MANY_OBJECTS;
-    throw Failure(memory ? ErrorCode::kOutOfMemory : ErrorCode::kVulkan, {},
-                  std::string(call) + ": " + result_name(result));
+    const ErrorCode code = memory                           ? ErrorCode::kOutOfMemory
+                           : result == VK_ERROR_DEVICE_LOST ? ErrorCode::kDeviceLost
+                                                            : ErrorCode::kVulkan;
+    throw Failure(code, {}, std::string(call) + ": " + result_name(result));
 }
 
 }  // namespace throng

@@ -6,7 +6,7 @@
 namespace throng::native {
 
 const Kernel& kernel_avx512() {
-    static constexpr Kernel kKernel{scratch_bytes, update_all, decode_all, fill, Lanes::fence};
+    static constexpr Kernel kKernel{Lanes::kCount, scratch_bytes, update_all, decode_all, fill, Lanes::fence};
     return kKernel;
 }
 

@@ -26,6 +26,7 @@ struct KernelUpdate {
 };
 
 struct Kernel {
+    uint32_t lane_count;
     size_t (*scratch_bytes)(const KernelRig& rig, const KernelUpdate& update);
     // Walks instances [count] in groups of as many as there are lanes. Their skin matrices must all begin equally far
     // into a cache line.

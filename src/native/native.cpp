@@ -46,6 +46,11 @@ std::vector<NativeIsa> find_isas() {
 #endif
 }
 
+// In how many ways the matrices of instances lie to the lines of the cache.
+uint32_t class_count_of(uint32_t palette_count, SkinFormat skin_format) {
+    return 64 / std::gcd(palette_count * kSkinBytes[static_cast<uint32_t>(skin_format)], 64u);
+}
+
 // The scratch memory of a thread's walks.
 std::byte* scratch(size_t size) {
     thread_local native::AlignedBytes bytes;
@@ -77,8 +82,7 @@ void for_instances(const NativeRig& rig, const NativeUpdate& update, uint32_t fi
                                  .sockets = reinterpret_cast<float*>(update.sockets)};
     buffers.scratch = scratch(kernel.scratch_bytes(of, buffers));
     // Instances whose matrices begin equally far into a line of the cache go together
-    const uint32_t instance_bytes = of.palette_count * kSkinBytes[buffers.skin_format];
-    const uint32_t class_count = 64 / std::gcd(instance_bytes, 64u);
+    const uint32_t class_count = class_count_of(of.palette_count, update.skin_format);
     std::array<std::array<uint32_t, kClassSize>, kMostClasses> classes;
     std::array<uint32_t, kMostClasses> counts{};
     const auto run = [&](uint32_t c) {
@@ -117,6 +121,10 @@ std::string native_unsupported(const Character& character, const NativeNeeds& ne
 
 void update(const NativeRig& rig, const NativeUpdate& update, uint32_t first, uint32_t end, NativeIsa isa) {
     for_instances(rig, update, first, end, kernel_of(isa), kernel_of(isa).update);
+}
+
+uint32_t least_part(const NativeRig& rig, SkinFormat skin_format) {
+    return kernel_of(native_isas().back()).lane_count * class_count_of(rig.kernel().palette_count, skin_format);
 }
 
 void decode_only(const NativeRig& rig, const NativeUpdate& update, uint32_t first, uint32_t end, NativeIsa isa) {

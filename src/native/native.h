@@ -52,6 +52,9 @@ struct NativeUpdate {
 void update(const NativeRig& rig, const NativeUpdate& update, uint32_t first, uint32_t end, NativeIsa isa);
 void update(const NativeRig& rig, const NativeUpdate& update, uint32_t first, uint32_t end);
 
+// Of fewer consecutive instances, update() fills only some of the lanes.
+uint32_t least_part(const NativeRig& rig, SkinFormat skin_format);
+
 // What an update is compared with (bench/cpu_bench.h): its first half alone, and the least time that writing memory
 // takes. `bytes` begin and end at a multiple of 64.
 void decode_only(const NativeRig& rig, const NativeUpdate& update, uint32_t first, uint32_t end, NativeIsa isa);

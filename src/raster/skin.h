@@ -144,14 +144,21 @@ public:
         picture_.add(seen.x, seen.y);
         map_.add(sunlit.x, sunlit.y);
         nearest_ = max(seen.depth, nearest_);  // also where the depth is no number
+        farthest_ = min(seen.depth, farthest_);
     }
     void set(const Frame& frame, Draw& draw) const {
         picture_.set(frame.width, frame.height, draw.picture_box);
+        if (lies_before_near()) draw.picture_box[2] = -1;
         map_.set(frame.map_size, frame.map_size, draw.map_box);
         draw.nearest = greatest(nearest_);
     }
 
 private:
+    // Whether all vertices do, as ToPicture::point() tells it: there is nothing to see.
+    bool lies_before_near() const {
+        return least(picture_.x0) >= kFarAway && least(picture_.y0) >= kFarAway && least(farthest_) >= 1;
+    }
+
     struct Box {
         Real x0 = kFarAway, y0 = kFarAway, x1 = -kFarAway, y1 = -kFarAway;
         INLINE void add(Real x, Real y) {
@@ -172,7 +179,7 @@ private:
     ToPicture to_picture_;
     ToMap to_map_;
     Box picture_, map_;
-    Real nearest_ = 0;
+    Real nearest_ = 0, farthest_ = 1;
 };
 
 // Calls set_vertex(i, to) for each vertex, which sets eight floats as turned() takes them. The last block is filled up

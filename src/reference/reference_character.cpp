@@ -169,6 +169,10 @@ Result<void> ReferenceCharacter::play(uint32_t layer, const LayerPlayback& playb
     });
 }
 
+Result<void> ReferenceCharacter::set_state(uint32_t layer, const PlayedMotion& motion, float fade_s) {
+    return as_result([&] { state_->controller.apply(state_command(state_->kinds, layer, motion, fade_s, "state")); });
+}
+
 Result<void> ReferenceCharacter::set_layer(uint32_t layer, const LayerBlend& blend) {
     return as_result([&] {
         state_->controller.apply(

@@ -39,7 +39,9 @@ TEST_F(Isa, ADeviceWithoutHardwareIsListedAndRefused) {
 // As in a container with the driver of a graphics card that is not there: the loader gives an error then.
 TEST_F(Isa, DriversWithoutHardwareAreNoDevices) {
     const RunSettings only_a_driver{.environment = {{"VK_DRIVER_FILES", kDriverFile}}};
-    EXPECT_EQ(json_of("devices --json", only_a_driver)[0]["type"], "native");
+    const Json devices = json_of("devices --json", only_a_driver);
+    if (devices.size() > 1) GTEST_SKIP() << "this machine has that hardware";
+    EXPECT_EQ(devices[0]["type"], "native");
     generate("creature.glb", "--joints 20 --levels 8");
     EXPECT_TRUE(run_tool("pose creature.glb", only_a_driver).succeeded());
 }

@@ -4,6 +4,8 @@
 #include "tests/png.h"
 #include "tests/text.h"
 
+#include <throng/version.h>
+
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
@@ -67,7 +69,9 @@ TEST_F(Cli, HelpHasExamples) {
         const Outcome run = succeed(Words(command) + "--help");
         EXPECT_TRUE(contains(run.out, std::string("Example:\n  throng ") + command)) << run;
     }
-    succeed("--version");
+    EXPECT_EQ(succeed("--version").out, std::string(version()) + "\n");
+    EXPECT_EQ(version(), std::to_string(THRONG_VERSION_MAJOR) + "." + std::to_string(THRONG_VERSION_MINOR) + "." +
+                             std::to_string(THRONG_VERSION_PATCH));
 }
 
 TEST_F(Cli, InfoCountsExactly) {

@@ -79,11 +79,18 @@ TEST(AssetCheck, WhatIsWrongIsNamed) {
         {"meshes[0].primitives[0]: texcoords has 2", [&](Asset& a) { primitive(a).texcoords.pop_back(); }},
         {"meshes[0].primitives[0]: colors has 4", [&](Asset& a) { primitive(a).colors.push_back({}); }},
         {"meshes[0].primitives[0]: influence_joints has 12", [&](Asset& a) { primitive(a).influence_count = 8; }},
+        {"meshes[0].primitives[0]: influence_count is 6, not a multiple of 4",
+         [&](Asset& a) {
+             primitive(a).influence_count = 6;
+             primitive(a).influence_joints.assign(18, 0);
+             primitive(a).influence_weights.assign(18, 1.0f / 6);
+         }},
         {"meshes[0].primitives[0]: influence_weights", [&](Asset& a) { primitive(a).influence_weights.pop_back(); }},
         {"meshes[0].primitives[0]: influence_weights must", [&](Asset& a) { primitive(a).influence_weights[0] = -1; }},
         {"meshes[0].primitives[0]: indices has 2", [&](Asset& a) { primitive(a).indices.pop_back(); }},
         {"meshes[0].primitives[0]: an index is 3", [&](Asset& a) { primitive(a).indices[1] = 3; }},
-        {"meshes[0].primitives[0]: targets has 0", [&](Asset& a) { primitive(a).targets.clear(); }},
+        {"meshes[0].primitives[0]: targets has 0 elements; 1 are needed, as many as the mesh's weights",
+         [&](Asset& a) { primitive(a).targets.clear(); }},
         {"targets[0]: positions has 2", [&](Asset& a) { primitive(a).targets[0].positions.pop_back(); }},
         {"targets[0]: differences", [&](Asset& a) { primitive(a).targets[0].normals[0].x = kNan; }},
         {"mesh_instances[0]: node is 3", [&](Asset& a) { a.mesh_instances[0].node = 3; }},
@@ -99,6 +106,9 @@ TEST(AssetCheck, WhatIsWrongIsNamed) {
              a.mesh_instances = {{.node = 2}, {.node = 0}};
          }},
         {"clips[0]: duration_s", [&](Asset& a) { a.clips[0].duration_s = -1; }},
+        {"clips[0].tracks[0]: its last key, at 1.000000 s, is after the clip's duration_s of 0.500000 s",
+         [&](Asset& a) { a.clips[0].duration_s = 0.5; }},
+        {"clips[0].morph_tracks[0]: its last key", [&](Asset& a) { a.clips[0].morph_tracks[0].times_s.back() = 9; }},
         {"clips[0].tracks[0]: node is 3", [&](Asset& a) { track(a).node = 3; }},
         {"clips[0].tracks[1]: an earlier track", [&](Asset& a) { a.clips[0].tracks.push_back(track(a)); }},
         {"clips[0].tracks[0]: times_s must be finite", [&](Asset& a) { track(a).times_s.clear(); }},

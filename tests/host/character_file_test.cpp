@@ -137,6 +137,10 @@ TEST(CharacterFile, AFileIsKnownByItsFirstBytesWhateverItsName) {
             const Result<void> saved = save_character(character, path);
             ASSERT_TRUE(saved) << saved.error().text();
         }
+        const std::vector<std::byte> bytes = save_character(character).value();
+        EXPECT_TRUE(is_compiled_file(path) && is_compiled_file(bytes));
+        EXPECT_FALSE(is_compiled_file(std::span(bytes).first(4)));
+        expect_same(character, load_compiled_character(bytes, "in memory").value());
         for (const CompileSettings& settings : {CompileSettings{}, kExact, CompileSettings{.error = 0.01}}) {
             const Result<Character> again = load_character(path, settings);
             ASSERT_TRUE(again) << again.error().text();
@@ -253,6 +257,7 @@ TEST(CharacterFile, CraftedFullRotationsAreRefused) {
         for (const double c : {q.x, q.y, q.z, q.w}) turn.values.push_back(static_cast<float>(c));
     }
     asset.clips[0].tracks = {turn};
+    asset.clips[0].duration_s = turn.times_s.back();
     const Character good = compiled(asset, {.error = 1e-4});
     const uint32_t position = good.tracks[0].rotation;
     uint32_t layout = 0;
@@ -279,6 +284,7 @@ TEST(CharacterFile, UniformScaleIsLookedAtInEveryRow) {
         grow.values.insert(grow.values.end(), 3, 1 + 0.3f * std::sin(static_cast<float>(key)));
     }
     asset.clips[0].tracks = {grow};
+    asset.clips[0].duration_s = grow.times_s.back();
     for (const double error : kErrors) {
         const Character good = compiled(asset, {.error = error});
         ASSERT_TRUE(good.rig.uniform_scale);

@@ -20,7 +20,7 @@ namespace fs = std::filesystem;
 
 class ControllerSchema : public testing::Test {
 protected:
-    // What they have of the library, ControllerJson.NoBytesCrashIt has there, too
+    // They run Python, mostly; ControllerJson.NoBytesCrashIt has the parser under sanitizers
     void SetUp() override { THRONG_SKIP_WHERE_SANITIZED(); }
 
     // What the schema says of each text; empty where there is no validator.

@@ -190,6 +190,32 @@ TEST(Controller, TheFirstTransitionThatHoldsIsTakenAndOnlyOne) {
     EXPECT_EQ(instance.leading().motion, 2u);
 }
 
+TEST(Controller, IsPutIntoAStateAndGoesOnFromThere) {
+    Instance instance(
+        three_states({{.from = "b", .to = "a", .exit = 2.75}, {.from = "c", .to = "a", .conditions = kGo}}));
+    const auto put_into = [&](uint32_t state, uint32_t phase, uint32_t loops, float fade_rate = 0) {
+        instance.reference.apply(
+            {.kind = io::kCommandState, .motion = state, .phase = phase, .loop = loops, .fade_rate = fade_rate});
+    };
+    put_into(1, kHalf, 2);  // before it has begun
+    instance.update(0);
+    EXPECT_EQ(instance.leading().motion, 1u);
+    EXPECT_EQ(instance.leading().phase, kHalf);
+    EXPECT_EQ(instance.leading().loops, 2u);
+    instance.update(0.5f);  // of 2 s
+    instance.update(0);
+    EXPECT_EQ(instance.leading().motion, 0u) << "2.75 cycles have been played";
+    put_into(2, 0, 0, 1);
+    instance.update(0.5f);
+    EXPECT_EQ(instance.play_count(), 2u);
+    EXPECT_EQ(instance.weights(), (std::vector<float>{0.5f, 0, 0.5f}));
+    instance.update(1);
+    put_into(2, 0, 0);
+    instance.set("go", 1);
+    instance.update(0);
+    EXPECT_EQ(instance.leading().motion, 0u) << "in the same update";
+}
+
 TEST(Controller, AnyStateDoesNotLeadToItselfUnlessNamed) {
     Instance any(three_states({{.to = "a", .conditions = kGo}}));
     Instance named(three_states({{.from = "a", .to = "a", .conditions = kGo}}));

@@ -63,7 +63,7 @@ public:
             nearest = distance;
             near_ = i;
         }
-        furthest_ = std::max(furthest_, nearest);
+        furthest_ = worse_of(furthest_, nearest);
     }
     double furthest() const { return furthest_; }
 
@@ -108,7 +108,7 @@ double furthest_from_level(const Character& character, size_t level, const Refer
             for (const Vec3<double>& middle : {(a + b + c) * (1 / 3.0), (a + b) * 0.5, (b + c) * 0.5, (c + a) * 0.5})
                 from_fine.add(middle);
         }
-        furthest = std::max({furthest, from_coarse.furthest(), from_fine.furthest()});
+        furthest = worse_of(furthest, worse_of(from_coarse.furthest(), from_fine.furthest()));
     }
     return furthest;
 }

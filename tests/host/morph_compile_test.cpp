@@ -126,6 +126,7 @@ TEST(MorphCompile, LimitsAreNamed) {
                                .interpolation = Interpolation::kCubicSpline,
                                .times_s = {0, 1000},
                                .values = std::vector<float>(18, 1e6f)}});
+    wild.clips[0].duration_s = 1000;
     for (size_t i = 0; i < 18; i += 2) wild.clips[0].morph_tracks[0].values[i] = i % 4 == 0 ? 1e9f : -1e9f;
     for (const size_t i : {3u, 4u, 5u, 12u, 13u, 14u}) wild.clips[0].morph_tracks[0].values[i] = 0;
     refused(wild, "weights to be followed");

@@ -25,7 +25,6 @@ public:
         controller_.bind(io::kControllerBuffer, made_.words).bind(io::kTimelineBuffer, timelines_);
         controller_.bind(io::kTimesBuffer, times_s_).bind(io::kRootRowsBuffer, root_rows_);
         controller_.bind(io::kLayersBuffer, layers_).bind(io::kParametersBuffer, parameters_);
-        controller_.bind(io::kLayersBeforeBuffer, layers_).bind(io::kParametersBeforeBuffer, parameters_);
         controller_.bind(io::kActiveClipsBuffer, active_clips_).bind(io::kActiveClipTimesBuffer, active_clip_times_);
         controller_.bind(io::kEventsBuffer, events_);
         commands_.bind(io::kLayersBuffer, layers_).bind(io::kParametersBuffer, parameters_);

@@ -594,6 +594,15 @@ TEST_P(RasterTest, SkinsVerticesAndTheirNormals) {
                 if (determinant(world) < 0) wanted = wanted * -1.0;
                 EXPECT_LT(length(test::unpacked_normal(out[3 * kFour]) - wanted), 2e-4) << v;
             }
+            const auto right_edge_at = [&](float distance) {
+                Affine moved = placement;
+                moved.row[2][3] = distance;
+                kernel.place(&moved.row[0][0], &skin[0].row[0][0], kEntries, floats(columns));
+                kernel.skin(frame.frame(), floats(columns), nullptr, draw);
+                return draw.picture_box[2];
+            };
+            EXPECT_EQ(right_edge_at(RasterFrame::kNear), RasterFrame::kSize) << "partly behind the eye it is anywhere";
+            EXPECT_LT(right_edge_at(-100), 0) << "wholly, nowhere";
         }
 }
 

@@ -2,7 +2,10 @@
 #include "base/thread_pool.h"
 
 #include <gtest/gtest.h>
+#include <sched.h>
 
+#include <array>
+#include <cfenv>
 #include <set>
 
 namespace throng {
@@ -34,6 +37,41 @@ TEST(ThreadPool, TakesAsManyThreadsAsAskedFor) {
     });
     EXPECT_TRUE(ids.contains(std::this_thread::get_id()));
     EXPECT_GE(ThreadPool(0).concurrency(), 1u);
+}
+
+// Whatever the application has set for its own threads, of which one may have made the pool's.
+TEST(ThreadPool, RoundsToTheNearest) {
+    const auto third = [] {
+        volatile float three = 3;
+        return 1 / three;
+    };
+    const float nearest = third();
+    std::fesetround(FE_UPWARD);
+    ThreadPool pool(2);
+    std::fesetround(FE_DOWNWARD);
+    const float below = third();
+    std::array<float, 100> computed{};
+    float computed_alone = 0;
+    for_each_job(pool, 100, [&](uint32_t i) { computed[i] = third(); });
+    for_each_job(pool, 1, [&](uint32_t) { computed_alone = third(); });
+    const float after = third();
+    std::fesetround(FE_TONEAREST);
+    EXPECT_LT(below, nearest);
+    EXPECT_EQ(after, below) << "the application's thread is left as it was";
+    EXPECT_EQ(computed_alone, nearest);
+    for (const float one : computed) EXPECT_EQ(one, nearest);
+}
+
+TEST(ThreadPool, HasAsManyThreadsAsTheProcessMayUse) {
+    uint32_t threads = 0;
+    std::thread([&] {
+        cpu_set_t one;
+        CPU_ZERO(&one);
+        CPU_SET(static_cast<size_t>(sched_getcpu()), &one);
+        ASSERT_EQ(sched_setaffinity(0, sizeof one, &one), 0);
+        threads = ThreadPool(0).concurrency();
+    }).join();
+    EXPECT_EQ(threads, 1u);
 }
 
 TEST(ThreadPool, ServesCallersOnManyThreads) {

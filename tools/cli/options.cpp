@@ -4,6 +4,8 @@
 #include "json/known_names.h"
 #include "tools/cli/command.h"
 
+#include <throng/version.h>
+
 #include <CLI/CLI.hpp>
 
 #include <algorithm>
@@ -194,7 +196,7 @@ void Command::callback(std::function<void()> run) { app_->callback(std::move(run
 void run_command_line(int argc, char** argv, void (*add_commands)(Command app)) {
     CLI::App app{"throng: GPU skeletal animation for crowds"};
     app.name("throng");
-    app.set_version_flag("--version", THRONG_VERSION);
+    app.set_version_flag("--version", version());
     app.require_subcommand(0, 1);  // none is said below: with 1, a misspelt one would not be named
     app.footer("'throng COMMAND --help' has examples. Exit code: 0 done, 1 failed, more than 1 a wrong option.");
     add_commands(Command(app));

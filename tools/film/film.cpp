@@ -11,6 +11,8 @@
 #include "tools/cli/inputs.h"
 #include "tools/cli/options.h"
 
+#include <throng/version.h>
+
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
@@ -84,7 +86,7 @@ nlohmann::json settings_of(const RenderOptions& options) {
     for (const std::string& controller : controller_files(scene))
         controllers.push_back(controller.empty() ? "" : content_hash(controller));
     for (const std::string& file : look_files(scene)) looks.push_back(file.empty() ? "" : content_hash(file));
-    return {{"throng", THRONG_VERSION},
+    return {{"throng", version()},
             {"files", files},
             {"controllers", controllers},
             {"looks", looks},

@@ -1,6 +1,7 @@
 #include "compile/clip/pack.h"
 
 #include "base/failure.h"
+#include "base/processor.h"
 #include "compile/clip/clip_grid.h"
 #include "compile/clip/clip_packer.h"
 #include "compile/clip/packed_track.h"
@@ -167,8 +168,7 @@ void pack_clips(std::span<const ExactClip> clips, double error, Character& chara
         }
     };
     std::vector<std::future<void>> threads;
-    const size_t thread_count = std::min(
-        {clip_count, kMostThreads, size_t{std::max(1u, std::thread::hardware_concurrency())}});
+    const size_t thread_count = std::min({clip_count, kMostThreads, size_t{processor_threads()}});
     try {
         for (size_t i = 0; i + 1 < thread_count; ++i) threads.push_back(std::async(std::launch::async, work));
     } catch (const std::system_error&) {

@@ -1,6 +1,7 @@
 #include "compile/mesh/lod.h"
 
 #include "base/count.h"
+#include "base/processor.h"
 #include "base/thread_pool.h"
 #include "bind/bind_reference.h"
 #include "reference/sampled_poses.h"
@@ -14,7 +15,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <thread>
 #include <utility>
 
 namespace throng {
@@ -199,7 +199,7 @@ uint64_t make_lods(Character& character, const Progress& progress) {
     if (character.indices.size() <= kFewest) return 0;
     constexpr double kSimplified = 0.85;  // part of the work; the rest is measuring
     const Progress simplifying = progress.between(0, kSimplified), measuring = progress.between(kSimplified, 1);
-    ThreadPool threads(std::min(kLodLimit, std::max(1u, std::thread::hardware_concurrency())));
+    ThreadPool threads(std::min(kLodLimit, processor_threads()));
     const std::vector<SampledPose> poses = sampled_poses(character, kPoses);
     std::vector<std::vector<Vec3<float>>> positions(poses.size());  // [poses][vertices]
     for_each_job(threads, count_of(poses), [&](uint32_t pose) {
