@@ -70,7 +70,7 @@ inline float random_value(Random& random, ParameterType type) {
     return static_cast<float>(random.between(-3, 3));
 }
 
-// At most one change an instance and update for each of a few parameters, in the order of instances.
+// A few changes of parameters, and now and then a state, in the order of instances.
 inline std::vector<io::ControlCommand> random_commands(Random& random, const Controller& controller, uint32_t count) {
     std::vector<io::ControlCommand> commands;
     if (controller.parameters.empty()) return commands;
@@ -85,7 +85,7 @@ inline std::vector<io::ControlCommand> random_commands(Random& random, const Con
     for (uint32_t instance = 0; instance < count; ++instance) {
         const uint32_t layer = random.below(static_cast<uint32_t>(controller.layers.size()));
         const auto state_count = static_cast<uint32_t>(controller.layers[layer].states.size());
-        if (state_count == 0 || random.below(500) > 0) continue;
+        if (state_count == 0 || random.below(500) > 0 || commands.size() >= count * size_t{kCommandsEach}) continue;
         commands.push_back({.instance = instance,
                             .kind = io::kCommandState,
                             .target = layer,

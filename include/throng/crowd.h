@@ -296,9 +296,10 @@ public:
     // no such state, phase outside 0..1).
     Result<void> play(const Instances& instances, uint32_t layer, const LayerPlayback& playback);
     Result<void> play(const Instances& instances, uint32_t layer, std::span<const LayerPlayback> playback);
-    // Puts a layer with states into one of them, whatever its transitions, as WatchedInstance::layers has told of it:
-    // for what another machine, a saved game or a script knows. The state replaces within `fade_s` what is shown (0: at
-    // once; PlayedMotion::fade is not used), and transitions go on from it in the same update.
+    // Puts a layer with states into one of them, whatever its transitions, as the first of WatchedInstance::layers has
+    // told of it: for what another machine, a saved game or a script knows. The state replaces within `fade_s` what is
+    // shown (0: at once, but an inertial transition under way dies away as before; PlayedMotion::fade is not used), and
+    // transitions go on from it in the same update (while it fades in, only those that may interrupt).
     Result<void> set_state(const Instances& instances, uint32_t layer, const PlayedMotion& motion, float fade_s = 0);
     Result<void> set_state(const Instances& instances, uint32_t layer, std::span<const PlayedMotion> motion,
                            float fade_s = 0);
@@ -358,8 +359,9 @@ public:
     // Records the upload of what the crowd's buffers begin with, so that the first update need not: into commands for
     // any queue that can copy, of the adopted queue's family or of AdoptedDevice::more_queue_families. Submit them so
     // that they have run, or are waited for by a semaphore, before the commands of the first record() run. If their
-    // queue is not the adopted one, they must also have run before the crowd is saved, restored, read or drawn. If they
-    // will never be submitted, call it again, or discard the first record(). Does nothing once record() has been
+    // queue is not the adopted one, they must also have run before the crowd is saved, restored, read or drawn, and in
+    // any case have been submitted by then. If they will never be submitted, call it again, or discard the first
+    // record() that follows. Does nothing once record() has been
     // called, and on a native device. Errors: kInvalidArgument (no command buffer).
     Result<void> record_uploads(VkCommandBuffer commands);
 
@@ -402,7 +404,7 @@ public:
     Result<void> discard_last_record();
     // record(), submit to the device's queue, and wait; a native device computes here. Commands of record() that have
     // not been submitted are assumed to be dropped. After an error other than those of record() half of an update may
-    // have happened (a device that is lost, a JobSystem that throws): then restore a saved state before the crowd goes
+    // have happened (a JobSystem that throws, for example): then restore a saved state before the crowd goes
     // on.
     Result<void> update(float time_step_s, const CrowdView* view = nullptr);
 

@@ -19,7 +19,7 @@ enum class ErrorCode {
     kOutOfMemory,
     kVulkan,      // a Vulkan call failed; the message names the call and its result
     kCancelled,   // LoadHooks::is_cancelled wanted it
-    kDeviceLost,  // destroy renderers, crowds and the Device, and begin anew: all calls for it fail from now on
+    kDeviceLost,  // destroy renderers, crowds and the Device, and begin anew: what needs it fails from now on
 };
 
 // What went wrong and where: `place` is a path into the input ("fox.glb: animations[2].channels[5]"), or empty.

@@ -1,6 +1,8 @@
 // The floating-point environment that throng computes in.
 #pragma once
 
+#include <cstdint>
+
 #if defined(__x86_64__)
 #include <xmmintrin.h>
 #endif
@@ -17,8 +19,11 @@ public:
     DefaultFloats() : before_(_mm_getcsr()) { _mm_setcsr(kDefault); }
     ~DefaultFloats() { _mm_setcsr(before_); }
 #elif defined(__aarch64__)
-    DefaultFloats() : before_(__builtin_aarch64_get_fpcr()) { __builtin_aarch64_set_fpcr(0); }
-    ~DefaultFloats() { __builtin_aarch64_set_fpcr(before_); }
+    DefaultFloats() {
+        asm volatile("mrs %0, fpcr" : "=r"(before_));
+        asm volatile("msr fpcr, %0" ::"r"(uint64_t{0}));
+    }
+    ~DefaultFloats() { asm volatile("msr fpcr, %0" ::"r"(before_)); }
 #else
     DefaultFloats() {}
     ~DefaultFloats() {}
@@ -26,10 +31,12 @@ public:
     DefaultFloats(const DefaultFloats&) = delete;
     DefaultFloats& operator=(const DefaultFloats&) = delete;
 
-#if defined(__x86_64__) || defined(__aarch64__)
 private:
+#if defined(__x86_64__)
     static constexpr unsigned kDefault = 0x1F80;  // of MXCSR: nothing is set but that exceptions are masked
     unsigned before_;
+#elif defined(__aarch64__)
+    uint64_t before_;
 #endif
 };
 

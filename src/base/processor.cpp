@@ -22,7 +22,8 @@ uint32_t processor_threads() {
     cpu_set_t allowed;
     if (sched_getaffinity(0, sizeof allowed, &allowed) == 0)
         threads = std::clamp(static_cast<uint32_t>(CPU_COUNT(&allowed)), 1u, threads);
-    // "150000 100000": microseconds in a period of so many; "max" where a container has no limit of its own
+    // As a container with control groups of version 2 has it. "150000 100000": microseconds in a period of so many;
+    // "max" where it has no limit of its own
     std::ifstream file("/sys/fs/cgroup/cpu.max");
     double quota_us = 0, period_us = 0;
     if (file >> quota_us >> period_us && quota_us > 0 && period_us > 0)

@@ -157,7 +157,7 @@ private:
     void check(const AssetClip& clip) {
         require(std::isfinite(clip.duration_s) && clip.duration_s >= 0, "duration_s must be finite, and not negative");
         const auto require_end = [&](const std::vector<float>& times_s) {
-            require(times_s.back() <= clip.duration_s, "its last key, at ", times_s.back(),
+            require(times_s.back() <= static_cast<float>(clip.duration_s), "its last key, at ", times_s.back(),
                     " s, is after the clip's duration_s of ", clip.duration_s, " s");
         };
         std::set<std::pair<uint32_t, TrackTarget>> moved;

@@ -166,6 +166,9 @@ struct EventRecord {
     float time_s;  // after the beginning of the update's time step, 0..time step
 };
 
+// Where the loops of a play are no longer counted; the sum of two such numbers fits an int
+THRONG_IO_CONSTANT kMostLoops = 1000000000;
+
 // Longer fades take as long: the rate of a longer one would be denormal, and a device may take it for 0, at once.
 THRONG_IO_FLOAT kLongestFade_s = 8e37f;
 

@@ -17,8 +17,7 @@ const LayerKind& kind_of(std::span<const LayerKind> kinds, uint32_t layer, const
 
 void check_layer(std::span<const LayerKind> kinds, uint32_t layer, const ErrorPlace& place) {
     if (kind_of(kinds, layer, place).state_count > 0)
-        refuse(place,
-               "layer " + std::to_string(layer) + " has states: set the controller's parameters, or call set_state()");
+        refuse(place, "layer " + std::to_string(layer) + " has states: set the controller's parameters");
 }
 
 float rate_of(float fade_s, const ErrorPlace& place) {
@@ -67,7 +66,6 @@ io::ControlCommand play_command(std::span<const LayerKind> kinds, std::span<cons
 
 io::ControlCommand state_command(std::span<const LayerKind> kinds, uint32_t layer, const PlayedMotion& state,
                                  float fade_s, const ErrorPlace& place) {
-    constexpr uint32_t kMostLoops = 1'000'000'000;  // where the controller stops counting (control/plays.glsl)
     const uint32_t state_count = kind_of(kinds, layer, place).state_count;
     if (state_count == 0) refuse(place, "layer " + std::to_string(layer) + " has no states: call play()");
     if (state.motion >= state_count)
@@ -78,7 +76,7 @@ io::ControlCommand state_command(std::span<const LayerKind> kinds, uint32_t laye
             .target = layer,
             .motion = state.motion,
             .phase = static_cast<uint32_t>(std::min(state.phase * 0x1p32, 0x1p32 - 1)),
-            .loop = std::min(state.loops, kMostLoops),
+            .loop = std::min(state.loops, io::kMostLoops),
             .value = 0,
             .fade_rate = rate_of(fade_s, place)};
 }

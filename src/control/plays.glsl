@@ -84,7 +84,7 @@ vec3 weights_of_plays(LayerState state) {
     return weights;
 }
 
-const float kMostCycles = 1e9;  // of an update, and loops of a play; the sum of two such numbers fits an int
+const float kMostCycles = float(kMostLoops);  // of an update
 
 // What one update did to a play's time.
 struct PhaseStep {
@@ -110,7 +110,7 @@ PhaseStep step_phase(INOUT(LayerPlay) play, float rate, bool loop, bool backward
     const int crossed = int(whole) + (after < play.phase ? 1 : 0);
     if (loop) {
         play.phase = after;
-        play.loops = uint(clamp(int(play.loops) + (backwards ? -crossed : crossed), 0, int(kMostCycles)));
+        play.loops = uint(clamp(int(play.loops) + (backwards ? -crossed : crossed), 0, int(kMostLoops)));
         phase_step.crossed = crossed;
     } else {
         if (crossed != 0)

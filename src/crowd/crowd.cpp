@@ -66,10 +66,10 @@ Result<GroupPath> Crowd::path(uint32_t group) const {
     return as_result([&] {
         const Group& of = state().group_at(group);
         std::string reason = shown_reason(of.native, of.path_reason);
-        if (state().cull && !of.animates_drawn_only())
-            reason +=
-                "; animates all of its instances, with all joints, whatever the view: it has sockets, inertial "
-                "transitions, or stages of its own";
+        if (state().cull && !of.animates_drawn_only()) {
+            reason += "; animates all of its instances, with all joints, whatever the view";
+            if (!of.fused.empty()) reason += of.sockets ? ": it has sockets" : ": it has inertial transitions";
+        }
         return GroupPath{!of.fused.empty(), of.native, std::move(reason), {name_of(of.scan_choice), of.scan_reason}};
     });
 }

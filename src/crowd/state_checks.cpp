@@ -28,7 +28,8 @@ void check_layer(const io::LayerState& layer, const LayerKind& kind, uint32_t ma
     const uint32_t motion_count = kind.state_count > 0 ? kind.state_count : clip_count + 1;  // also the rest pose
     StateArchive::require(layer.play_count <= io::kStackSize, "a layer that plays too much at once");
     for (uint32_t i = 0; i < layer.play_count; ++i)
-        StateArchive::require(layer.plays[i].motion < motion_count, "a state or clip that there is not");
+        StateArchive::require(layer.plays[i].motion < motion_count && layer.plays[i].loops <= io::kMostLoops,
+                              "a state or clip that there is not, or too many loops of it");
     StateArchive::require(layer.mode <= io::kModeAdditive, "an unknown mode of a layer");
     StateArchive::require(layer.mask == kNone || layer.mask < mask_count, "a mask that there is not");
 }
@@ -65,7 +66,7 @@ void check_commands(std::span<const io::ControlCommand> commands, uint32_t insta
                                          : 0;
         StateArchive::require(command.target < controller.layer_count && (state_count > 0) == is_of_state,
                               "a command for a layer that takes none");
-        StateArchive::require(is_of_state  ? command.motion < state_count
+        StateArchive::require(is_of_state  ? command.motion < state_count && command.loop <= io::kMostLoops
                               : is_of_clip ? command.motion <= clip_count_of(group)
                                            : (command.motion == kNone || command.motion < controller.mask_count) &&
                                                  command.phase <= io::kModeAdditive,

@@ -141,7 +141,9 @@ CrowdBounds bounds_of(Crowds crowds, Strays strays) {
         }
     }
     if (beyond.count > std::max((within.count + beyond.count) / 100, 1u)) within.add(beyond);
-    return within.count > 0 ? CrowdBounds{within.rest, within.posed, within.ground} : CrowdBounds();
+    CrowdBounds bounds{.size = character_size(crowds)};
+    if (within.count > 0) bounds.rest = within.rest, bounds.posed = within.posed, bounds.ground = within.ground;
+    return bounds;
 }
 
 Bounds world_bounds(const Crowd& crowd) { return bounds_at_rest(std::array{&crowd}, Strays::kIncluded); }

@@ -23,7 +23,9 @@ struct CrowdBounds {
     // Where they stand: at the lowest point of their rest poses, or at the origin of their model space where that is a
     // little lower, since a rest pose may float above the floor that the clips walk on.
     float ground = 0;
+    float size = 0;  // character_size()
 };
+// Goes through all instances; what draws a frame calls it once.
 CrowdBounds bounds_of(Crowds crowds, Strays strays);
 
 // Diagonal of the largest character's box at rest, in world units. A batch counts with the scale of its first instance.

@@ -93,7 +93,7 @@ void NativeFrame::draw(Crowds crowds, std::span<const NativeGroups> native, cons
                        const DrawOptions& options, const NativePixels& pixels) {
     Clock clock;
     times_ = {};
-    scene_ = make_scene(crowds, camera, extent_, frame_.map_size, options);
+    scene_ = make_scene(bounds_of(crowds, Strays::kLeftOut), camera, extent_, frame_.map_size, options);
     std::memcpy(&frame_.scene, &scene_, sizeof scene_);
     frame_.pixels = pixels.bytes;
     frame_.blue_first = pixels.blue_first;

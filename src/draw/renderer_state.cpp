@@ -9,7 +9,7 @@ RendererState::RendererState(std::shared_ptr<Gpu> gpu_in, const DrawOptions& opt
     : gpu(std::move(gpu_in)), options(checked(options_in)) {}
 
 void RendererState::update(Crowds crowds, float time_step_s, const Camera& camera) const {
-    const CrowdView view = view_of(crowds, camera);
+    const CrowdView view = view_of(bounds_of(crowds, Strays::kLeftOut), camera);
     for (CrowdState* crowd : crowds) crowd->update(time_step_s, crowd->cull ? &view : nullptr);
 }
 
@@ -28,9 +28,8 @@ void RendererState::accept(Crowds crowds) const {
     for (CrowdState* crowd : crowds) crowd->follow_placements();
 }
 
-CrowdView RendererState::view_of(Crowds crowds, const Camera& camera) const {
-    const Bounds bounds = bounds_of(crowds, Strays::kLeftOut).rest;
-    return crowd_view_of(camera, extent().width, extent().height, bounds, options);
+CrowdView RendererState::view_of(const CrowdBounds& crowds, const Camera& camera) const {
+    return crowd_view_of(camera, extent().width, extent().height, crowds.rest, options);
 }
 
 }  // namespace throng

@@ -31,7 +31,7 @@ protected:
     // To be called with crowds that are to be drawn: follows where their updates have moved instances, since the scene
     // and views are fitted to them. Throws kInvalidArgument if they cannot be drawn with these options.
     void accept(Crowds crowds) const;
-    CrowdView view_of(Crowds crowds, const Camera& camera) const;  // without occlusion
+    CrowdView view_of(const CrowdBounds& crowds, const Camera& camera) const;  // without occlusion
 };
 
 }  // namespace throng

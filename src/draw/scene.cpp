@@ -15,14 +15,14 @@ io::vec4 to_vec4(const Vec3<float>& v, float w = 0) { return {v.x, v.y, v.z, w};
 
 }  // namespace
 
-io::DrawScene make_scene(Crowds crowds, const Camera& camera, const VkExtent2D& picture, uint32_t map_size,
+io::DrawScene make_scene(const CrowdBounds& crowds, const Camera& camera, const VkExtent2D& picture, uint32_t map_size,
                          const DrawOptions& options) {
     const auto width = static_cast<float>(picture.width), height = static_cast<float>(picture.height);
     const View view = make_view(camera, width / height);
-    const auto [bounds, posed, ground] = bounds_of(crowds, Strays::kLeftOut);
+    const Bounds& bounds = crowds.rest;
     const Vec3<float> centre = (bounds.min + bounds.max) * 0.5f, to_sun = direction_to_sun(options);
     const float farthest = std::max(length(camera.eye - centre) + length(bounds.max - bounds.min) / 2, 1e-6f);
-    const ShadowFit shadow = fit_shadow(camera, view, posed, to_sun, map_size);
+    const ShadowFit shadow = fit_shadow(camera, view, crowds.posed, to_sun, map_size);
 
     io::DrawScene scene{};
     const auto set_rows = [](auto& rows, const auto& from) {
@@ -35,7 +35,7 @@ io::DrawScene make_scene(Crowds crowds, const Camera& camera, const VkExtent2D& 
     scene.right = to_vec4(view.right * view.half_width);
     scene.down = to_vec4(view.up * -view.half_height);
     scene.to_sun = to_vec4(to_sun);
-    scene.ground = {centre.x, ground, centre.z, character_size(crowds)};
+    scene.ground = {centre.x, crowds.ground, centre.z, crowds.size};
     constexpr float kFog = 0.1f;  // what it takes of the farthest character
     scene.fog = {options.fog ? std::sqrt(-std::log(1 - kFog)) / farthest : 0, 0, 0, 0};
     scene.picture = {width, height, 0, 0};

@@ -11,7 +11,7 @@ namespace throng {
 
 // Everything is measured in the crowds' own size: a file's unit may be a metre or a centimetre. Throws kInvalidArgument
 // if the camera is invalid.
-io::DrawScene make_scene(Crowds crowds, const Camera& camera, const VkExtent2D& picture, uint32_t map_size,
+io::DrawScene make_scene(const CrowdBounds& crowds, const Camera& camera, const VkExtent2D& picture, uint32_t map_size,
                          const DrawOptions& options);
 
 // The scene and the shadow map in a descriptor set.

@@ -68,7 +68,7 @@ RenderResult VulkanRenderer::render_frame(Crowds crowds, float time_step_s, cons
     Frame frame = frame_of(crowds, camera);
     std::vector<CrowdState*> native, others;
     for (CrowdState* crowd : crowds) (crowd->is_native(options.occlusion) ? native : others).push_back(crowd);
-    CrowdView view = view_of(crowds, camera);
+    CrowdView view = view_of(frame.bounds, camera);
     view.occlusion = makes_room_for_occlusion(others);
     targets_.make_read_back();
     for (CrowdState* crowd : native) crowd->update(time_step_s, crowd->cull ? &view : nullptr);
@@ -81,7 +81,7 @@ RenderResult VulkanRenderer::render_frame(Crowds crowds, float time_step_s, cons
 
 void VulkanRenderer::record(VkCommandBuffer commands, Crowds crowds, float time_step_s, const Camera& camera) {
     Frame frame = frame_of(crowds, camera);
-    CrowdView view = view_of(crowds, camera);
+    CrowdView view = view_of(frame.bounds, camera);
     view.occlusion = makes_room_for_occlusion(crowds);
     record_all(commands, crowds, time_step_s, view, frame);
 }
@@ -125,7 +125,8 @@ VulkanRenderer::Frame VulkanRenderer::frame_of(Crowds crowds, const Camera& came
     accept(crowds);
     Frame frame;
     for (const CrowdState* crowd : crowds) frame.drawings.push_back(drawing_of(*crowd));
-    frame.scene = make_scene(crowds, camera, targets_.extent(), shadow_map_.extent().width, options);
+    frame.bounds = bounds_of(crowds, Strays::kLeftOut);
+    frame.scene = make_scene(frame.bounds, camera, targets_.extent(), shadow_map_.extent().width, options);
     return frame;
 }
 

@@ -32,6 +32,7 @@ private:
     // What a frame needs; making it may fail, or submit, so it comes before anything is recorded.
     struct Frame {
         std::vector<CrowdDrawing> drawings;  // of each crowd
+        CrowdBounds bounds;
         io::DrawScene scene;
         bool has_begun = false;  // its time is being taken
     };

@@ -8,7 +8,7 @@
 
 namespace throng {
 
-// Throws Failure(kVulkan or kOutOfMemory) naming the call and its result.
+// Throws Failure(kVulkan, kOutOfMemory or kDeviceLost) naming the call and its result.
 void check(VkResult result, const char* call);
 
 }  // namespace throng

@@ -129,6 +129,14 @@ TEST(AssetCheck, WhatIsWrongIsNamed) {
     }
 }
 
+// Keys are floats, and 0.1f is more than 0.1.
+TEST(AssetCheck, AClipMayEndWithItsLastKey) {
+    Asset asset = filled();
+    asset.clips[0].duration_s = 0.1;
+    asset.clips[0].tracks[0].times_s = asset.clips[0].morph_tracks[0].times_s = {0, 0.1f};
+    EXPECT_TRUE(compile_character(asset));
+}
+
 // Numbers and lengths changed at random, several at a time: compiled, or refused in one line. Sanitizers watch.
 TEST(AssetCheck, SpoiledAtRandomNothingCrashes) {
     std::mt19937 random(7);

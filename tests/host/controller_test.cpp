@@ -1,5 +1,6 @@
 // The rules of docs/controller.md, by hand: one instance, one rule each.
 #include "control/control_reference.h"
+#include "control/layer_commands.h"
 #include "tests/controller_instance.h"
 
 #include <gtest/gtest.h>
@@ -214,6 +215,16 @@ TEST(Controller, IsPutIntoAStateAndGoesOnFromThere) {
     instance.set("go", 1);
     instance.update(0);
     EXPECT_EQ(instance.leading().motion, 0u) << "in the same update";
+}
+
+// A rate that a device takes for 0 would be a fade at once.
+TEST(Controller, TheLongestFadesHaveARate) {
+    const std::vector<LayerKind> kinds(1);
+    const std::vector<float> durations_s{1};
+    for (const float fade_s : {1e37f, 8e37f, 3e38f}) {
+        const LayerPlayback playback{.clip = {.clip = 0}, .fade_s = fade_s};
+        EXPECT_GE(play_command(kinds, durations_s, 0, playback, "here").fade_rate, std::numeric_limits<float>::min());
+    }
 }
 
 TEST(Controller, AnyStateDoesNotLeadToItselfUnlessNamed) {

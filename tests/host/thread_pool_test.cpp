@@ -50,9 +50,14 @@ TEST(ThreadPool, RoundsToTheNearest) {
     ThreadPool pool(2);
     std::fesetround(FE_DOWNWARD);
     const float below = third();
-    std::array<float, 100> computed{};
+    std::array<float, 2> computed{};
     float computed_alone = 0;
-    for_each_job(pool, 100, [&](uint32_t i) { computed[i] = third(); });
+    std::atomic<uint32_t> there = 0;
+    for_each_job(pool, 2, [&](uint32_t i) {  // one on each thread
+        ++there;
+        while (there < 2) std::this_thread::yield();
+        computed[i] = third();
+    });
     for_each_job(pool, 1, [&](uint32_t) { computed_alone = third(); });
     const float after = third();
     std::fesetround(FE_TONEAREST);
