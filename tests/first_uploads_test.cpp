@@ -162,23 +162,6 @@ TEST(FirstUploads, DoNotComeBackAfterARestore) {
     }
 }
 
-// Commands of shaders, for example, which are saved too.
-TEST(FirstUploads, WhatIsWrittenBehindThemStays) {
-    const Character character = creature(20, 8);
-    Crowd crowd = create({.groups = {{.character = &character, .instance_count = 2, .command_capacity = 4}},
-                          .path = UpdatePath::kDevice});
-    Recorder recorder;
-    const auto run = [&](const auto& body) {
-        recorder.submit(recorder.record(body));
-        test_gpu()->wait_idle();
-    };
-    run([&](VkCommandBuffer commands) { EXPECT_TRUE(crowd.record_uploads(commands)); });
-    const BufferRange written(crowd.state().batches[0][io::kInstanceCommandsBuffer], 0, 4);
-    run([&](VkCommandBuffer commands) { record_fill(*test_gpu(), commands, written, 3); });
-    ASSERT_TRUE(crowd.save_state());
-    EXPECT_EQ(download<uint32_t>(test_gpu(), written), std::vector<uint32_t>{3});
-}
-
 // Before its first update a crowd can be drawn, where it shows nobody, and saved; there are no matrices to read.
 TEST(FirstUploads, AreThereForWhoeverReadsFirst) {
     const Cast cast;

@@ -45,10 +45,12 @@ TEST(Renderer, ShowsNobodyBeforeTheFirstUpdate) {
         Renderer renderer =
             Renderer::create(test_device(), {.width = kDrawWidth, .height = kDrawHeight, .path = path}).value();
         Crowd crowd = crowd_of(character);
-        const Buffer& skin = crowd.state().batches[0].skins[0];
-        const std::vector<Affine> unit(skin.size_bytes() / sizeof(Affine));
+        const Batch& batch = crowd.state().batches[0];
         Uploads uploads(test_gpu());
-        uploads.add(skin, std::as_bytes(std::span(unit)));
+        for (const Buffer* const buffer : {&batch.skins[0], &batch[io::kPlacementsBuffer]}) {
+            const std::vector<Affine> unit(buffer->size_bytes() / sizeof(Affine));
+            uploads.add(*buffer, std::as_bytes(std::span(unit)));
+        }
         uploads.finish();
         EXPECT_FALSE(is_red(at(renderer.render(crowd, kFront)->picture, 0, 0.5)));
         ASSERT_TRUE(crowd.update(0));

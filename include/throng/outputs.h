@@ -129,7 +129,9 @@ struct OutputBlock {
     uint32_t command_capacity = 0;  // CrowdGroup's
     // What the application's own shaders ask of instances of the block: a CommandHead, then
     // InstanceCommand[command_capacity]. Write it between two updates or, before the first one, after
-    // Crowd::record_uploads(), without which the buffer is not yet empty. The same in all frame slots.
+    // Crowd::record_uploads(), without which the buffer is not yet empty; then do not save, restore, read, draw or
+    // discard before the update that obeys them, since that may upload the empty buffer again. The same in all frame
+    // slots.
     BufferView command{};
 
     // Instances that are drawn, uint32_t[5 + instance_count], with CrowdSettings::culling: how many they are; for each

@@ -26,24 +26,18 @@ public:
     DeviceEvent take_event() { return std::move(have_run_); }  // when it is done
     // Whether the commands of a first update that was recorded are known to have run.
     bool first_update_has_run() const { return has_event_ && have_run_.is_set(); }
-    // Called before something is read or restored. Unless an update has been recorded, waits for what record() has
-    // recorded. If that has not run, or there is nothing, submits the uploads and waits; on a software device the
-    // processor copies, since nobody uses the buffers yet.
+    // Called before something is read or restored. Unless an update has been recorded, waits for what has been recorded
+    // alone, then submits them and waits; on a software device the processor copies, since nobody uses the buffers yet.
     void finish();
 
 private:
     enum class State { kPending, kRecorded, kDone };
-    bool have_run_alone() const;
 
     std::shared_ptr<Gpu> gpu_;
     State state_ = State::kPending;
     DeviceEvent have_run_;  // set by the first update
     bool has_event_ = false;
-    // What the last update, which may be discarded, has recorded
-    bool recorded_them_ = false, recorded_event_ = false;
-    // A word that the commands of record() set at their end: a queue that only copies cannot set an event
-    Buffer have_run_alone_;
-    bool may_be_dropped_ = false;  // these commands, together with an update that was discarded
+    bool recorded_event_ = false;  // by the last update, which may be discarded
 };
 
 }  // namespace throng
