@@ -149,8 +149,8 @@ struct CrowdSettings {
     std::string scan = "auto";
     bool keep_model_matrices = false;  // else they live only within a frame, and read_model_matrices() is an error
     // OutputBlock::previous_skin, for motion vectors; takes the memory of skin matrices once more. Not together with
-    // CrowdGroup::capacity in groups that are animated entirely (see record()): there, keep the slot before in flight
-    // for as long as it is read as the previous one (frames_in_flight).
+    // CrowdGroup::capacity in groups that are animated entirely (see record()): there, set frames_in_flight to one more
+    // than is needed otherwise, and read `skin` of the slot before.
     bool keep_previous_matrices = false;
     // How many updates have their outputs side by side, 1 to 4, so that one can be computed while those before it are
     // drawn: on the same queue, or on one for asynchronous compute (AdoptedDevice::more_queue_families). Each takes the
@@ -361,8 +361,8 @@ public:
     // that they have run, or are waited for by a semaphore, before the commands of the first record() run. If their
     // queue is not the adopted one, they must also have run before the crowd is saved, restored, read or drawn, and in
     // any case have been submitted by then. If they will never be submitted, call it again, or discard the first
-    // record() that follows. Does nothing once record() has been
-    // called, and on a native device. Errors: kInvalidArgument (no command buffer).
+    // record() that follows. Does nothing once record() has been called, and on a native device. Errors:
+    // kInvalidArgument (no command buffer).
     Result<void> record_uploads(VkCommandBuffer commands);
 
     // Records one update into the caller's command buffer (recording, outside a render pass, of the adopted queue's
@@ -404,8 +404,7 @@ public:
     Result<void> discard_last_record();
     // record(), submit to the device's queue, and wait; a native device computes here. Commands of record() that have
     // not been submitted are assumed to be dropped. After an error other than those of record() half of an update may
-    // have happened (a JobSystem that throws, for example): then restore a saved state before the crowd goes
-    // on.
+    // have happened (a JobSystem that throws, for example): then restore a saved state before the crowd goes on.
     Result<void> update(float time_step_s, const CrowdView* view = nullptr);
 
     // Everything that the next updates build on, as bytes: for a rollback, a replay, a game that is saved. They fit

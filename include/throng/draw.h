@@ -122,10 +122,9 @@ public:
     // DrawOptions::skeletons without CrowdSettings::keep_model_matrices; the camera).
 
     // Draws crowds as their last update left them (of crowds that cull, what it has listed; before the first one,
-    // nobody); submits and waits. Ground,
-    // fog and shadows are fitted to main_bounds(). Alpha-blended materials cover as many of a pixel's samples as their
-    // alpha says (alpha to coverage), since a crowd is not sorted. Errors: also kInvalidArgument (the commands of a
-    // crowd's last record() have been neither submitted nor discarded).
+    // nobody); submits and waits. Ground, fog and shadows are fitted to main_bounds(). Alpha-blended materials cover as
+    // many of a pixel's samples as their alpha says (alpha to coverage), since a crowd is not sorted. Errors: also
+    // kInvalidArgument (the commands of a crowd's last record() have been neither submitted nor discarded).
     Result<RenderResult> render(const Crowd& crowd, const Camera& camera);
     Result<RenderResult> render(std::span<const Crowd* const> crowds, const Camera& camera);
 

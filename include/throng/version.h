@@ -1,7 +1,7 @@
 // Which version of throng this is. Versions are numbered as semver.org has it.
 #pragma once
 
-// Of the headers that a program is compiled with
+// The version of the headers that a program is compiled with
 #define THRONG_VERSION_MAJOR 1
 #define THRONG_VERSION_MINOR 0
 #define THRONG_VERSION_PATCH 0

@@ -38,7 +38,7 @@ PUSH(ControllerPush);
 
 uint instance, first_parameter;
 
-// What is not finite counts as 0, and so does what is so small (below 1.2e-38) that devices may take it for 0.
+// Parameters that are not finite count as 0, and so do those closer to 0 than 1.2e-38, which some devices take for 0.
 float parameter_at(uint index) {
     const float value = PARAMETER_AT(first_parameter + index);
     const uint exponent = floatBitsToUint(value) & 0x7F800000u;

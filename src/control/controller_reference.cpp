@@ -22,7 +22,7 @@ struct ControllerText : ArrayTables {
     uint shown_layer = 0;
     float shown_weight = 0;
 
-    // What is not finite counts as 0, and so does a denormal number.
+    // Parameters that are not finite, or denormal, count as 0 (docs/controller.md).
     float parameter_at(uint index) const { return std::isnormal(parameters[index]) ? parameters[index] : 0; }
     const LayerState& load_layer_state(uint index) const { return layers[index]; }
 

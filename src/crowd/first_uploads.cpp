@@ -19,8 +19,8 @@ void FirstUploads::begin_update(VkCommandBuffer commands) {
     has_event_ = has_event_ || recorded_event_;
 }
 
-// What was recorded before the first update may have been dropped together with it. So it goes with the next one too:
-// before any update has run, it writes what is there already.
+// What was recorded before the first update may have been dropped together with it. So it goes with the next one too.
+// Before any update has run, it writes what is there already, or over what shaders have written (OutputBlock::command).
 void FirstUploads::discard_update() {
     if (!std::exchange(recorded_event_, false)) return;
     state_ = State::kPending;
@@ -35,7 +35,7 @@ void FirstUploads::poll() {
 
 void FirstUploads::finish() {
     if (state_ == State::kDone || has_event_) return;
-    // What was recorded may have been dropped; if not, the same is written once more (OutputBlock::command says so).
+    // What was recorded may have been dropped, so it is written once more, as in discard_update().
     if (state_ == State::kRecorded) gpu_->wait_idle();
     if (gpu_->processor) {
         uploads.record(VK_NULL_HANDLE);

@@ -45,7 +45,7 @@ public:
     // Submits and waits.
     void finish();
     // Records into commands that come before all others that use the buffers, on any queue that can copy. Can be called
-    // again if those commands are never submitted.
+    // again while nothing else has written to the buffers.
     void record(VkCommandBuffer commands) const;
     // Called when what has been recorded has run: frees the staging memory and lets others share the buffers.
     void complete();

@@ -14,8 +14,8 @@ namespace throng {
 
 using Json = nlohmann::ordered_json;  // members in the order of the text
 
-// Who wrote the file, since messages help each in another way: a person gets the number of the line. A program's file
-// is often a single line (glTF), so there messages quote the wrong value.
+// Who wrote a file of JSON. Messages give a person the number of the line. A program's file, such as glTF, is often a
+// single line, so there they quote the wrong value.
 enum class JsonAuthor : uint8_t { kProgram, kPerson };
 
 // The place of a member or an element of `place`: `layers`, `layers[0].states.move`, `masks["left arm"]`.

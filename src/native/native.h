@@ -52,7 +52,8 @@ struct NativeUpdate {
 void update(const NativeRig& rig, const NativeUpdate& update, uint32_t first, uint32_t end, NativeIsa isa);
 void update(const NativeRig& rig, const NativeUpdate& update, uint32_t first, uint32_t end);
 
-// Of fewer consecutive instances, update() fills only some of the lanes.
+// How many consecutive instances update() needs to fill its lanes: it computes those side by side whose matrices begin
+// equally far into a line of the cache.
 uint32_t least_part(const NativeRig& rig, SkinFormat skin_format);
 
 // What an update is compared with (bench/cpu_bench.h): its first half alone, and the least time that writing memory
