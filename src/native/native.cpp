@@ -46,7 +46,7 @@ std::vector<NativeIsa> find_isas() {
 #endif
 }
 
-// In how many ways the matrices of instances lie to the lines of the cache.
+// How many different offsets into a line of the cache the matrices of instances begin at.
 uint32_t class_count_of(uint32_t palette_count, SkinFormat skin_format) {
     return 64 / std::gcd(palette_count * kSkinBytes[static_cast<uint32_t>(skin_format)], 64u);
 }

@@ -154,7 +154,8 @@ public:
     }
 
 private:
-    // Whether all vertices do, as ToPicture::point() tells it: there is nothing to see.
+    // Whether all vertices do, so that there is nothing to see. ToPicture::point() gives such a vertex these three
+    // values.
     bool lies_before_near() const {
         return least(picture_.x0) >= kFarAway && least(picture_.y0) >= kFarAway && least(farthest_) >= 1;
     }
