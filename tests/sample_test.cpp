@@ -203,11 +203,11 @@ TEST(Sample, TheReferenceTakesTheShorterArc) {
     const Quaternion<double> from{}, to = axis_angle(Vec3<double>{0, 0, 1}, 1.0),
                                      middle = axis_angle(Vec3<double>{0, 0, 1}, 0.25);
     for (const Quaternion<double>& end : {to, -to}) {
-        const Quaternion<double> got = slerp_reference(from, end, 0.25);
+        const Quaternion<double> got = slerp(from, end, 0.25);
         EXPECT_NEAR(std::abs(dot(got, middle)), 1, 1e-12);
     }
-    EXPECT_NEAR(std::abs(dot(slerp_reference(from, to, 0), from)), 1, 1e-15);
-    EXPECT_NEAR(std::abs(dot(slerp_reference(from, to, 1), to)), 1, 1e-15);
+    EXPECT_NEAR(std::abs(dot(slerp(from, to, 0), from)), 1, 1e-15);
+    EXPECT_NEAR(std::abs(dot(slerp(from, to, 1), to)), 1, 1e-15);
 }
 
 }  // namespace

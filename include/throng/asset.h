@@ -106,7 +106,8 @@ struct AssetMorphTarget {
     std::vector<Vec3<float>> normals{};    // empty: none
 };
 
-// A triangle list. Arrays are indexed by the file's vertex index; optional ones are empty or complete.
+// A triangle list. Arrays are indexed by vertex; optional ones are empty or complete. load_asset() keeps the vertices
+// that the file's indices name, in the file's order, or all of them where it has no indices.
 struct AssetPrimitive {
     uint32_t material = kNone;
     std::vector<Vec3<float>> positions{};
@@ -131,7 +132,7 @@ struct AssetMesh {
     std::vector<AssetPrimitive> primitives{};
 };
 
-// A mesh that a node of the scene draws.
+// A mesh that a node of the scene draws, unless the node is hidden (KHR_node_visibility).
 struct AssetMeshInstance {
     uint32_t node = 0;
     uint32_t mesh = 0;
@@ -153,18 +154,21 @@ struct Asset {
 
 // Reads a .glb or .gltf file (glTF 2.0), its buffers and its images.
 // Extensions: KHR_mesh_quantization, EXT_ and KHR_meshopt_compression, KHR_draco_mesh_compression,
-// KHR_texture_transform, EXT_texture_webp, KHR_materials_emissive_strength, and the colours of
+// KHR_texture_transform, KHR_node_visibility, EXT_texture_webp, KHR_materials_emissive_strength, and the colours of
 // KHR_materials_pbrSpecularGlossiness.
 // Other extensions of materials and images are ignored, with a warning if that can be seen; any other one in
 // `extensionsRequired` is refused by name. Side files must lie in the file's own folder or below it. Errors: kFile,
 // kInvalidFile, kUnsupported, kLimit, kCancelled; each names the file and the place in it. Thread-safe.
 Result<Asset> load_asset(const std::filesystem::path& path, const LoadHooks& hooks = {});
 
-// Hands over the whole of a side file, a buffer or an image, from wherever the application has it. `path` is as the
-// file has it, percent-decoded: relative to the file's folder, without '..'; never a data: URI. Called on the thread
-// that called throng, and within one call not again for a file that it has handed over. If it returns kFile or
-// kInvalidFile for an image, the image is left out with a warning; other errors, and those of buffers, end the call.
-// What it throws becomes kInvalidArgument.
+// Hands over the whole of a side file, a buffer or an image, from wherever the application has it. `path` is relative
+// to the file's folder and made normal: percent-decoded, with '/' as the only separator, without '.', empty segments
+// and
+// '..' in its middle ("parts/../skin.png" is "skin.png"); never a data: URI. It begins with '..' if the glTF file names
+// something outside of its folder: a resolver that opens files must refuse such a path, or make sure that it may be
+// read. Called on the thread that called throng, and within one call not again for a file that it has handed over. If
+// it returns kFile or kInvalidFile for an image, the image is left out with a warning; other errors, and those of
+// buffers, end the call. What it throws becomes kInvalidArgument.
 using AssetResolver = std::function<Result<std::vector<std::byte>>(std::string_view path)>;
 
 // The same for the content of a file in memory; `name` becomes Asset::name and appears in messages. Without a resolver

@@ -108,6 +108,7 @@ private:
     }
 
     void check(const AssetMesh& mesh) {
+        followed_counts_.push_back(0);
         require(all_finite(mesh.weights), "weights are not finite");
         require_size_or_none(mesh.target_names, mesh.weights.size(), "target_names");
         each(mesh.primitives, "primitives",
@@ -128,6 +129,9 @@ private:
         require(all_finite(primitive.influence_weights) &&
                     std::ranges::none_of(primitive.influence_weights, [](float weight) { return weight < 0; }),
                 "influence_weights must be finite, and not negative");
+        for (size_t i = 0; i < primitive.influence_joints.size(); ++i)
+            if (primitive.influence_weights[i] > 0)
+                followed_counts_.back() = std::max(followed_counts_.back(), primitive.influence_joints[i] + 1u);
         require(primitive.indices.size() % 3 == 0, "indices has ", primitive.indices.size(),
                 " elements, which are no triangles");
         for (const uint32_t index : primitive.indices) require_index(index, n, "an index", "positions");
@@ -147,11 +151,10 @@ private:
         require_size_or_none(instance.weights, mesh.weights.size(), "weights");
         require(all_finite(instance.weights), "weights are not finite");
         if (instance.skin == kNone) return;
-        const size_t joint_count = asset_.skins[instance.skin].joints.size();
-        for (const AssetPrimitive& primitive : mesh.primitives)
-            for (size_t i = 0; i < primitive.influence_joints.size(); ++i)
-                if (primitive.influence_weights[i] > 0)
-                    require_index(primitive.influence_joints[i], joint_count, "a joint with weight", "in its skin");
+        const uint32_t followed_count = followed_counts_[instance.mesh];
+        if (followed_count > 0)
+            require_index(followed_count - 1, asset_.skins[instance.skin].joints.size(), "a joint with weight",
+                          "in its skin");
     }
 
     void check(const AssetClip& clip) {
@@ -191,6 +194,7 @@ private:
 
     const Asset& asset_;
     std::string place_;
+    std::vector<uint32_t> followed_counts_;  // [mesh]: joints up to the last one that has weight
 };
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include "base/progress.h"
 #include "bind/bind_reference.h"
 #include "compile/asset_check.h"
+#include "compile/file/character_check.h"
 #include "compile/file/character_file.h"
 #include "compile/file/character_layout.h"
 #include "compile/clip/read_clips.h"

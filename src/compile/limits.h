@@ -17,8 +17,10 @@ inline constexpr size_t kMorphLimit = 4'096;
 // The size of the keys, of the packed words and of the track table, each; the arrays of morphs have the same limit
 inline constexpr uint64_t kKeyLimit_bytes = uint64_t{256} << 20;
 
-// Vertices with their influences, and indices; a mesh counts once for each node that shows it
+// Vertices with their influences, indices, and names of sections; a mesh counts once for each node that shows it
 inline constexpr uint64_t kMeshLimit_bytes = uint64_t{2} << 30;
+// Each is a draw of every crowd that has the character
+inline constexpr size_t kSectionLimit = 262'144;
 
 // The last value of an enumeration whose values come from files and applications.
 template <class Enum>

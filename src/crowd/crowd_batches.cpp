@@ -3,7 +3,7 @@
 
 #include "base/failure.h"
 #include "bind/skin_format.h"
-#include "compile/file/character_file.h"
+#include "compile/file/character_check.h"
 #include "crowd/terrain_stage.h"
 #include "reference/reference.h"
 

@@ -94,12 +94,11 @@ AccessorFormat Accessors::format(const JsonView& user, std::string_view key) con
     return out;
 }
 
-AccessorView Accessors::open(const AccessorFormat& format) {
+AccessorView Accessors::open(const AccessorFormat& format, Missing missing) {
     const JsonView json = accessors_[format.index];
     // By the specification an accessor without a view is all zeros: one element, seen at stride 0.
-    AccessorView out{.data = kZeros.data()};
-    if (json.has("bufferView")) out = in_view(json, format);
-    out.format = format;
+    AccessorView out{.format = format, .data = kZeros.data()};
+    if (json.has("bufferView")) out = in_view(json, format, missing);
     if (const auto sparse = json.optional_object("sparse")) {
         out.owner = with_sparse(json, *sparse, out);
         out.data = out.owner->data();
@@ -108,20 +107,26 @@ AccessorView Accessors::open(const AccessorFormat& format) {
     return out;
 }
 
-// Exporters count a little too far now and then: missing elements are 0, if they are at most a tenth of all.
-AccessorView Accessors::in_view(const JsonView& json, const AccessorFormat& format) {
+// Exporters count a little too far now and then, so a tenth of all elements may be missing.
+AccessorView Accessors::in_view(const JsonView& json, const AccessorFormat& format, Missing missing) {
     const Buffers::View view = buffers_.view_of(json);
     const uint64_t element_bytes = format.element_bytes(), count = format.count;
     const Strided found = strided(json, view, element_bytes);
-    if (found.count >= count) return whole(json, view, count, element_bytes);
-    const uint64_t missing = count - found.count;
-    if (missing > count / 10) fail_to_fit(json, view, count, element_bytes, "; a tenth of them may be missing");
-    budget_.charge(count, element_bytes, json.place());
-    auto padded = std::make_shared<std::vector<std::byte>>(count * element_bytes);
+    AccessorView out{.format = format, .data = found.data, .stride_bytes = found.stride_bytes};
+    if (count == 0) out.data = kZeros.data();
+    if (found.count >= count) return out;
+    const uint64_t missing_count = count - found.count;
+    if (missing_count > count / 10) fail_to_fit(json, view, count, element_bytes, "; a tenth of them may be missing");
+    warnings_.add(json.place(), missing_count, " of ", count, " elements lie beyond its buffer view: they are ",
+                  missing == Missing::kAreZero ? "0" : "left out");
+    if (missing == Missing::kAreLeftOut) {
+        out.format.count = uint32_t(found.count);
+        return out;
+    }
+    auto padded = charged_bytes(budget_, count, element_bytes, json.place());
     for (uint64_t i = 0; i < found.count; ++i)
         std::memcpy(padded->data() + i * element_bytes, found.data + i * found.stride_bytes, element_bytes);
-    warnings_.add(json.place(), missing, " of ", count, " elements lie beyond its buffer view: they are 0");
-    return {.format = {}, .data = padded->data(), .stride_bytes = element_bytes, .owner = padded};
+    return {.format = format, .data = padded->data(), .stride_bytes = element_bytes, .owner = padded};
 }
 
 std::shared_ptr<std::vector<std::byte>> Accessors::with_sparse(const JsonView& json, const JsonView& sparse,
@@ -139,8 +144,7 @@ std::shared_ptr<std::vector<std::byte>> Accessors::with_sparse(const JsonView& j
     const JsonView values_json = sparse.required_object("values");
     const AccessorView values = whole(values_json, buffers_.view_of(values_json), sparse_count, element_bytes);
 
-    budget_.charge(count, element_bytes, json.place());
-    auto out = std::make_shared<std::vector<std::byte>>(count * element_bytes);
+    auto out = charged_bytes(budget_, count, element_bytes, json.place());
     if (base.stride_bytes > 0)
         for (uint64_t i = 0; i < count; ++i)
             std::memcpy(out->data() + i * element_bytes, base.data + i * base.stride_bytes, element_bytes);

@@ -52,7 +52,7 @@ struct AccessorView {
     AccessorFormat format;
     const std::byte* data = nullptr;
     uint64_t stride_bytes = 0;
-    std::shared_ptr<const std::vector<std::byte>> owner;  // set if the data are not in the buffer itself
+    std::shared_ptr<const std::vector<std::byte>> owner;  // set if the data are not in the buffer; holds their charge
 
     uint32_t count() const { return format.count; }
     // Normalised integers are mapped to [0, 1] or [-1, 1], others are converted.
@@ -69,6 +69,10 @@ private:
     }
 };
 
+// What becomes of elements that an accessor counts beyond its buffer view. Either way a warning counts them; where they
+// are more than a tenth of all, the accessor is refused.
+enum class Missing : uint8_t { kAreZero, kAreLeftOut };
+
 class Accessors {
 public:
     Accessors(JsonView root, Buffers& buffers, Budget& budget, Warnings& warnings)
@@ -77,11 +81,14 @@ public:
     // The accessor whose index is `user`'s member `key`. Fails at `user.key` for an index out of range, and at the
     // accessor, or its buffer view, for what is wrong there.
     AccessorFormat format(const JsonView& user, std::string_view key) const;
-    AccessorView open(const JsonView& user, std::string_view key) { return open(format(user, key)); }
-    AccessorView open(const AccessorFormat& format);
+    AccessorView open(const JsonView& user, std::string_view key, Missing missing = Missing::kAreZero) {
+        return open(format(user, key), missing);
+    }
+    // The view can count fewer elements than `format` if those that are missing are left out.
+    AccessorView open(const AccessorFormat& format, Missing missing = Missing::kAreZero);
 
 private:
-    AccessorView in_view(const JsonView& json, const AccessorFormat& format);
+    AccessorView in_view(const JsonView& json, const AccessorFormat& format, Missing missing);
     std::shared_ptr<std::vector<std::byte>> with_sparse(const JsonView& json, const JsonView& sparse,
                                                         const AccessorView& base);
 

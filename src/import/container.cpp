@@ -109,9 +109,10 @@ Buffers::View Buffers::view_of(const JsonView& user) {
     if (known == decompressed_views_.end())
         known = decompressed_views_.emplace(index, decode_meshopt(*compressed, range(*compressed), budget_)).first;
     const uint64_t size_bytes = json.required_uint("byteLength");
-    if (size_bytes > known->second.size())
-        json.fail("byteLength is ", size_bytes, ", but ", known->second.size(), " bytes are compressed in it");
-    out.bytes = std::span(known->second).first(size_bytes);
+    const std::vector<std::byte>& decompressed = *known->second;
+    if (size_bytes > decompressed.size())
+        json.fail("byteLength is ", size_bytes, ", but ", decompressed.size(), " bytes are compressed in it");
+    out.bytes = std::span(decompressed).first(size_bytes);
     return out;
 }
 

@@ -42,6 +42,8 @@ public:
     };
     // The content, decompressed, of the buffer view whose index is the member `bufferView`.
     View view_of(const JsonView& user);
+    // Frees what has been decompressed; no view of it may be in use. A view that is needed again is decompressed again.
+    void free_decompressed() { decompressed_views_.clear(); }
 
     // The content of a side file, for buffers and images. Charged to the limit of all side files.
     std::shared_ptr<const std::vector<std::byte>> side_file(std::string_view uri, const std::string& place);
@@ -63,7 +65,7 @@ private:
     Budget& budget_;
     uint64_t side_files_left_bytes_ = kFileLimitBytes;
     std::map<uint32_t, Loaded> loaded_buffers_;
-    std::map<uint32_t, std::vector<std::byte>> decompressed_views_;
+    std::map<uint32_t, std::shared_ptr<const std::vector<std::byte>>> decompressed_views_;
     std::map<std::filesystem::path, std::shared_ptr<const std::vector<std::byte>>> loaded_side_files_;
 };
 

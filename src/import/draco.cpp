@@ -9,11 +9,13 @@ namespace throng::gltf {
 namespace {
 
 // libdraco allocates what the stream claims. These decoders look at the claims at the two places where all of them are
-// known, and charge them before libdraco goes on. Failures are kept, not thrown through libdraco.
+// known, and charge them before libdraco goes on: to `of_mesh` what the mesh holds, to `working` what ends with the
+// decoder. Failures are kept, not thrown through libdraco.
 template <class Base>
 class Guarded final : public Base {
 public:
-    Guarded(Budget& budget, std::string place) : budget_(budget), place_(std::move(place)) {}
+    Guarded(TemporaryCharge& of_mesh, TemporaryCharge& working, std::string place)
+        : of_mesh_(of_mesh), working_(working), place_(std::move(place)) {}
 
     std::optional<Failure> failure;
 
@@ -29,8 +31,9 @@ protected:
         else
             read = draco::DecodeVarint(&face_count, &ahead) && draco::DecodeVarint(&vertex_count, &ahead);
         // A corner table has two 32-bit numbers for each of a face's three corners; as much again is needed on the way
-        // there.
-        return read && charge(face_count, 48 * (1 + uint64_t(seam_count))) && charge(vertex_count, 32) &&
+        // there, and for the faces of the mesh.
+        return read && charge(of_mesh_, face_count, 12) &&
+               charge(working_, face_count, 36 + 48 * uint64_t(seam_count)) && charge(working_, vertex_count, 32) &&
                Base::DecodeConnectivity();
     }
 
@@ -39,17 +42,20 @@ protected:
         for (int i = 0; i < points.num_attributes(); ++i) {
             const draco::PointAttribute& attribute = *points.attribute(i);
             const uint64_t component_bytes = uint64_t(draco::DataTypeLength(attribute.data_type()));
-            // The values as stored, the same as 32-bit integers while decoding, and the map from points to values.
-            if (!charge(points.num_points(), uint64_t(attribute.num_components()) * (component_bytes + 8) + 4))
+            const uint64_t component_count = uint64_t(attribute.num_components());
+            // The values as stored and the map from points to values; while decoding, also the values as 32-bit
+            // integers, and what their prediction takes.
+            if (!charge(of_mesh_, points.num_points(), component_count * component_bytes + 4) ||
+                !charge(working_, points.num_points(), component_count * 8))
                 return false;
         }
         return Base::DecodeAllAttributes();
     }
 
 private:
-    bool charge(uint64_t count, uint64_t element_bytes) {
+    bool charge(TemporaryCharge& to, uint64_t count, uint64_t element_bytes) {
         try {
-            budget_.charge(count, element_bytes, place_);
+            to.add(count, element_bytes, place_);
             return true;
         } catch (const Failure& f) {
             failure = f;
@@ -57,13 +63,16 @@ private:
         }
     }
 
-    Budget& budget_;
+    TemporaryCharge& of_mesh_;
+    TemporaryCharge& working_;
     std::string place_;
 };
 
 template <class Base>
-void decode(const JsonView& json, draco::DecoderBuffer& buffer, Budget& budget, draco::Mesh& mesh) {
-    Guarded<Base> decoder(budget, json.place());
+void decode(const JsonView& json, draco::DecoderBuffer& buffer, Budget& budget, TemporaryCharge& of_mesh,
+            draco::Mesh& mesh) {
+    TemporaryCharge working(budget);
+    Guarded<Base> decoder(of_mesh, working, json.place());
     const draco::DecoderOptions options;
     const draco::Status status = decoder.Decode(options, &buffer, &mesh);
     if (decoder.failure) throw *decoder.failure;
@@ -85,7 +94,7 @@ bool convert(const draco::PointAttribute& attribute, uint32_t vertex_count, uint
 }  // namespace
 
 DracoMesh::DracoMesh(const JsonView& json, Buffers& buffers, Budget& budget)
-    : json_(json), budget_(budget), mesh_(std::make_unique<draco::Mesh>()) {
+    : json_(json), budget_(budget), charge_(budget), mesh_(std::make_unique<draco::Mesh>()) {
     const auto bytes = buffers.view_of(json).bytes;
     draco::DecoderBuffer buffer;
     buffer.Init(reinterpret_cast<const char*>(bytes.data()), bytes.size());
@@ -98,9 +107,9 @@ DracoMesh::DracoMesh(const JsonView& json, Buffers& buffers, Budget& budget)
                       header.version_minor, " is not supported, only 2.2");
     try {
         if (header.encoder_method == draco::MESH_EDGEBREAKER_ENCODING)
-            decode<draco::MeshEdgebreakerDecoder>(json, buffer, budget, *mesh_);
+            decode<draco::MeshEdgebreakerDecoder>(json, buffer, budget, charge_, *mesh_);
         else if (header.encoder_method == draco::MESH_SEQUENTIAL_ENCODING)
-            decode<draco::MeshSequentialDecoder>(json, buffer, budget, *mesh_);
+            decode<draco::MeshSequentialDecoder>(json, buffer, budget, charge_, *mesh_);
         else
             json.fail("the method of compression is unknown");
     } catch (const Failure&) {
@@ -126,8 +135,7 @@ std::optional<AccessorView> DracoMesh::attribute(std::string_view name, const Ac
         id->fail("has ", mesh_->num_points(), " vertices, but accessors[", format.index, "] has ", format.count);
     if (attribute->size() == 0 && format.count > 0) id->fail("has no values");
 
-    budget_.charge(format.count, format.element_bytes(), id->place());
-    auto values = std::make_shared<std::vector<std::byte>>(size_t(format.count) * format.element_bytes());
+    const auto values = charged_bytes(budget_, format.count, format.element_bytes(), id->place());
     const bool converted = visit_component(format.component_type, [&](auto zero) {
         return convert<decltype(zero)>(*attribute, format.count, format.component_count, *values);
     });

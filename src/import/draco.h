@@ -15,18 +15,20 @@ namespace throng::gltf {
 // The geometry of one compressed primitive.
 class DracoMesh {
 public:
-    // Decompresses `json`, the extension object of a primitive. Fails with kInvalidFile, or kLimit.
+    // Decompresses `json`, the extension object of a primitive. Fails with kInvalidFile, or kLimit. The memory is
+    // charged for as long as the mesh is there.
     DracoMesh(const JsonView& json, Buffers& buffers, Budget& budget);
     ~DracoMesh();
 
     // The primitive's attribute `name`, in its accessor's format; no value where it is not among the compressed ones.
     std::optional<AccessorView> attribute(std::string_view name, const AccessorFormat& format) const;
-    // Three per triangle, not yet checked against the vertices.
+    // Three per triangle, not yet checked against the vertices. Charged for good.
     std::vector<uint32_t> indices() const;
 
 private:
     JsonView json_;
     Budget& budget_;
+    TemporaryCharge charge_;
     std::unique_ptr<draco::Mesh> mesh_;
 };
 

@@ -1,21 +1,28 @@
 // The limits of the importer, and how much of them a read has used. A hostile file of a few kilobytes can claim
 // gigabytes (accessors without data, many accessors over one buffer, compressed views), so whatever is decoded is
-// charged here before it is allocated.
+// charged here before it is allocated. What is freed while the file is still read is given back.
 #pragma once
 
 #include "base/failure.h"
 #include "base/progress.h"
 
 #include <algorithm>
+#include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <string>
+#include <vector>
 
 namespace throng::gltf {
 
 inline constexpr uint64_t kFileLimitBytes = uint64_t(2) << 30;  // a file, and all side files of a file together
-// The memory that a file's content may take, JSON as read and everything decoded: 384 MiB, or twelve times the size of
-// the file and its side files, whichever is more. Twelve, because JSON takes up to that many times its text.
+// The memory that a file's content may take at one time, JSON as read and everything decoded: 384 MiB, or twelve times
+// the size of the file and its side files, whichever is more. Twelve, because JSON takes up to that many times its
+// text.
 inline constexpr uint64_t kMemoryLimitBytes = uint64_t(384) << 20, kMemoryOfFile = 12;
+// All that is ever decoded, also what is given back, may be this many times that: decoding takes time, and a file can
+// name the same data again and again.
+inline constexpr uint64_t kDecodedOfMemory = 16;
 inline constexpr uint64_t kJsonLimitBytes = uint64_t(256) << 20;  // JSON text, data: URIs included
 inline constexpr uint32_t kWarningLimit = 100;
 
@@ -30,18 +37,25 @@ public:
         file_bytes_ += size_bytes;
         limit_bytes_ = std::max(kMemoryLimitBytes, kMemoryOfFile * file_bytes_);
     }
-    // Fails with kLimit where `size_bytes` more would exceed the limit.
+    // Fails with kLimit where `size_bytes` more would exceed a limit.
     void charge(uint64_t size_bytes, const std::string& place) {
         progress_.poll();
         if (size_bytes > limit_bytes_ - used_bytes_)
             throw Failure(ErrorCode::kLimit, place, "the file's content needs more than the limit of ",
                           limit_bytes_ >> 20, " MiB of memory (384, or ", kMemoryOfFile,
                           " times the size of the file)");
+        const uint64_t decoded_limit_bytes = kDecodedOfMemory * limit_bytes_;
+        if (size_bytes > decoded_limit_bytes - decoded_bytes_)
+            throw Failure(ErrorCode::kLimit, place, "to read the file, more than the limit of ",
+                          decoded_limit_bytes >> 20, " MiB would be decoded (", kDecodedOfMemory,
+                          " times the memory that its content may take): it names the same data too often");
         used_bytes_ += size_bytes;
+        decoded_bytes_ += size_bytes;
     }
-    // Charges `count` elements of `element_bytes` each; count is at most 2^53.
+    // Charges `count` elements of `element_bytes` each.
     void charge(uint64_t count, uint64_t element_bytes, const std::string& place) {
-        charge(count > limit_bytes_ ? limit_bytes_ + 1 : count * element_bytes, place);
+        const bool too_large = element_bytes > 0 && count > limit_bytes_ / element_bytes;
+        charge(too_large ? limit_bytes_ + 1 : count * element_bytes, place);
     }
 
     // Polls; to be called at each step of a loop over decoded data.
@@ -50,8 +64,43 @@ public:
     const Progress& progress() const { return progress_; }
 
 private:
+    friend class TemporaryCharge;
+
     Progress progress_;
-    uint64_t file_bytes_ = 0, limit_bytes_ = 0, used_bytes_ = 0;
+    uint64_t file_bytes_ = 0, limit_bytes_ = 0, used_bytes_ = 0, decoded_bytes_ = 0;
 };
+
+// The charge for what is in memory for a while only: given back when this ends.
+class TemporaryCharge {
+public:
+    explicit TemporaryCharge(Budget& budget) : budget_(budget) {}
+    ~TemporaryCharge() { budget_.used_bytes_ -= size_bytes_; }
+    TemporaryCharge(const TemporaryCharge&) = delete;
+    TemporaryCharge& operator=(const TemporaryCharge&) = delete;
+
+    // As Budget::charge().
+    void add(uint64_t count, uint64_t element_bytes, const std::string& place) {
+        budget_.charge(count, element_bytes, place);
+        size_bytes_ += count * element_bytes;
+    }
+
+private:
+    Budget& budget_;
+    uint64_t size_bytes_ = 0;
+};
+
+// Zeros for `count` elements of `element_bytes` each, charged for as long as somebody holds them.
+inline std::shared_ptr<std::vector<std::byte>> charged_bytes(Budget& budget, uint64_t count, uint64_t element_bytes,
+                                                             const std::string& place) {
+    struct Charged {
+        explicit Charged(Budget& charged_to) : charge(charged_to) {}
+        TemporaryCharge charge;
+        std::vector<std::byte> bytes;
+    };
+    const auto charged = std::make_shared<Charged>(budget);
+    charged->charge.add(count, element_bytes, place);
+    charged->bytes.resize(count * element_bytes);
+    return {charged, &charged->bytes};
+}
 
 }  // namespace throng::gltf

@@ -6,7 +6,8 @@
 
 namespace throng::gltf {
 
-std::vector<std::byte> decode_meshopt(const JsonView& json, std::span<const std::byte> compressed, Budget& budget) {
+std::shared_ptr<const std::vector<std::byte>> decode_meshopt(const JsonView& json,
+                                                             std::span<const std::byte> compressed, Budget& budget) {
     const std::string& mode = json.required_string("mode");
     const std::string* named_filter = json.optional_string("filter");
     const std::string filter = named_filter ? *named_filter : "NONE";
@@ -38,19 +39,18 @@ std::vector<std::byte> decode_meshopt(const JsonView& json, std::span<const std:
     // so that a few bytes which claim gigabytes are refused before there is memory for them.
     const uint64_t least_bytes = attributes ? count * stride_bytes / 64 : triangles ? count / 3 : count;
     if (least_bytes > compressed.size()) json.fail(compressed.size(), " bytes are too few for a count of ", count);
-    budget.charge(count, stride_bytes, json.place());
-    std::vector<std::byte> out(count * stride_bytes);
-    if (count == 0) return out;
+    const auto decoded = charged_bytes(budget, count, stride_bytes, json.place());
+    if (count == 0) return decoded;
+    std::byte* const out = decoded->data();
     const auto* data = reinterpret_cast<const unsigned char*>(compressed.data());
-    const int failed = attributes ? meshopt_decodeVertexBuffer(out.data(), count, stride_bytes, data, compressed.size())
-                       : triangles
-                           ? meshopt_decodeIndexBuffer(out.data(), count, stride_bytes, data, compressed.size())
-                           : meshopt_decodeIndexSequence(out.data(), count, stride_bytes, data, compressed.size());
+    const int failed = attributes  ? meshopt_decodeVertexBuffer(out, count, stride_bytes, data, compressed.size())
+                       : triangles ? meshopt_decodeIndexBuffer(out, count, stride_bytes, data, compressed.size())
+                                   : meshopt_decodeIndexSequence(out, count, stride_bytes, data, compressed.size());
     if (failed) json.fail("the compressed data are broken (meshoptimizer error ", failed, ")");
-    if (octahedral) meshopt_decodeFilterOct(out.data(), count, stride_bytes);
-    if (quaternion) meshopt_decodeFilterQuat(out.data(), count, stride_bytes);
-    if (exponential) meshopt_decodeFilterExp(out.data(), count, stride_bytes);
-    return out;
+    if (octahedral) meshopt_decodeFilterOct(out, count, stride_bytes);
+    if (quaternion) meshopt_decodeFilterQuat(out, count, stride_bytes);
+    if (exponential) meshopt_decodeFilterExp(out, count, stride_bytes);
+    return decoded;
 }
 
 }  // namespace throng::gltf

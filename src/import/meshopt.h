@@ -6,11 +6,15 @@
 #include "import/limits.h"
 #include "json/json_view.h"
 
+#include <memory>
+#include <span>
 #include <vector>
 
 namespace throng::gltf {
 
-// Decompresses a buffer view: `json` is its extension object, `compressed` the bytes that it names.
-std::vector<std::byte> decode_meshopt(const JsonView& json, std::span<const std::byte> compressed, Budget& budget);
+// Decompresses a buffer view: `json` is its extension object, `compressed` the bytes that it names. What is returned is
+// charged for as long as somebody holds it.
+std::shared_ptr<const std::vector<std::byte>> decode_meshopt(const JsonView& json,
+                                                             std::span<const std::byte> compressed, Budget& budget);
 
 }  // namespace throng::gltf

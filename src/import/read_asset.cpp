@@ -42,19 +42,21 @@ bool is_known(const std::string& extension) {
     constexpr std::string_view kKnown[] = {
         "KHR_mesh_quantization", "EXT_meshopt_compression", "KHR_meshopt_compression", "KHR_draco_mesh_compression",
         "KHR_texture_transform", "KHR_lights_punctual",     "KHR_texture_basisu",      "EXT_texture_webp",
-        "EXT_texture_avif",      "MSFT_texture_dds"};
+        "EXT_texture_avif",      "MSFT_texture_dds",        "KHR_node_visibility"};
     return extension.starts_with("KHR_materials_") ||
            std::find(std::begin(kKnown), std::end(kKnown), extension) != std::end(kKnown);
 }
 
-// Warns of extensions of materials that would change the picture, and are not drawn.
-void warn_of_ignored_materials(const JsonView& root, Warnings& warnings) {
+// Warns of extensions that would change the picture, and are not drawn.
+void warn_of_ignored_extensions(const JsonView& root, Warnings& warnings) {
     constexpr std::string_view kSeen[] = {"anisotropy",  "clearcoat", "diffuse_transmission", "dispersion",
                                           "iridescence", "sheen",     "transmission",         "unlit",
                                           "variants",    "volume"};
     std::string ignored;
     for (const JsonView extension : root.optional_array("extensionsUsed")) {
         const std::string_view name = extension.as_string();
+        if (name == "EXT_mesh_gpu_instancing")
+            warnings.add(extension.place(), name, " is not supported: of all instances of a mesh, one is shown");
         constexpr std::string_view kOfMaterials = "KHR_materials_";
         if (!name.starts_with(kOfMaterials)) continue;
         if (std::ranges::find(kSeen, name.substr(kOfMaterials.size())) != std::end(kSeen))
@@ -116,7 +118,7 @@ Asset read_parts(std::span<const std::byte> bytes, const SideFiles& side_files, 
     root.as_object();
     check_version(root);
     const bool quantized = check_extensions(root);
-    warn_of_ignored_materials(root, warnings);
+    warn_of_ignored_extensions(root, warnings);
     Buffers buffers(root, container, side_files, budget);
     Accessors accessors(root, buffers, budget, warnings);
     Reading reading{root, buffers, accessors, budget, warnings, quantized};
@@ -126,11 +128,12 @@ Asset read_parts(std::span<const std::byte> bytes, const SideFiles& side_files, 
     read_skins(reading, asset);
     reading.progress = progress.between(kParsed, kClipsRead);
     read_clips(reading, asset);
+    buffers.free_decompressed();  // keys and meshes are hardly ever in one view
     reading.progress = progress.between(kClipsRead, kMaterialsRead);
     const std::vector<TextureCoordinates> coordinates = read_materials(reading, asset);
     reading.progress = progress.between(kMaterialsRead, 1);
-    read_meshes(reading, coordinates, asset);
-    read_mesh_instances(reading, asset);
+    const std::vector<NeededJoints> needed_joints = read_meshes(reading, coordinates, asset);
+    read_mesh_instances(reading, needed_joints, asset);
     return asset;
 }
 

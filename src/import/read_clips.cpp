@@ -1,7 +1,10 @@
+#include "base/finite.h"
+#include "import/cut_keys.h"
 #include "import/readers.h"
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <numeric>
 #include <set>
@@ -9,12 +12,28 @@
 namespace throng::gltf {
 namespace {
 
-// A sampler as decoded and mended.
+// What a channel animates: a property of a node, or the weights of its morph targets.
+struct Animated {
+    std::string_view type;  // of its accessor: "VEC4" is a rotation, "SCALAR" are weights
+    uint32_t count = 1;     // elements per key
+
+    bool is_rotation() const { return type == "VEC4"; }
+};
+
+// A sampler of the file. If one of its accessors is cut short, the keys are those that both have.
+struct Sampler {
+    JsonView json;
+    Interpolation interpolation;
+    AccessorView input{}, output{};  // no output for weights of a node without morph targets
+    uint64_t values_per_key = 0;
+    uint32_t key_count = 0;
+};
+
+// Key times as decoded and mended.
 struct Keys {
-    std::vector<float> times_s;  // strictly increasing
-    std::vector<uint32_t> kept;  // which keys of the file these are
-    uint32_t file_count = 0;
-    uint32_t back_count = 0, doubled_count = 0;  // keys of the file that were mended
+    std::vector<float> times_s;                                    // strictly increasing
+    std::vector<uint32_t> kept;                                    // which keys of the file these are
+    uint32_t before_count = 0, back_count = 0, doubled_count = 0;  // keys of the file that were mended
 };
 
 Interpolation read_interpolation(const JsonView& sampler) {
@@ -25,36 +44,54 @@ Interpolation read_interpolation(const JsonView& sampler) {
     sampler.fail_at("interpolation", "'", printable(*name), "' is unknown");
 }
 
+Sampler open_sampler(Reading& reading, const JsonView& json, const Animated& animated) {
+    Sampler out{.json = json, .interpolation = read_interpolation(json)};
+    const AccessorFormat input = reading.accessors.format(json, "input");
+    if (input.type != "SCALAR" || !input.is_float())
+        json.fail_at("input", "must be SCALAR of floats, but is ", input.text());
+    out.input = reading.accessors.open(input, Missing::kAreLeftOut);
+    out.key_count = out.input.count();
+    if (animated.count == 0) return out;
+
+    const AccessorFormat output = reading.accessors.format(json, "output");
+    const auto fail = [&](const auto&... what) { json.fail_at("output", what...); };
+    if (output.type != animated.type) fail("must be ", animated.type, ", but is ", output.type);
+    if (!output.is_float() && (!output.normalized || output.component_type == ComponentType::kUint32))
+        fail("must be floats or normalised integers, but is ", output.component_text());
+    out.values_per_key = uint64_t(animated.count) * (out.interpolation == Interpolation::kCubicSpline ? 3 : 1);
+    if (output.count != input.count * out.values_per_key)
+        fail("has ", output.count, " values, but must have ", input.count * out.values_per_key, ", for ", input.count,
+             " key times", animated.type == "SCALAR" ? joined(" and ", animated.count, " morph targets") : "");
+    out.output = reading.accessors.open(output, Missing::kAreLeftOut);
+    out.key_count = uint32_t(std::min<uint64_t>(out.key_count, out.output.count() / out.values_per_key));
+    return out;
+}
+
 // glTF 2.0, 3.11, wants times that increase strictly. Keys that go back in time are sorted, as Filament (gltfio,
 // Animator.cpp: a std::map) and Blender (FCurve.update() after the import) do; three.js (Interpolant.js) and Khronos'
 // viewer (interpolator.js) search them as if they were sorted, and what they find depends on the time shown before.
 // Where several keys have one time, the value arrives at the first and goes on from the last, as in three.js and
-// Khronos' viewer.
-Keys read_times(Reading& reading, const JsonView& sampler, Interpolation interpolation) {
-    const AccessorView input = reading.accessors.open(sampler, "input");
-    const std::string place = sampler.place_of("input");
-    if (input.format.type != "SCALAR" || !input.format.is_float())
-        sampler.fail_at("input", "must be SCALAR of floats, but is ", input.format.text());
-    reading.budget.charge(input.count(), sizeof(float) + sizeof(uint32_t), place);
-    const auto time_of = [&](uint32_t key) { return input.number(key, 0); };
+// Khronos' viewer. Times before 0 stay here: what lies there is cut off with the values.
+Keys read_times(Reading& reading, const Sampler& sampler) {
+    const std::string place = sampler.json.place_of("input");
+    reading.budget.charge(sampler.key_count, sizeof(float) + sizeof(uint32_t), place);
+    const auto time_of = [&](uint32_t key) { return sampler.input.number(key, 0); };
     Keys out;
-    out.file_count = input.count();
-    for (uint32_t key = 0; key < input.count(); ++key) {
+    for (uint32_t key = 0; key < sampler.key_count; ++key) {
         reading.budget.poll_at(key);
-        const auto fail = [&](const char* what) { sampler.fail_at("input", "the time of key ", key, " ", what); };
-        if (!std::isfinite(time_of(key))) fail("is not finite");
-        if (time_of(key) < 0) fail("is negative");
+        if (!std::isfinite(time_of(key))) sampler.json.fail_at("input", "the time of key ", key, " is not finite");
+        if (time_of(key) < 0) ++out.before_count;
         if (key > 0 && time_of(key) < time_of(key - 1)) ++out.back_count;
     }
-    out.kept.resize(input.count());
+    out.kept.resize(sampler.key_count);
     std::iota(out.kept.begin(), out.kept.end(), 0u);
     if (out.back_count > 0) {
-        reading.budget.charge(input.count(), sizeof(uint32_t), place);
+        reading.budget.charge(sampler.key_count, sizeof(uint32_t), place);
         std::stable_sort(out.kept.begin(), out.kept.end(),
                          [&](uint32_t a, uint32_t b) { return time_of(a) < time_of(b); });
     }
 
-    out.times_s.reserve(input.count());
+    out.times_s.reserve(sampler.key_count);
     const auto add = [&](float time_s, uint32_t key) {
         out.kept[out.times_s.size()] = key;
         out.times_s.push_back(time_s);
@@ -66,57 +103,39 @@ Keys read_times(Reading& reading, const JsonView& sampler, Interpolation interpo
         const uint32_t last = out.kept[end - 1];
         // The first of several goes to the float before, so that times still differ. It is left out where nothing would
         // show it (steps; at 0), and where the difference is no normal float, which a device may take for 0.
-        const float before_s = std::nextafter(time_s, 0.0f);
+        const float before_s = std::nextafter(time_s, -std::numeric_limits<float>::infinity());
         const bool has_room = out.times_s.empty() || out.times_s.back() < before_s;
-        if (first != last && interpolation != Interpolation::kStep && has_room && std::isnormal(time_s - before_s))
-            add(before_s, first);
+        const bool steps = sampler.interpolation == Interpolation::kStep;
+        if (first != last && !steps && has_room && std::isnormal(time_s - before_s)) add(before_s, first);
         add(time_s, last);
     }
     out.kept.resize(out.times_s.size());
     return out;
 }
 
-// What a channel animates: a property of a node, or the weights of its morph targets.
-struct Animated {
-    std::string_view type;  // of its accessor: "VEC4" is a rotation, "SCALAR" are weights
-    uint32_t count = 1;     // elements per key
-};
-
 // [key][element]; for cubic splines [key][3][element].
-std::vector<float> read_values(Reading& reading, const JsonView& sampler, const Keys& keys, const Animated& animated,
-                               Interpolation interpolation) {
-    const AccessorView output = reading.accessors.open(sampler, "output");
-    const AccessorFormat& format = output.format;
-    const auto fail = [&](const auto&... what) { sampler.fail_at("output", what...); };
-    if (format.type != animated.type) fail("must be ", animated.type, ", but is ", format.type);
-    if (!format.is_float() && (!format.normalized || format.component_type == ComponentType::kUint32))
-        fail("must be floats or normalised integers, but is ", format.component_text());
-    const uint64_t per_key = uint64_t(animated.count) * (interpolation == Interpolation::kCubicSpline ? 3 : 1);
-    if (output.count() != keys.file_count * per_key)
-        fail("has ", output.count(), " values, but must have ", keys.file_count * per_key, ", for ", keys.file_count,
-             " key times", animated.type == "SCALAR" ? joined(" and ", animated.count, " morph targets") : "");
-
-    reading.budget.charge(uint64_t(output.count()) * format.component_count, sizeof(float), sampler.place_of("output"));
+std::vector<float> read_values(Reading& reading, const Sampler& sampler, const Keys& keys, const Animated& animated) {
+    const AccessorView& output = sampler.output;
+    const std::string place = sampler.json.place_of("output");
+    const uint64_t per_key = sampler.values_per_key;
+    reading.budget.charge(uint64_t(output.count()) * output.format.component_count, sizeof(float), place);
     std::vector<float> out;
-    out.reserve(keys.kept.size() * per_key * format.component_count);
-    const bool is_rotation = animated.type == "VEC4";
+    out.reserve(keys.kept.size() * per_key * output.format.component_count);
     bool has_zero = false;
     for (const uint32_t key : keys.kept)
         for (uint64_t part = 0; part < per_key; ++part) {
             reading.budget.poll_at(key * per_key + part);
             float length_squared = 0;
-            for (uint32_t c = 0; c < format.component_count; ++c) {
+            for (uint32_t c = 0; c < output.format.component_count; ++c) {
                 const float value = output.number(uint32_t(key * per_key + part), c);
-                if (!std::isfinite(value)) fail("the value of key ", key, " is not finite");
+                if (!std::isfinite(value)) sampler.json.fail_at("output", "the value of key ", key, " is not finite");
                 length_squared += value * value;
                 out.push_back(value);
             }
             const bool is_tangent = per_key == 3 && part != 1;
-            has_zero = has_zero || (is_rotation && !is_tangent && length_squared == 0);
+            has_zero = has_zero || (animated.is_rotation() && !is_tangent && length_squared == 0);
         }
-    if (has_zero)
-        reading.warnings.add(sampler.place_of("output"),
-                             "has a quaternion of length zero: it is taken as the identity");
+    if (has_zero) reading.warnings.add(place, "has a quaternion of length zero: it is taken as the identity");
     return out;
 }
 
@@ -131,6 +150,7 @@ public:
         if (without_node_count_ > 0)
             reading.warnings.add(json.place(), without_node_count_, " of ", channels.size(),
                                  " channels have no target node: they are ignored");
+        warn_of_times(before_count_, "are before time 0: the clip is cut there");
         warn_of_times(back_count_, "are earlier than the key before them: the keys are sorted by time");
         warn_of_times(doubled_count_,
                       "have the time of another one: the value jumps there, from the first to the last of them");
@@ -174,15 +194,17 @@ private:
 
     // `key` is what the track animates.
     template <class Track, class Key>
-    void read_track(const JsonView& channel, const JsonView& sampler, const Animated& animated, Track track,
+    void read_track(const JsonView& channel, const JsonView& sampler_json, const Animated& animated, Track track,
                     const Key& key, std::map<Key, size_t>& index_of, std::vector<Track>& tracks) {
-        track.interpolation = read_interpolation(sampler);
-        Keys keys = read_keys(sampler, track.interpolation);
+        const Sampler sampler = open_sampler(reading_, sampler_json, animated);
+        track.interpolation = sampler.interpolation;
+        Keys keys = read_keys(sampler);
         if (!keys.times_s.empty()) clip_.duration_s = std::max(clip_.duration_s, double(keys.times_s.back()));
         if (animated.count == 0) return ignore(channel, "its node has no morph targets: the channel is ignored");
-        track.values = read_values(reading_, sampler, keys, animated, track.interpolation);
+        track.values = read_values(reading_, sampler, keys, animated);
         track.times_s = std::move(keys.times_s);
         if (track.times_s.empty()) return ignore(channel, "has no keys: the channel is ignored");
+        if (keys.before_count > 0) cut(track, sampler_json, animated);
 
         reading_.budget.charge(sizeof(Track), channel.place());
         const auto [known, is_new] = index_of.emplace(key, tracks.size());
@@ -191,15 +213,24 @@ private:
         tracks[known->second] = std::move(track);
     }
 
+    // Cubic tracks can exceed floats between their keys, and so at time 0.
+    template <class Track>
+    void cut(Track& track, const JsonView& sampler_json, const Animated& animated) const {
+        cut_before_zero({track.interpolation, animated.is_rotation(), track.times_s, track.values});
+        if (!all_finite(track.values))
+            sampler_json.fail_at("output", "the curve at time 0, where it is cut, is not finite");
+    }
+
     // A sampler counts once, however many channels use it.
-    Keys read_keys(const JsonView& sampler, Interpolation interpolation) {
-        Keys keys = read_times(reading_, sampler, interpolation);
-        if (!counted_samplers_.insert(sampler.place()).second) return keys;
-        key_count_ += keys.file_count;
+    Keys read_keys(const Sampler& sampler) {
+        Keys keys = read_times(reading_, sampler);
+        if (!counted_samplers_.insert(sampler.json.place()).second) return keys;
+        key_count_ += sampler.key_count;
+        before_count_ += keys.before_count;
         back_count_ += keys.back_count;
         doubled_count_ += keys.doubled_count;
-        const bool mended = keys.back_count > 0 || keys.doubled_count > 0;
-        if (mended && first_mended_.empty()) first_mended_ = sampler.place_of("input");
+        const bool mended = keys.before_count > 0 || keys.back_count > 0 || keys.doubled_count > 0;
+        if (mended && first_mended_.empty()) first_mended_ = sampler.json.place_of("input");
         return keys;
     }
 
@@ -221,7 +252,7 @@ private:
     std::map<std::pair<uint32_t, TrackTarget>, size_t> track_of_;
     std::map<uint32_t, size_t> morph_track_of_;  // by node
     std::set<std::string> counted_samplers_;     // by place
-    uint64_t key_count_ = 0, back_count_ = 0, doubled_count_ = 0, without_node_count_ = 0;
+    uint64_t key_count_ = 0, before_count_ = 0, back_count_ = 0, doubled_count_ = 0, without_node_count_ = 0;
     std::string first_mended_;  // place of the first sampler's times that were mended
 };
 

@@ -10,7 +10,7 @@ std::vector<Affine> read_inverse_binds(Reading& reading, const JsonView& json, s
     std::vector<Affine> out(joint_count);
     if (!json.has("inverseBindMatrices")) return out;
     const auto fail = [&](const auto&... what) { json.fail_at("inverseBindMatrices", what...); };
-    const AccessorView matrices = reading.accessors.open(json, "inverseBindMatrices");
+    const AccessorView matrices = reading.accessors.open(json, "inverseBindMatrices", Missing::kAreLeftOut);
     if (matrices.format.type != "MAT4" || !matrices.format.is_float())
         fail("must be MAT4 of floats, but is ", matrices.format.text());
     if (matrices.count() < joint_count) fail("has ", matrices.count(), " matrices for ", joint_count, " joints");

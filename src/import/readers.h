@@ -38,13 +38,21 @@ struct TextureCoordinates {
     bool operator==(const TextureCoordinates&) const = default;
 };
 
+// How many joints the skins of a mesh must have.
+struct NeededJoints {
+    uint32_t count = 0;   // one more than the largest joint that has weight
+    uint32_t vertex = 0;  // of the file, which follows that joint
+    std::string place{};  // of the JOINTS_n that say so
+};
+
 void read_nodes(Reading& reading, Asset& asset);
 void read_skins(Reading& reading, Asset& asset);
 void read_clips(Reading& reading, Asset& asset);
 // Returns the texture coordinates that each material uses.
 std::vector<TextureCoordinates> read_materials(Reading& reading, Asset& asset);
-void read_meshes(Reading& reading, std::span<const TextureCoordinates> of_materials, Asset& asset);
-void read_mesh_instances(Reading& reading, Asset& asset);
+// Returns what each mesh needs of its skins.
+std::vector<NeededJoints> read_meshes(Reading& reading, std::span<const TextureCoordinates> of_materials, Asset& asset);
+void read_mesh_instances(Reading& reading, std::span<const NeededJoints> of_meshes, Asset& asset);
 
 // The number of morph targets of `mesh`, an object of the file: that of its first primitive; read_meshes() requires the
 // same of the others.

@@ -11,20 +11,22 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::string percent_decoded(std::string_view text, const std::string& place) {
+// Calls bad_escape() at a `%` that begins no escape; if that returns, the `%` stands for itself.
+template <class BadEscape>
+std::string percent_decoded(std::string_view text, const BadEscape& bad_escape) {
     std::string out;
     out.reserve(text.size());
     for (size_t i = 0; i < text.size(); ++i) {
-        if (text[i] != '%') {
-            out.push_back(text[i]);
-            continue;
-        }
+        out.push_back(text[i]);
+        if (text[i] != '%') continue;
         const std::string_view digits = text.substr(i + 1, 2);
         uint8_t byte = 0;
         const char* end = std::from_chars(digits.data(), digits.data() + digits.size(), byte, 16).ptr;
-        if (end != digits.data() + 2)
-            throw Failure(ErrorCode::kInvalidFile, place, "bad percent escape in '", printable(text), "'");
-        out.push_back(char(byte));
+        if (end != digits.data() + 2) {
+            bad_escape();
+            continue;
+        }
+        out.back() = char(byte);
         i += 2;
     }
     return out;
@@ -78,16 +80,31 @@ constexpr std::string_view kSeparators = "/\\";
 bool is_absolute(std::string_view path) {
     return kSeparators.find(path[0]) != kSeparators.npos || (path.size() > 1 && path[1] == ':');
 }
-bool leads_up(std::string_view path) {
-    for (size_t begin = 0, end = 0; end != path.npos; begin = end + 1) {
-        end = path.find_first_of(kSeparators, begin);
-        if (path.substr(begin, end - begin) == "..") return true;
-    }
-    return false;
+
+// Without dot segments (RFC 3986, 5.2.4), but for those at the beginning that lead out of the folder.
+std::string normal_path(std::string_view path) { return fs::path(path).lexically_normal().generic_string(); }
+std::string with_slashes(std::string path) {
+    std::ranges::replace(path, '\\', '/');
+    return path;
 }
+// Of a normal path.
+bool leads_up(std::string_view path) { return path == ".." || path.starts_with("../"); }
 
 [[noreturn]] void refuse(ErrorCode code, std::string_view uri, const std::string& place, const char* why) {
     throw Failure(code, place, "'", printable(uri), "' ", why);
+}
+
+// The path in a URI, percent-decoded.
+std::string relative_path(std::string_view uri, const std::string& place) {
+    const auto fail = [&](const char* why) { refuse(ErrorCode::kInvalidFile, uri, place, why); };
+    if (has_scheme(uri)) fail("is not a relative path: only data: URIs and files beside the glTF file are read");
+    // Some exporters do not escape names, and `%` is a part of them.
+    std::string path = percent_decoded(uri, [] {});
+    const std::string name = normal_path(with_slashes(path));
+    if (path.empty() || path.find('\0') != path.npos || name == ".") fail("is not a file name");
+    // "./c:/file" begins with a drive once it is normal.
+    if (is_absolute(path) || is_absolute(name)) fail("is an absolute path: side files must lie in the file's folder");
+    return path;
 }
 
 }  // namespace
@@ -100,7 +117,10 @@ std::vector<std::byte> decode_data_uri(std::string_view uri, Budget& budget, con
     const std::string_view header = uri.substr(0, comma), payload = uri.substr(comma + 1);
     const bool escaped = payload.find('%') != payload.npos;
     budget.charge(payload.size() * (escaped ? 2 : 1), place);
-    const std::string unescaped = escaped ? percent_decoded(payload, place) : std::string();
+    const auto fail = [&] {
+        throw Failure(ErrorCode::kInvalidFile, place, "bad percent escape in '", printable(payload), "'");
+    };
+    const std::string unescaped = escaped ? percent_decoded(payload, fail) : std::string();
     const std::string_view text = escaped ? std::string_view(unescaped) : payload;
     if (header.ends_with(";base64")) return base64_decoded(text, budget, place);
     const auto* bytes = reinterpret_cast<const std::byte*>(text.data());
@@ -108,22 +128,20 @@ std::vector<std::byte> decode_data_uri(std::string_view uri, Budget& budget, con
 }
 
 std::string side_file_name(std::string_view uri, const std::string& place) {
-    const auto fail = [&](const char* why) { refuse(ErrorCode::kInvalidFile, uri, place, why); };
-    if (has_scheme(uri)) fail("is not a relative path: only data: URIs and files beside the glTF file are read");
-    std::string name = percent_decoded(uri, place);
-    if (name.empty() || name.find('\0') != name.npos) fail("is not a file name");
-    if (is_absolute(name)) fail("is an absolute path: side files must lie in the file's folder");
-    if (leads_up(name)) fail("has '..' in it: side files must lie in the file's folder");
-    return name;
+    return normal_path(with_slashes(relative_path(uri, place)));
 }
 
 fs::path resolve_side_file(std::string_view uri, const fs::path& folder, const std::string& place) {
     const auto fail = [&](ErrorCode code, const char* why) { refuse(code, uri, place, why); };
-    const fs::path relative(side_file_name(uri, place));
+    const std::string as_written = normal_path(relative_path(uri, place)), name = side_file_name(uri, place);
+    if (leads_up(name))
+        fail(ErrorCode::kInvalidFile, "leads out of the file's folder by '..': side files must lie in it or below");
     std::error_code error;
     const fs::path root = fs::weakly_canonical(folder.empty() ? fs::path(".") : folder, error);
     if (error) fail(ErrorCode::kFile, "cannot be found");
-    const fs::path file = fs::weakly_canonical(root / relative, error);
+    // Where a backslash is no separator, it can be part of a name.
+    const bool is_as_written = !leads_up(as_written) && fs::exists(root / as_written, error);
+    const fs::path file = fs::weakly_canonical(root / (is_as_written ? as_written : name), error);
     if (error || !fs::exists(file, error)) fail(ErrorCode::kFile, "cannot be found");
     // A symbolic link may lead out of the folder.
     const auto [root_end, file_end] = std::mismatch(root.begin(), root.end(), file.begin(), file.end());

@@ -1,6 +1,8 @@
 // A track's value at a key, and between two keys.
 #pragma once
 
+#include "base/slerp.h"
+
 #include <throng/character.h>
 
 namespace throng {
@@ -46,14 +48,11 @@ inline TrackValue lerp(const TrackValue& a, const TrackValue& b, double w) {
     return out;
 }
 
-// The shortest arc between unit quaternions.
-Quaternion<double> slerp_reference(Quaternion<double> a, Quaternion<double> b, double w);
-
 // Between two exact keys: the straight line, or the arc between rotations.
 inline TrackValue interpolate_reference(TrackTarget target, const TrackValue& earlier, const TrackValue& later,
                                         double w) {
     if (target != TrackTarget::kRotation) return lerp(earlier, later, w);
-    return value_of(slerp_reference(normalized(quaternion_of(earlier)), normalized(quaternion_of(later)), w));
+    return value_of(slerp(normalized(quaternion_of(earlier)), normalized(quaternion_of(later)), w));
 }
 
 }  // namespace throng

@@ -1,6 +1,7 @@
 // What compilation makes of nodes, meshes and skins.
 #include "compile/rig/rig.h"
 #include "tests/host/compile_cases.h"
+#include "tests/shared.h"
 #include "tests/test_rig.h"
 #include "tests/text.h"
 
@@ -176,6 +177,64 @@ TEST(Compile, AMeshCountsForEachNodeThatShowsIt) {
         << error.text();
 }
 
+TEST(Compile, SectionsAndTheirNamesAreLimited) {
+    AssetBuilder builder;
+    builder.mesh(builder.node(kNone));
+    std::vector<AssetPrimitive>& primitives = builder.asset.meshes[0].primitives;
+    primitives.resize(600, primitives[0]);
+    builder.asset.mesh_instances.resize(600, builder.asset.mesh_instances[0]);
+    const Error sections = refusal_of(builder.asset);
+    EXPECT_EQ(sections.code, ErrorCode::kLimit);
+    EXPECT_TRUE(contains(sections.text(), "built: its meshes have 360000 primitives, each counted for every node") &&
+                contains(sections.text(), "the limit is 262144"))
+        << sections.text();
+    builder.asset.mesh_instances.resize(1);
+    builder.asset.nodes[0].name.assign(size_t{4} << 20, 'n');
+    EXPECT_TRUE(contains(refusal_of(builder.asset).text(), "its meshes take 2400 MiB"));
+}
+
+// Points, lines and what has no positions: a file of a few kilobytes can have 20,000 of them at 20,000 nodes.
+TEST(Compile, PrimitivesWithoutTrianglesHaveNoSection) {
+    AssetBuilder builder;
+    builder.mesh(builder.node(kNone));
+    std::vector<AssetPrimitive>& primitives = builder.asset.meshes[0].primitives;
+    const AssetPrimitive triangle = primitives[0];
+    primitives = {{}, {.positions = triangle.positions}, triangle};
+    primitives.resize(20'000);
+    builder.asset.mesh_instances.resize(20'000, builder.asset.mesh_instances[0]);
+    const Character character = compiled(builder.asset, {.error = 0, .lods = false});
+    ASSERT_EQ(character.sections.size(), 20'000u);
+    EXPECT_EQ(character.vertices.size(), 60'000u);
+    for (const MeshSection& section : character.sections) ASSERT_EQ(section.primitive, 2u);
+}
+
+// Each is four million instances times as many nodes, or as many influences.
+TEST(Compile, ManyInstancesAreNotGoneThroughOneByOne) {
+    constexpr uint32_t kInstances = kSanitized ? 1'000 : 4'000'000, kNodes = kSanitized ? 1'000 : 400'000;
+    AssetBuilder chain;
+    for (uint32_t i = 0; i < kNodes; ++i)
+        chain.asset.nodes.push_back({.parent = i == 0 ? kNone : i - 1, .parent_from_node = moved(0.25, 0, 0)});
+    chain.mesh(kNodes - 1);
+    chain.asset.meshes.emplace_back();  // draws nothing
+    chain.asset.mesh_instances.resize(kInstances, {.node = kNodes - 1, .mesh = 1});
+    const Character character = compiled(chain.asset, {.error = 0, .lods = false});
+    EXPECT_EQ(character.rig.joint_count(), 1u);
+    ASSERT_EQ(character.palette.size(), 1u);
+    EXPECT_EQ(character.palette[0].joint_from_bind.row[0][3], 0.25f * (kNodes - 1));
+
+    AssetBuilder skinned;
+    const uint32_t joint = skinned.node(kNone);
+    skinned.mesh(joint, skinned.skin({joint}));
+    AssetPrimitive& primitive = skinned.asset.meshes[0].primitives[0];
+    primitive.positions.resize(kNodes);
+    primitive.influence_joints.resize(4 * size_t{kNodes});
+    primitive.influence_weights.resize(4 * size_t{kNodes}, 0.25f);
+    skinned.asset.mesh_instances.resize(kInstances, skinned.asset.mesh_instances[0]);
+    EXPECT_EQ(refusal_of(skinned.asset).code, ErrorCode::kLimit);
+    primitive.influence_joints.back() = 1;
+    EXPECT_TRUE(contains(refusal_of(skinned.asset).text(), "mesh_instances[0]: a joint with weight is 1"));
+}
+
 TEST(Compile, AnAssetWithNothingToDrawIsRefused) {
     AssetBuilder builder;
     builder.node(kNone);
@@ -264,6 +323,20 @@ TEST(Compile, AMirroringNodeTurnsTheWindingRound) {
     builder.mesh(builder.node(kNone));
     const Character character = compiled(builder.asset);
     EXPECT_EQ(character.indices, (std::vector<uint32_t>{0, 2, 1, 0, 1, 2}));
+}
+
+// The specification goes by the node, whose transform a skinned mesh ignores otherwise.
+TEST(Compile, AMirroringNodeTurnsTheWindingOfSkinsRound) {
+    AssetBuilder builder;
+    Trs<double> mirror;
+    mirror.scale = {1, 1, -1};
+    const uint32_t armature = builder.node(kNone, mirror), body = builder.node(armature),
+                   joint = builder.node(armature), twice = builder.node(armature, mirror), beside = builder.node(kNone);
+    const uint32_t skin = builder.skin({joint});
+    for (const uint32_t node : {armature, body, twice, beside}) builder.mesh(node, skin);
+    const Character character = compiled(builder.asset);
+    ASSERT_EQ(character.sections.size(), 4u);
+    EXPECT_EQ(character.indices, (std::vector<uint32_t>{0, 2, 1, 0, 2, 1, 0, 1, 2, 0, 1, 2}));
 }
 
 TEST(Compile, WeightsAreBroughtToOne) {

@@ -12,6 +12,8 @@ TEST(Import, AccessorsALittleTooLongAreReadAsFarAsTheyGo) {
         of.erase("JOINTS_0");
         of.erase("WEIGHTS_0");
         b.json["nodes"][0].erase("skin");
+        primitive(b).erase("indices");
+        primitive(b)["mode"] = 5;
         of["POSITION"] = b.add(std::vector<float>(3 * count, 1), "VEC3", kFloat);
         of["NORMAL"] = b.add(std::vector<float>(3 * count, 1), "VEC3", kFloat);
         of["COLOR_0"] = b.add(std::vector<float>(4 * there, 0.5f), "VEC4", kFloat);
@@ -31,6 +33,43 @@ TEST(Import, AccessorsALittleTooLongAreReadAsFarAsTheyGo) {
     EXPECT_FALSE(load(many));
 }
 
+// Keys of 0, and matrices of 0, would be worse than none.
+TEST(Import, WhatLiesBeyondABufferViewIsNoKeyAndNoMatrix) {
+    constexpr size_t kCount = 20;
+    const auto with_keys = [&](size_t times_there, size_t values_there) {
+        GlbBuilder b = tiny_character();
+        std::vector<float> times_s(times_there);
+        for (size_t i = 0; i < times_there; ++i) times_s[i] = float(i);
+        sampler(b)["input"] = b.add(times_s, "SCALAR", kFloat);
+        b.json["accessors"].back()["count"] = kCount;
+        sampler(b)["output"] = b.add(std::vector<float>(3 * values_there, 1), "VEC3", kFloat);
+        b.json["accessors"].back()["count"] = kCount;
+        channel(b)["target"]["path"] = "translation";
+        return b;
+    };
+    for (const auto& [times_there, values_there] : {std::pair(18, 20), std::pair(20, 18), std::pair(18, 19)}) {
+        const Asset asset = loaded(with_keys(size_t(times_there), size_t(values_there)));
+        const AssetTrack& track = asset.clips.at(0).tracks.at(0);
+        EXPECT_EQ(track.times_s.size(), 18u);
+        EXPECT_EQ(track.values, std::vector<float>(3 * 18, 1));
+        EXPECT_EQ(asset.clips[0].duration_s, 17);
+        EXPECT_EQ(asset.warnings.size(), size_t(times_there < 20) + size_t(values_there < 20));
+        EXPECT_TRUE(has_warning(asset, "2 of 20 elements lie beyond its buffer view: they are left out"));
+    }
+    expect_refused(with_keys(17, 20), "accessors[8]", "a tenth of them may be missing");
+
+    GlbBuilder b = tiny_character();
+    b.json["skins"][0]["joints"] = {1, 2, 1, 2, 1, 2, 1, 2, 1, 2};
+    b.json["skins"][0]["inverseBindMatrices"] = b.add(std::vector<float>(16 * 9, 1), "MAT4", kFloat);
+    b.json["accessors"].back()["count"] = 10;
+    expect_refused(b, "skins[0].inverseBindMatrices", "has 9 matrices for 10 joints");
+
+    b = tiny_character();
+    primitive(b)["indices"] = b.add(std::vector<uint16_t>(28, 1), "SCALAR", kUint16);
+    b.json["accessors"].back()["count"] = 30;
+    EXPECT_EQ(loaded(b).meshes[0].primitives[0].indices.size(), 27u);
+}
+
 TEST(Import, AccessorBounds) {
     const auto with = [](const char* key, const GltfJson& value) {
         GlbBuilder b = tiny_character();
@@ -39,7 +78,7 @@ TEST(Import, AccessorBounds) {
     };
     const std::string place = "accessors[0]";
     expect_refused(with("count", 4), place, "4 elements of 12 bytes from byte 0 do not fit");
-    expect_refused(with("count", 2), "meshes[0].primitives[0].attributes.NORMAL", "has 3 elements, but POSITION has 2");
+    expect_refused(with("count", 2), "meshes[0].primitives[0].indices", "index 2, but there are 2 vertices");
     expect_refused(with("byteOffset", 1), place, "do not fit");
     expect_refused(with("byteOffset", 1ull << 52), place, "do not fit");
     expect_refused(with("byteOffset", -4), place + ".byteOffset", "-4");
@@ -120,14 +159,24 @@ TEST(Import, AmplificationIsBounded) {
     expect_limit(b, "meshes[0].primitives[0].attributes.POSITION");
     b.json["accessors"][8]["sparse"] = {
         {"count", 0}, {"indices", {{"bufferView", 0}, {"componentType", kUint8}}}, {"values", {{"bufferView", 0}}}};
-    expect_limit(b, "meshes[0].primitives[0].attributes.POSITION");
+    expect_limit(b, "accessors[8]");
     // Nor do many primitives over one.
     b.json["accessors"][8] = {{"componentType", kFloat}, {"count", 1'000'000}, {"type", "VEC3"}};
+    primitive(b).erase("indices");
     const GltfJson one = primitive(b);
     for (int i = 0; i < 1000; ++i) b.json["meshes"][0]["primitives"].push_back(one);
     const auto result = load(b);
     ASSERT_FALSE(result.ok());
     EXPECT_EQ(result.error().code, ErrorCode::kLimit);
+    // Nor do many sets of influences, which are refused as a whole.
+    b.json["meshes"][0]["primitives"] = {one};
+    b.json["accessors"].push_back({{"componentType", kUint8}, {"count", 1'000'000}, {"type", "VEC4"}});
+    b.json["accessors"].push_back({{"componentType", kFloat}, {"count", 1'000'000}, {"type", "VEC4"}});
+    for (int set = 0; set < 100; ++set) {
+        attributes(b)["JOINTS_" + std::to_string(set)] = 9;
+        attributes(b)["WEIGHTS_" + std::to_string(set)] = 10;
+    }
+    expect_limit(b, "meshes[0].primitives[0].attributes");
 }
 
 // What a file contains may take the more memory the larger it is.
@@ -147,6 +196,34 @@ TEST(Import, MemoryIsLimitedByTheSizeOfTheFile) {
     large.add_file(kMiB);
     large.charge(12 * kMiB, "");
     EXPECT_THROW(large.charge(1, ""), Failure);
+}
+
+TEST(Import, MemoryThatIsFreedIsGivenBack) {
+    gltf::Budget budget(1000);
+    auto bytes = gltf::charged_bytes(budget, 1000, 12, "");
+    EXPECT_EQ(bytes->size(), 12'000u);
+    const auto is_empty = [&] {
+        try {
+            gltf::TemporaryCharge(budget).add(gltf::kMemoryLimitBytes, 1, "");
+            return true;
+        } catch (const Failure&) {
+            return false;
+        }
+    };
+    auto also = bytes;
+    bytes.reset();
+    EXPECT_FALSE(is_empty()) << "somebody still holds them";
+    also.reset();
+    // All that is decoded has a limit of its own; 12,000 bytes are missing for the last round.
+    for (uint64_t round = 1; round < gltf::kDecodedOfMemory; ++round) EXPECT_TRUE(is_empty()) << round;
+    try {
+        budget.charge(gltf::kMemoryLimitBytes, "meshes[0]");
+        ADD_FAILURE() << "decoded without end";
+    } catch (const Failure& failure) {
+        EXPECT_EQ(failure.error.code, ErrorCode::kLimit);
+        EXPECT_EQ(failure.error.place, "meshes[0]");
+        EXPECT_NE(failure.error.message.find("the limit of 6144 MiB"), std::string::npos) << failure.error.text();
+    }
 }
 
 }  // namespace

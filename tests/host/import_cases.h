@@ -1,6 +1,8 @@
 // Loading of files that are built for it, and what is expected of them.
 #pragma once
 
+#include "import/container.h"
+#include "json/json_text.h"
 #include "tests/glb_builder.h"
 
 #include <throng/throng.h>
@@ -29,6 +31,26 @@ GltfJson& primitive(GlbBuilder& b);
 GltfJson& attributes(GlbBuilder& b);
 GltfJson& sampler(GlbBuilder& b);
 GltfJson& channel(GlbBuilder& b);
+
+// The buffers of a file as readers see them, and what they are charged to.
+class OpenedBuffers {
+public:
+    explicit OpenedBuffers(const GlbBuilder& b);
+
+    JsonView root() const { return json_.view(); }
+    // Whether `size_bytes` more could be charged.
+    bool has_room(uint64_t size_bytes);
+
+private:
+    const std::string text_;
+    const JsonText json_;
+    const gltf::Container container_;
+    const gltf::SideFiles none_;
+
+public:
+    gltf::Budget budget{0};
+    gltf::Buffers buffers;
+};
 
 template <class T>
 void overwrite(GlbBuilder& b, size_t accessor, size_t component, T value) {

@@ -1,4 +1,5 @@
 // Clips: their keys, channels and interpolations.
+#include "tests/host/compile_cases.h"
 #include "tests/host/import_cases.h"
 #include "tests/test_rig.h"
 
@@ -51,7 +52,6 @@ TEST(Import, KeyTimes) {
     };
     expect_refused(with_times(0, kNan), input, "the time of key 1 is not finite");
     expect_refused(with_times(0, kInfinity), input, "not finite");
-    expect_refused(with_times(-1, 0), input, "the time of key 0 is negative");
     EXPECT_EQ(loaded(with_times(2, 3)).clips[0].duration_s, 3);
     b.json["accessors"][kTimes]["type"] = "VEC2";
     b.json["accessors"][kTimes]["count"] = 1;
@@ -166,6 +166,110 @@ TEST(Import, MendedKeysPlay) {
     // Tangents of 0.03 and 0.2 per second where it goes from the third to the second key.
     const double middle = (3 + 2) / 2.0 + (0.03 - 0.2) / 8;
     EXPECT_NEAR(tip_x(with_keys({0, 2, 1, 3}, "CUBICSPLINE"), 1.5), middle, kBound);
+}
+
+// ---- Key times before 0
+
+// A clip of one channel with a sampler of its own; of weights, for the mesh's three morph targets.
+GlbBuilder with_curve(const char* path, const char* interpolation, const std::vector<float>& times_s,
+                      const std::vector<float>& values) {
+    GlbBuilder b = tiny_character();
+    const bool are_weights = path == std::string("weights");
+    if (are_weights)
+        primitive(b)["targets"] = GltfJson::array({{{"POSITION", 0}}, {{"POSITION", 0}}, {{"POSITION", 0}}});
+    const char* type = are_weights ? "SCALAR" : path == std::string("rotation") ? "VEC4" : "VEC3";
+    sampler(b) = {{"input", b.add(times_s, "SCALAR", kFloat)},
+                  {"output", b.add(values, type, kFloat)},
+                  {"interpolation", interpolation}};
+    channel(b)["target"] = {{"node", are_weights ? 0 : 2}, {"path", path}};
+    return b;
+}
+
+// The only curve of a clip, as a track of node 0; three weights at a time are as a translation.
+AssetTrack curve_of(const AssetClip& clip) {
+    AssetTrack out;
+    if (!clip.tracks.empty()) {
+        out = clip.tracks[0];
+    } else {
+        const AssetMorphTrack& weights = clip.morph_tracks.at(0);
+        out = {.interpolation = weights.interpolation, .times_s = weights.times_s, .values = weights.values};
+    }
+    out.node = 0;
+    return out;
+}
+
+TEST(Import, ACurveThatBeginsBeforeZeroIsCutThere) {
+    const std::vector<float> times_s{-0.75f, -0.25f, 0.5f, 2};
+    const std::vector<float> vectors{1, 2, 3, -1, 4, 0.5f, 3, -2, 1, 0, 0, 2};
+    const float half = std::sqrt(0.5f);
+    const std::vector<float> rotations{0, 0, 0, 1, 0.6f, 0, 0, 0.8f, 0, -half, 0, -half, half, 0, half, 0};
+    struct Case {
+        const char* path;
+        TrackTarget target;
+        const std::vector<float>& values;
+    };
+    for (const auto& [path, target, plain] :
+         {Case{"translation", TrackTarget::kTranslation, vectors}, Case{"rotation", TrackTarget::kRotation, rotations},
+          Case{"weights", TrackTarget::kTranslation, vectors}})
+        for (const auto& [name, interpolation] :
+             {std::pair("LINEAR", Interpolation::kLinear), std::pair("STEP", Interpolation::kStep),
+              std::pair("CUBICSPLINE", Interpolation::kCubicSpline)}) {
+            SCOPED_TRACE(std::string(path) + ", " + name);
+            std::vector<float> values = plain;
+            if (interpolation == Interpolation::kCubicSpline) {  // the keys before and after are the tangents
+                values.clear();
+                const size_t width = plain.size() / times_s.size();
+                for (size_t i = 0; i < plain.size() * 3; ++i)
+                    values.push_back(plain[(i / (3 * width) * width + i % width + i / width % 3 * 5) % plain.size()]);
+            }
+            const Asset asset = loaded(with_curve(path, name, times_s, values));
+            ASSERT_EQ(asset.warnings.size(), 1u);
+            EXPECT_TRUE(
+                has_warning(asset, "animations[0].samplers[0].input: 2 of the clip's 4 keys are before time 0"));
+            EXPECT_EQ(asset.clips.at(0).duration_s, 2);
+            const AssetClip cut{.tracks = {curve_of(asset.clips[0])}};
+            const AssetClip uncut{.tracks = {{.node = 0,
+                                              .target = target,
+                                              .interpolation = interpolation,
+                                              .times_s = times_s,
+                                              .values = values}}};
+            EXPECT_EQ(cut.tracks[0].times_s, (std::vector<float>{0, 0.5f, 2}));
+            for (const double time_s : {0.0, 0.1, 0.3, 0.499, 0.5, 1.1, 2.0, 3.0}) {
+                const Trs<double> got = node_trs(asset, 0, &cut, time_s), wanted = node_trs(asset, 0, &uncut, time_s);
+                EXPECT_LE(length(got.translation - wanted.translation), 3e-6) << time_s;
+                EXPECT_NEAR(std::abs(dot(got.rotation, wanted.rotation)), 1, 1e-6) << time_s;
+            }
+        }
+}
+
+TEST(Import, KeysBeforeZeroAtTheEdges) {
+    const auto track_of = [](const GlbBuilder& b) { return loaded(b).clips.at(0).tracks.at(0); };
+    AssetTrack track = track_of(with_keys({-1, 0, 1}));
+    EXPECT_EQ(track.times_s, (std::vector<float>{0, 1}));
+    EXPECT_EQ(track.values, (std::vector<float>{2, 0, 0, 3, 0, 0}));
+    track = track_of(with_keys({-1, -0.5f, 1}, "STEP"));
+    EXPECT_EQ(track.values, (std::vector<float>{2, 0, 0, 3, 0, 0}));
+    track = track_of(with_keys({-2, -1}));
+    EXPECT_EQ(track.times_s, std::vector<float>{0});
+    EXPECT_EQ(track.values, (std::vector<float>{2, 0, 0}));
+    EXPECT_EQ(loaded(with_keys({-2, -1})).clips[0].duration_s, 0);
+    track = track_of(with_keys({-2, -1}, "CUBICSPLINE"));
+    EXPECT_EQ(track.values, (std::vector<float>{0.2f, 0, 0, 2, 0, 0, 0.02f, 0, 0}));
+
+    // Keys are sorted first, and what comes last at one time goes on from there.
+    GlbBuilder b = with_keys({1, -1, -1});
+    const Asset asset = loaded(b);
+    EXPECT_EQ(asset.clips[0].tracks[0].values, (std::vector<float>{2, 0, 0, 1, 0, 0}));
+    EXPECT_EQ(asset.warnings.size(), 3u);
+    b.json["animations"][0]["channels"].push_back(channel(b));  // uses the sampler again
+    b.json["animations"][0]["channels"][1]["target"]["node"] = 1;
+    EXPECT_TRUE(has_warning(loaded(b), "samplers[0].input: 2 of the clip's 3 keys are before time 0"));
+
+    b = with_curve("translation", "CUBICSPLINE", {-1, 1}, std::vector<float>(18));
+    const size_t output = sampler(b)["output"];
+    overwrite(b, output, 3, 3e38f);
+    overwrite(b, output, 12, -3e38f);
+    expect_refused(b, "animations[0].samplers[0].output", "at time 0, where it is cut, is not finite");
 }
 
 TEST(Import, KeyValues) {

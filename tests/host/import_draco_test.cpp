@@ -1,4 +1,5 @@
 // What KHR_draco_mesh_compression has packed.
+#include "import/draco.h"
 #include "tests/host/import_cases.h"
 
 #include <draco/compression/encode.h>
@@ -68,6 +69,26 @@ TEST(Import, DracoLeavesMorphTargetsAlone) {
     EXPECT_EQ(target.positions, (std::vector<Vec3<float>>{{1, 2, 3}, {4, 5, 6}, {7, 8, 9}, {10, 11, 12}}));
     primitive(b)["targets"][0]["POSITION"] = b.add<float>({1, 2, 3}, "VEC3", kFloat);
     expect_refused(b, "meshes[0].primitives[0].targets[0].POSITION", "has 1 elements, but POSITION has 4");
+}
+
+// A mesh counts while it is there, and what decoding it takes only until it is decoded.
+TEST(Import, DracoGivesItsMemoryBack) {
+    GlbBuilder b = draco_character(draco::MESH_EDGEBREAKER_ENCODING);
+    b.json["buffers"][0]["byteLength"] = b.bin.size();
+    OpenedBuffers file(b);
+    const JsonView primitive = file.root().required_array("meshes")[0].required_array("primitives")[0];
+    {
+        const gltf::DracoMesh mesh(*primitive.extension("KHR_draco_mesh_compression"), file.buffers, file.budget);
+        // 2 triangles of 12 bytes; 4 vertices of 12, 4 and 16 bytes, and 4 for each attribute.
+        EXPECT_TRUE(file.has_room(gltf::kMemoryLimitBytes - 200));
+        EXPECT_FALSE(file.has_room(gltf::kMemoryLimitBytes - 199));
+        gltf::AccessorFormat format{.type = "VEC3", .component_count = 3, .count = 4};
+        const auto view = mesh.attribute("POSITION", format);
+        ASSERT_TRUE(view);
+        EXPECT_EQ(view->count(), 4u);
+        EXPECT_FALSE(file.has_room(gltf::kMemoryLimitBytes - 200)) << "the vertices as floats";
+    }
+    EXPECT_TRUE(file.has_room(gltf::kMemoryLimitBytes));
 }
 
 TEST(Import, BrokenDraco) {

@@ -95,13 +95,159 @@ TEST(Import, Quantised) {
     EXPECT_EQ(p.texcoords[2], (std::array<float, 2>{5, 6}));
 }
 
+// A triangle's vertices, of five that two primitives share. Nobody names number 3, which is broken.
+GlbBuilder shared_vertices() {
+    GlbBuilder b = tiny_character();
+    std::vector<float> positions, normals, texcoords, colors, weights, moved;
+    std::vector<uint8_t> joints;
+    for (int i = 0; i < 5; ++i) {
+        const auto v = float(i);
+        const float x = i == 3 ? kNan : v;
+        positions.insert(positions.end(), {x, v * v, 0});
+        normals.insert(normals.end(), {0, 0, v + 1});
+        texcoords.insert(texcoords.end(), {v, x});
+        colors.insert(colors.end(), {v / 4, 0, x, 1});
+        weights.insert(weights.end(), {(v + 1) / 8, x, 0, 0});
+        joints.insert(joints.end(), {uint8_t(i % 2), uint8_t(i == 3 ? 99 : 1), 0, 0});
+        moved.insert(moved.end(), {x, 0, v});
+    }
+    attributes(b) = {{"POSITION", b.add(positions, "VEC3", kFloat)},   {"NORMAL", b.add(normals, "VEC3", kFloat)},
+                     {"TEXCOORD_0", b.add(texcoords, "VEC2", kFloat)}, {"COLOR_0", b.add(colors, "VEC4", kFloat)},
+                     {"JOINTS_0", b.add(joints, "VEC4", kUint8)},      {"WEIGHTS_0", b.add(weights, "VEC4", kFloat)}};
+    const size_t differences = b.add(moved, "VEC3", kFloat);
+    primitive(b)["targets"] = {{{"POSITION", differences}, {"NORMAL", differences}}};
+    primitive(b)["indices"] = b.add<uint16_t>({4, 2, 0}, "SCALAR", kUint16);
+    b.json["meshes"][0]["primitives"].push_back(primitive(b));
+    b.json["meshes"][0]["primitives"][1]["indices"] = b.add<uint16_t>({1, 4, 2, 1}, "SCALAR", kUint16);
+    b.json["meshes"][0]["primitives"][1]["mode"] = 5;
+    return b;
+}
+
+TEST(Import, VerticesThatNoTriangleNamesAreLeftOut) {
+    const Asset asset = loaded(shared_vertices());
+    EXPECT_TRUE(asset.warnings.empty()) << asset.warnings[0];
+    ASSERT_EQ(asset.meshes.at(0).primitives.size(), 2u);
+    const std::vector<float> kept[2] = {{0, 2, 4}, {1, 2, 4}};
+    for (size_t k = 0; k < 2; ++k) {
+        const AssetPrimitive& p = asset.meshes[0].primitives[k];
+        ASSERT_EQ(p.positions.size(), 3u);
+        ASSERT_EQ(p.targets.size(), 1u);
+        ASSERT_EQ(p.influence_joints.size(), 12u);
+        ASSERT_EQ(p.influence_weights.size(), 12u);
+        for (size_t i = 0; i < 3; ++i) {
+            const float v = kept[k][i];
+            EXPECT_EQ(p.positions[i], (Vec3<float>{v, v * v, 0}));
+            EXPECT_EQ(p.normals.at(i), (Vec3<float>{0, 0, v + 1}));
+            EXPECT_EQ(p.texcoords.at(i), (std::array<float, 2>{v, v}));
+            EXPECT_EQ(p.colors.at(i), (std::array<float, 4>{v / 4, 0, v, 1}));
+            EXPECT_EQ(p.influence_weights[4 * i], (v + 1) / 8);
+            EXPECT_EQ(p.influence_weights[4 * i + 1], v);
+            EXPECT_EQ(p.influence_joints[4 * i], int(v) % 2);
+            EXPECT_EQ(p.targets[0].positions.at(i), (Vec3<float>{v, 0, v}));
+            EXPECT_EQ(p.targets[0].normals.at(i), (Vec3<float>{v, 0, v}));
+        }
+    }
+    EXPECT_EQ(asset.meshes[0].primitives[0].indices, (std::vector<uint32_t>{2, 1, 0}));
+    EXPECT_EQ(asset.meshes[0].primitives[1].indices, (std::vector<uint32_t>{0, 2, 1, 2, 0, 1}));
+}
+
+TEST(Import, VerticesAreNamedByTheirNumbersInTheFile) {
+    const std::string place = "meshes[0].primitives[0]";
+    const GlbBuilder good = shared_vertices();
+    const GltfJson& of = good.json["meshes"][0]["primitives"][0];
+    GlbBuilder b = good;
+    overwrite(b, of["attributes"]["POSITION"], 4 * 3, kInfinity);
+    expect_refused(b, place + ".attributes.POSITION", "vertex 4 is not finite");
+    b = good;
+    overwrite(b, of["targets"][0]["POSITION"], 4 * 3, kInfinity);
+    expect_refused(b, place + ".targets[0].POSITION", "vertex 4 is not finite");
+    b = good;
+    overwrite<uint8_t>(b, of["attributes"]["JOINTS_0"], 4 * 4, 2);
+    expect_refused(b, place + ".attributes.JOINTS_0", "vertex 4 follows joint 2, but skins[0] has 2");
+}
+
+TEST(Import, VerticesThatTrianglesNameAllKeepTheirOrder) {
+    GlbBuilder b = tiny_character();
+    primitive(b)["indices"] = b.add<uint8_t>({2, 0, 1}, "SCALAR", kUint8);
+    const Asset asset = loaded(b);
+    EXPECT_EQ(asset.meshes.at(0).primitives.at(0).indices, (std::vector<uint32_t>{2, 0, 1}));
+    EXPECT_EQ(asset.meshes[0].primitives[0].positions, (std::vector<Vec3<float>>{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}));
+    // Without indices, also those of a triangle that is incomplete.
+    attributes(b) = {{"POSITION", b.add<float>({1, 1, 1, 2, 2, 2, 3, 3, 3, 4, 4, 4}, "VEC3", kFloat)}};
+    b.json["nodes"][0].erase("skin");
+    primitive(b).erase("indices");
+    EXPECT_EQ(loaded(b).meshes[0].primitives[0].positions.size(), 4u);
+}
+
+TEST(Import, IntegersWhereTheyAreNotAllowedAreNormalised) {
+    const std::string place = "file.glb: meshes[0].primitives[0].attributes.";
+    const std::string normalised =
+        " of 6 attributes, the first of them here, are integers that glTF does not allow "
+        "there: they are taken as normalised";
+    GlbBuilder good = tiny_character();
+    attributes(good)["NORMAL"] = good.add<int8_t>({0, 0, 127, 0, -127, 0, 127, 0, 0}, "VEC3", kInt8);
+    attributes(good)["TEXCOORD_0"] = good.add<uint16_t>({0, 65535, 13107, 0, 0, 0}, "VEC2", kUint16);
+    attributes(good)["COLOR_0"] = good.add<uint8_t>({255, 51, 0, 1, 2, 3, 4, 5, 6}, "VEC3", kUint8);
+    attributes(good)["WEIGHTS_0"] = good.add<uint8_t>({51, 204, 0, 0, 255, 0, 0, 0, 255, 0, 0, 0}, "VEC4", kUint8);
+    const Asset asset = loaded(good);
+    EXPECT_EQ(asset.warnings, (std::vector<std::string>{place + "NORMAL: 4" + normalised}));
+    const AssetPrimitive& p = asset.meshes.at(0).primitives.at(0);
+    EXPECT_EQ(p.normals, (std::vector<Vec3<float>>{{0, 0, 1}, {0, -1, 0}, {1, 0, 0}}));
+    EXPECT_EQ(p.texcoords, (std::vector<std::array<float, 2>>{{0, 1}, {0.2f, 0}, {0, 0}}));
+    EXPECT_EQ(p.colors.at(0), (std::array<float, 4>{1, 0.2f, 0, 1}));
+    EXPECT_EQ(p.influence_weights[0], 0.2f);
+    EXPECT_EQ(p.influence_weights[1], 0.8f);
+
+    GlbBuilder b = good;
+    b.json["meshes"][0]["primitives"].push_back(primitive(b));
+    EXPECT_TRUE(has_warning(loaded(b), "8 of 12 attributes")) << "one line for all";
+    // What is allowed stays: with KHR_mesh_quantization texture coordinates may have any size.
+    b = good;
+    b.json["extensionsUsed"] = {"KHR_mesh_quantization"};
+    const Asset quantized = loaded(b);
+    EXPECT_EQ(quantized.meshes.at(0).primitives.at(0).texcoords.at(1), (std::array<float, 2>{13107, 0}));
+    EXPECT_EQ(quantized.warnings, (std::vector<std::string>{place + "NORMAL: 3" + normalised}));
+    // Signed colours, or 32 bits, mean nothing.
+    b = good;
+    attributes(b)["COLOR_0"] = b.add<int8_t>({1, 2, 3, 4, 5, 6, 7, 8, 9}, "VEC3", kInt8);
+    expect_refused(b, "meshes[0].primitives[0].attributes.COLOR_0", "must not be 8-bit integers");
+    attributes(b)["COLOR_0"] = b.add<uint32_t>({1, 2, 3, 4, 5, 6, 7, 8, 9}, "VEC3", kUint32);
+    expect_refused(b, "meshes[0].primitives[0].attributes.COLOR_0", "must not be unsigned 32-bit integers");
+}
+
+TEST(Import, NormalsOfAWrongFormatAreMade) {
+    GlbBuilder unsigned_ones = tiny_character(), four = tiny_character();
+    attributes(unsigned_ones)["NORMAL"] = unsigned_ones.add<uint8_t>({9, 9, 9, 9, 9, 9, 9, 9, 9}, "VEC3", kUint8);
+    attributes(four)["NORMAL"] = four.add(std::vector<float>(12, 1), "VEC4", kFloat);
+    for (const GlbBuilder& b : {unsigned_ones, four}) {
+        const Asset asset = loaded(b);
+        EXPECT_EQ(asset.warnings.size(), 2u);
+        EXPECT_TRUE(has_warning(asset,
+                                "meshes[0].primitives[0].attributes.NORMAL: 1 of 4 attributes, the first of them here, "
+                                "have a format that normals cannot have: they are left out"));
+        EXPECT_TRUE(has_warning(asset, "3 of 3 vertices have no normal"));
+        EXPECT_EQ(asset.meshes.at(0).primitives.at(0).normals, (std::vector<Vec3<float>>(3, {0, 0, 1})));
+    }
+}
+
+// The one that needs the most joints is named, whichever primitive has it.
+TEST(Import, TheLargestJointOfAMeshIsChecked) {
+    GlbBuilder b = tiny_character();
+    b.json["meshes"][0]["primitives"].push_back(primitive(b));
+    const size_t joints = b.add<uint8_t>({0, 5, 0, 0, 1, 0, 0, 0, 3, 0, 0, 0}, "VEC4", kUint8);
+    overwrite<uint8_t>(b, kVertexJoints, 4, 2);
+    b.json["meshes"][0]["primitives"][1]["attributes"]["JOINTS_0"] = joints;
+    expect_refused(b, "meshes[0].primitives[1].attributes.JOINTS_0", "vertex 0 follows joint 5, but skins[0] has 2");
+    b.json["nodes"][0].erase("skin");
+    EXPECT_TRUE(load(b).ok());
+}
+
 TEST(Import, Influences) {
     const std::string place = "meshes[0].primitives[0].attributes";
     // Two sets, the second of normalised integers.
     GlbBuilder b = tiny_character();
     attributes(b)["JOINTS_1"] = b.add<uint16_t>({1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0}, "VEC4", kUint16);
     attributes(b)["WEIGHTS_1"] = b.add<uint8_t>({255, 0, 0, 0, 51, 0, 0, 0, 0, 0, 0, 0}, "VEC4", kUint8);
-    expect_refused(b, place + ".WEIGHTS_1", "unsigned 8-bit integers");
     b.json["accessors"].back()["normalized"] = true;
     const Asset asset = loaded(b);
     const AssetPrimitive& p = asset.meshes[0].primitives[0];

@@ -4,6 +4,7 @@
 #include <meshoptimizer.h>
 
 #include <cmath>
+#include <cstring>
 
 namespace throng::test {
 namespace {
@@ -119,6 +120,24 @@ TEST(Import, MeshoptOfKhronos) {
     GlbBuilder colors = renamed(good);
     colors.json["bufferViews"][0]["extensions"]["KHR_meshopt_compression"]["filter"] = "COLOR";
     expect_refused(load(colors), ErrorCode::kUnsupported, place, "COLOR");
+}
+
+TEST(Import, WhatMeshoptHasDecompressedIsGivenBack) {
+    GlbBuilder b = meshopt_character();
+    b.json["buffers"][0]["byteLength"] = b.bin.size();
+    OpenedBuffers file(b);
+    const JsonView accessor = file.root().required_array("accessors")[kPosition];
+    for (int round = 0; round < 2; ++round) {
+        const auto bytes = file.buffers.view_of(accessor).bytes;
+        ASSERT_EQ(bytes.size(), 36u);
+        float x = 0;
+        std::memcpy(&x, bytes.data() + 12, sizeof(x));
+        EXPECT_EQ(x, 1) << "of the second vertex";
+        EXPECT_EQ(file.buffers.view_of(accessor).bytes.data(), bytes.data()) << "decompressed once";
+        EXPECT_FALSE(file.has_room(gltf::kMemoryLimitBytes - 35));
+        file.buffers.free_decompressed();
+        EXPECT_TRUE(file.has_room(gltf::kMemoryLimitBytes));
+    }
 }
 
 TEST(Import, BrokenMeshopt) {

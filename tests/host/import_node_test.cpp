@@ -145,6 +145,36 @@ TEST(Import, Scenes) {
     expect_refused(b, "nodes[0].skin", "index 1, but skins has 1 entry");
 }
 
+TEST(Import, WhatIsHiddenIsNotDrawn) {
+    const auto hide = [](GlbBuilder& b, size_t node, const GltfJson& visible) {
+        b.json["nodes"][node]["extensions"]["KHR_node_visibility"]["visible"] = visible;
+    };
+    GlbBuilder b = tiny_character();
+    b.json["extensionsUsed"] = b.json["extensionsRequired"] = {"KHR_node_visibility"};
+    b.json["nodes"][2]["mesh"] = 0;
+    EXPECT_EQ(loaded(b).mesh_instances.size(), 2u);
+    hide(b, 1, false);
+    hide(b, 2, true);  // below a hidden node that does not help
+    for (const bool with_scene : {true, false}) {
+        if (!with_scene) b.json.erase("scenes"), b.json.erase("scene");
+        const Asset asset = loaded(b);
+        ASSERT_EQ(asset.mesh_instances.size(), 1u);
+        EXPECT_EQ(asset.mesh_instances[0].node, 0u);
+        EXPECT_EQ(asset.skins.at(0).joints, (std::vector<uint32_t>{1, 2})) << "joints work, hidden or not";
+        EXPECT_TRUE(asset.warnings.empty());
+    }
+    hide(b, 0, false);
+    EXPECT_TRUE(loaded(b).mesh_instances.empty());
+    hide(b, 0, "no");
+    expect_refused(b, "nodes[0].extensions.KHR_node_visibility.visible", "must be");
+}
+
+TEST(Import, InstancingThatIsNotShownIsAWarning) {
+    GlbBuilder b = tiny_character();
+    b.json["extensionsUsed"] = {"EXT_mesh_gpu_instancing"};
+    EXPECT_TRUE(has_warning(loaded(b), "extensionsUsed[0]: EXT_mesh_gpu_instancing is not supported"));
+}
+
 TEST(Import, Skins) {
     GlbBuilder b = tiny_character();
     b.json["skins"][0].erase("inverseBindMatrices");

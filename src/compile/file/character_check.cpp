@@ -1,4 +1,4 @@
-#include "compile/file/character_file.h"
+#include "compile/file/character_check.h"
 
 #include "base/failure.h"
 #include "base/finite.h"
@@ -259,6 +259,7 @@ private:
         Ranges vertices{"its vertices begin at ", "its vertices end at ", c_.vertices.size()},
             influences{"its influences begin at ", "its influences end at ", c_.influences.size()},
             indices{"its indices begin at ", "its indices end at ", c_.indices.size()};
+        check_limit("sections", c_.sections.size(), " of them", kSectionLimit);
         check_count("section names", c_.section_names.size(), c_.sections.size());
         for (size_t i = 0; i < c_.sections.size(); ++i) {
             const MeshSection& section = c_.sections[i];

@@ -23,9 +23,4 @@ Character read_character(std::span<const std::byte> bytes, const std::string& pl
 // The checksum of a whole file, as its header has it.
 uint64_t checksum_of(std::span<const std::byte> file);
 
-// Throws `code` if an index or a range leads out of its array, a number is not finite, scales are less uniform than the
-// rig claims or a text is more than a line, and kLimit if a limit is exceeded. So nothing leads a stage, on the GPU or
-// not, out of its buffers, or a reader of messages astray.
-void check_character(const Character& character, const std::string& place, ErrorCode code);
-
 }  // namespace throng

@@ -1,6 +1,7 @@
 #include "compile/file/character_file.h"
 
 #include "base/failure.h"
+#include "compile/file/character_check.h"
 #include "compile/file/character_layout.h"
 
 #include <algorithm>

@@ -3,6 +3,7 @@
 #include "base/count.h"
 #include "base/crc64.h"
 #include "base/failure.h"
+#include "compile/file/character_check.h"
 #include "compile/file/character_layout.h"
 
 #include <cassert>

@@ -2,12 +2,13 @@
 
 #include "base/count.h"
 #include "base/failure.h"
-#include "reference/sampled_poses.h"
 #include "compile/limits.h"
 #include "import/normals.h"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
+#include <tuple>
 
 namespace throng {
 namespace {
@@ -38,6 +39,40 @@ uint32_t pack_color(const std::array<float, 4>& color) {
     return packed;
 }
 
+// [node_count]: whether the determinant of model_from_node is negative, in the rest pose.
+std::vector<bool> mirroring_nodes(const Asset& asset) {
+    const auto sign = [](double x) { return (x > 0) - (x < 0); };
+    std::vector<int> signs(asset.nodes.size());
+    std::vector<bool> mirroring(asset.nodes.size());
+    for (const uint32_t node : parents_first(asset)) {
+        const auto& [x, y, z] = asset.nodes[node].parent_from_node.scale;
+        const uint32_t parent = asset.nodes[node].parent;
+        signs[node] = sign(x) * sign(y) * sign(z) * (parent == kNone ? 1 : signs[parent]);
+        mirroring[node] = signs[node] < 0;
+    }
+    return mirroring;
+}
+
+// [mesh]: its primitives that have triangles.
+std::vector<std::vector<uint32_t>> drawn_primitives(const Asset& asset) {
+    std::vector<std::vector<uint32_t>> drawn(asset.meshes.size());
+    for (size_t mesh = 0; mesh < asset.meshes.size(); ++mesh) {
+        const std::vector<AssetPrimitive>& primitives = asset.meshes[mesh].primitives;
+        for (uint32_t i = 0; i < primitives.size(); ++i)
+            if (!primitives[i].indices.empty()) drawn[mesh].push_back(i);
+    }
+    return drawn;
+}
+
+// Any order will do. Skins that are equal in it share their palette entries.
+struct ByEntries {
+    bool operator()(const std::vector<PaletteEntry>& a, const std::vector<PaletteEntry>& b) const {
+        return std::ranges::lexicographical_compare(a, b, [](const PaletteEntry& x, const PaletteEntry& y) {
+            return std::tie(x.joint, x.joint_from_bind.row) < std::tie(y.joint, y.joint_from_bind.row);
+        });
+    }
+};
+
 class MeshCompiler {
 public:
     MeshCompiler(const Asset& asset, const RigMap& map, Character& character, const Progress& progress)
@@ -45,7 +80,9 @@ public:
           map_(map),
           character_(character),
           progress_(progress),
-          rest_model_from_joint_(rest_model_from_joint(map.rig)) {}
+          drawn_(drawn_primitives(asset)),
+          mirroring_(mirroring_nodes(asset)),
+          anchors_(rigid_anchors(asset, map)) {}
 
     void run() {
         check_size();
@@ -53,8 +90,7 @@ public:
         size_t done = 0;
         for (const AssetMeshInstance& instance : asset_.mesh_instances) {
             progress_.report(done++, asset_.mesh_instances.size());
-            for (uint32_t primitive = 0; primitive < asset_.meshes[instance.mesh].primitives.size(); ++primitive)
-                add_section(instance, primitive);
+            for (const uint32_t primitive : drawn_[instance.mesh]) add_section(instance, primitive);
         }
         character_.materials = asset_.materials;
         character_.images = asset_.images;
@@ -62,18 +98,37 @@ public:
     }
 
 private:
-    void check_size() const {
+    uint64_t drawn_bytes(uint32_t mesh) const {
         uint64_t size_bytes = 0;
-        for (const AssetMeshInstance& instance : asset_.mesh_instances)
-            for (const AssetPrimitive& primitive : asset_.meshes[instance.mesh].primitives) {
-                const uint64_t influence_sets = std::max(1u, primitive.influence_count / 4);
-                size_bytes += primitive.positions.size() * (sizeof(Vertex) + influence_sets * sizeof(Influences)) +
-                              primitive.indices.size() * sizeof(uint32_t);
-            }
+        for (const uint32_t index : drawn_[mesh]) {
+            const AssetPrimitive& primitive = asset_.meshes[mesh].primitives[index];
+            const uint64_t influence_sets = std::max(1u, primitive.influence_count / 4);
+            size_bytes += primitive.positions.size() * (sizeof(Vertex) + influence_sets * sizeof(Influences)) +
+                          primitive.indices.size() * sizeof(uint32_t);
+        }
+        return size_bytes;
+    }
+
+    void check_size() const {
+        std::vector<uint64_t> bytes_of(asset_.meshes.size());
+        for (uint32_t mesh = 0; mesh < bytes_of.size(); ++mesh) bytes_of[mesh] = drawn_bytes(mesh);
+        uint64_t section_count = 0, size_bytes = 0;
+        for (const AssetMeshInstance& instance : asset_.mesh_instances) {
+            section_count += drawn_[instance.mesh].size();
+            size_bytes += bytes_of[instance.mesh] + drawn_[instance.mesh].size() * name_of(instance).size();
+        }
+        constexpr const char* kCounted = ", each counted for every node that shows it; the limit is ";
+        if (section_count > kSectionLimit)
+            throw Failure(ErrorCode::kLimit, asset_.name, "its meshes have ", section_count, " primitives", kCounted,
+                          kSectionLimit);
         if (size_bytes > kMeshLimit_bytes)
-            throw Failure(ErrorCode::kLimit, asset_.name, "its meshes take ", size_bytes >> 20,
-                          " MiB, each counted for every node that shows it; the limit is ", kMeshLimit_bytes >> 20,
-                          " MiB");
+            throw Failure(ErrorCode::kLimit, asset_.name, "its meshes take ", size_bytes >> 20, " MiB", kCounted,
+                          kMeshLimit_bytes >> 20, " MiB");
+    }
+
+    const std::string& name_of(const AssetMeshInstance& instance) const {
+        const std::string& node_name = asset_.nodes[instance.node].name;
+        return node_name.empty() ? asset_.meshes[instance.mesh].name : node_name;
     }
 
     uint32_t add_entries(const std::vector<PaletteEntry>& entries) {
@@ -86,27 +141,20 @@ private:
 
     // Skins with the same joints and inverse binds share their entries.
     void add_skin(const AssetSkin& skin) {
+        progress_.poll();
         std::vector<PaletteEntry> entries;
         for (size_t k = 0; k < skin.joints.size(); ++k)
             entries.push_back({map_.joint_of_node[skin.joints[k]], skin.inverse_binds[k]});
-        for (const Skin& other : character_.skins) {
-            const auto same = [](const PaletteEntry& a, const PaletteEntry& b) {
-                return a.joint == b.joint && a.joint_from_bind == b.joint_from_bind;
-            };
-            const auto begin = character_.palette.begin() + other.first_entry;
-            if (other.joint_count == entries.size() && std::equal(entries.begin(), entries.end(), begin, same)) {
-                character_.skins.push_back({skin.name, other.first_entry, other.joint_count});
-                return;
-            }
-        }
-        character_.skins.push_back({skin.name, add_entries(entries), count_of(entries)});
+        auto known = first_entries_.find(entries);
+        if (known == first_entries_.end()) known = first_entries_.emplace(entries, add_entries(entries)).first;
+        character_.skins.push_back({skin.name, known->second, count_of(entries)});
     }
 
     // The palette entry of a mesh that follows its node.
     uint32_t rigid_entry(uint32_t node) {
         const auto known = rigid_entries_.find(node);
         if (known != rigid_entries_.end()) return known->second;
-        const RigidAnchor anchor = rigid_anchor(asset_, map_, node);
+        const RigidAnchor& anchor = anchors_[node];
         return rigid_entries_[node] = add_entries({{anchor.joint, anchor.joint_from_mesh.as<float>()}});
     }
 
@@ -125,19 +173,14 @@ private:
                                   .index_count = count_of(primitive.indices),
                                   .material = primitive.material};
         add_vertices(primitive);
-        if (skinned) {
+        if (skinned)
             add_influences(instance, primitive_index);
-            character_.indices.insert(character_.indices.end(), primitive.indices.begin(), primitive.indices.end());
-        } else {
-            const uint32_t entry = rigid_entry(instance.node);
+        else
             character_.influences.insert(character_.influences.end(), section.vertex_count,
-                                         {{1, 0, 0, 0}, {static_cast<uint16_t>(entry), 0, 0, 0}});
-            add_rigid_indices(primitive, entry);
-        }
+                                         {{1, 0, 0, 0}, {static_cast<uint16_t>(rigid_entry(instance.node)), 0, 0, 0}});
+        add_indices(primitive, mirroring_[instance.node]);
         character_.sections.push_back(section);
-        const std::string& node_name = asset_.nodes[instance.node].name;
-        character_.section_names.push_back(
-            printable(node_name.empty() ? asset_.meshes[instance.mesh].name : node_name, std::string::npos));
+        character_.section_names.push_back(printable(name_of(instance), std::string::npos));
     }
 
     void add_vertices(const AssetPrimitive& primitive) {
@@ -189,11 +232,9 @@ private:
             " skinned vertices, the first of them here, have no weight: they follow their first joint (JOINTS_0)"));
     }
 
-    // glTF 2.0, section 3.7.4: a node that mirrors reverses the winding.
-    void add_rigid_indices(const AssetPrimitive& primitive, uint32_t entry) {
-        const PaletteEntry& anchor = character_.palette[entry];
-        const bool mirrored = determinant(rest_model_from_joint_[anchor.joint] * anchor.joint_from_bind.as<double>()) <
-                              0;
+    // glTF 2.0, section 3.7.4: a node that mirrors reverses the winding. Skinned meshes do not follow their node, but
+    // theirs is reversed too: the joints most often lie below the same mirror.
+    void add_indices(const AssetPrimitive& primitive, bool mirrored) {
         for (size_t i = 0; i + 2 < primitive.indices.size(); i += 3)
             for (const size_t corner : {size_t{0}, mirrored ? size_t{2} : size_t{1}, mirrored ? size_t{1} : size_t{2}})
                 character_.indices.push_back(primitive.indices[i + corner]);
@@ -203,10 +244,13 @@ private:
     const RigMap& map_;
     Character& character_;
     const Progress& progress_;
-    const std::vector<AffineT<double>> rest_model_from_joint_;
-    std::map<uint32_t, uint32_t> rigid_entries_;         // node -> palette entry
-    uint64_t skinned_count_ = 0, weightless_count_ = 0;  // vertices
-    std::string first_weightless_;                       // the primitive
+    const std::vector<std::vector<uint32_t>> drawn_;                          // [mesh]: primitives
+    const std::vector<bool> mirroring_;                                       // [node]
+    const std::vector<RigidAnchor> anchors_;                                  // [node]
+    std::map<std::vector<PaletteEntry>, uint32_t, ByEntries> first_entries_;  // of each skin that differs
+    std::map<uint32_t, uint32_t> rigid_entries_;                              // node -> palette entry
+    uint64_t skinned_count_ = 0, weightless_count_ = 0;                       // vertices
+    std::string first_weightless_;                                            // the primitive
 };
 
 }  // namespace

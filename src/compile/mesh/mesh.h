@@ -7,7 +7,7 @@
 namespace throng {
 
 // Fills skins, palette, vertices, influences, indices, sections, materials and images. character.rig must be set.
-// Throws kLimit beyond 65,536 palette entries.
+// A primitive without triangles has no section. Throws kLimit beyond 65,536 palette entries, 262,144 sections or 2 GiB.
 void compile_mesh(const Asset& asset, const RigMap& map, Character& character, const Progress& progress);
 
 }  // namespace throng

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <set>
 #include <span>
 #include <utility>
 
@@ -16,14 +17,21 @@ constexpr uint32_t kPoses = 32;         // of all clips together, to measure dis
 constexpr size_t kMostSteps = 200'000;  // displacements measured in a pose
 constexpr double kShare = 0.5;          // of a level's surface error: the most that joints that do not move add to it
 
-// [palette_count]: the skin of each entry; each entry of a rigid mesh counts as a skin of its own.
+// [palette_count]: the last skin of each entry; each entry of a rigid mesh counts as a skin of its own. Goes from the
+// last skin to the first and visits each entry once: in a file, any number of skins can have the whole palette.
 std::vector<uint32_t> skins_of_entries(const Character& character) {
     std::vector<uint32_t> skins(character.palette.size());
-    for (uint32_t entry = 0; entry < skins.size(); ++entry)
+    std::set<uint32_t> skinless;
+    for (uint32_t entry = 0; entry < skins.size(); ++entry) {
         skins[entry] = static_cast<uint32_t>(character.skins.size()) + entry;
-    for (uint32_t skin = 0; skin < character.skins.size(); ++skin) {
+        skinless.insert(skinless.end(), entry);
+    }
+    for (uint32_t skin = static_cast<uint32_t>(character.skins.size()); skin-- > 0;) {
         const Skin& of = character.skins[skin];
-        std::fill_n(skins.begin() + of.first_entry, of.joint_count, skin);
+        const auto begin = skinless.lower_bound(of.first_entry),
+                   end = skinless.lower_bound(of.first_entry + of.joint_count);
+        for (auto entry = begin; entry != end; ++entry) skins[*entry] = skin;
+        skinless.erase(begin, end);
     }
     return skins;
 }

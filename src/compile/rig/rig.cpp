@@ -22,23 +22,27 @@ struct NodeFacts {
     bool moves(uint32_t node) const { return animated[node] || skin_joint[node]; }
 };
 
-bool is_rigid(const Asset& asset, const AssetMeshInstance& instance) {
-    if (instance.skin == kNone) return true;
-    const auto& primitives = asset.meshes[instance.mesh].primitives;
-    return std::any_of(primitives.begin(), primitives.end(),
-                       [](const AssetPrimitive& p) { return p.influence_count == 0; });
+// [mesh]: whether a part of it is rigid even at nodes that give it a skin.
+std::vector<bool> partly_rigid_meshes(const Asset& asset) {
+    std::vector<bool> out;
+    for (const AssetMesh& mesh : asset.meshes)
+        out.push_back(
+            std::ranges::any_of(mesh.primitives, [](const AssetPrimitive& p) { return p.influence_count == 0; }));
+    return out;
 }
 
 // Nodes that must be joints: those of skins, and for each rigid mesh the nearest node at or above it that moves (else
 // its root).
 std::vector<bool> needed_joints(const Asset& asset, const NodeFacts& facts) {
-    std::vector<bool> needed = facts.skin_joint;
-    for (const AssetMeshInstance& instance : asset.mesh_instances) {
-        if (!is_rigid(asset, instance)) continue;
-        uint32_t node = instance.node;
-        while (!facts.moves(node) && asset.nodes[node].parent != kNone) node = asset.nodes[node].parent;
-        needed[node] = true;
+    std::vector<uint32_t> nearest(asset.nodes.size());
+    for (const uint32_t node : parents_first(asset)) {
+        const uint32_t parent = asset.nodes[node].parent;
+        nearest[node] = facts.moves(node) || parent == kNone ? node : nearest[parent];
     }
+    const std::vector<bool> partly_rigid = partly_rigid_meshes(asset);
+    std::vector<bool> needed = facts.skin_joint;
+    for (const auto& [node, mesh, skin, weights] : asset.mesh_instances)
+        if (skin == kNone || partly_rigid[mesh]) needed[nearest[node]] = true;
     return needed;
 }
 
@@ -130,12 +134,29 @@ RigMap build_rig(const Asset& asset) {
     return map;
 }
 
-RigidAnchor rigid_anchor(const Asset& asset, const RigMap& map, uint32_t node) {
-    RigidAnchor anchor;
-    for (; map.joint_of_node[node] == kNone; node = asset.nodes[node].parent)
-        anchor.joint_from_mesh = to_affine(asset.nodes[node].parent_from_node) * anchor.joint_from_mesh;
-    anchor.joint = map.joint_of_node[node];
-    return anchor;
+std::vector<uint32_t> parents_first(const Asset& asset) {
+    std::vector<std::vector<uint32_t>> children(asset.nodes.size());
+    std::vector<uint32_t> order;
+    for (uint32_t node = 0; node < asset.nodes.size(); ++node) {
+        const uint32_t parent = asset.nodes[node].parent;
+        (parent == kNone ? order : children[parent]).push_back(node);
+    }
+    for (size_t i = 0; i < order.size(); ++i)
+        for (const uint32_t child : children[order[i]]) order.push_back(child);
+    return order;
+}
+
+std::vector<RigidAnchor> rigid_anchors(const Asset& asset, const RigMap& map) {
+    std::vector<RigidAnchor> anchors(asset.nodes.size());
+    for (const uint32_t node : parents_first(asset)) {
+        const uint32_t parent = asset.nodes[node].parent;
+        if (map.joint_of_node[node] != kNone)
+            anchors[node].joint = map.joint_of_node[node];
+        else if (parent != kNone)
+            anchors[node] = {anchors[parent].joint,
+                             anchors[parent].joint_from_mesh * to_affine(asset.nodes[node].parent_from_node)};
+    }
+    return anchors;
 }
 
 }  // namespace throng

@@ -35,14 +35,18 @@ struct RigMap {
 // Throws kUnsupported where the asset has neither skin nor mesh, kLimit beyond 65,535 joints.
 RigMap build_rig(const Asset& asset);
 
+// All nodes, parents before their children.
+std::vector<uint32_t> parents_first(const Asset& asset);
+
 // Fills level_count, mean_depth and leaf_count from `parents`.
 void measure_rig(Rig& rig);
 
 // A rigid mesh's place: the joint it hangs on and joint_from_mesh.
 struct RigidAnchor {
-    uint32_t joint = 0;
+    uint32_t joint = kNone;
     AffineT<double> joint_from_mesh;
 };
-RigidAnchor rigid_anchor(const Asset& asset, const RigMap& map, uint32_t node);
+// [node_count]; kNone where neither the node nor one above it is a joint, and so none of them has a mesh.
+std::vector<RigidAnchor> rigid_anchors(const Asset& asset, const RigMap& map);
 
 }  // namespace throng

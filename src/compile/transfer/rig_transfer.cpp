@@ -1,5 +1,6 @@
 #include "compile/transfer/rig_transfer.h"
 
+#include "compile/rig/rig.h"
 #include "compile/transfer/node_names.h"
 
 #include <algorithm>
@@ -23,18 +24,6 @@ std::vector<bool> joints_of(const Asset& asset) {
     for (const AssetSkin& skin : asset.skins)
         for (const uint32_t node : skin.joints) is_joint[node] = true;
     return is_joint;
-}
-
-std::vector<uint32_t> parents_first(const Asset& asset) {
-    std::vector<std::vector<uint32_t>> children(asset.nodes.size());
-    std::vector<uint32_t> order;
-    for (uint32_t node = 0; node < asset.nodes.size(); ++node) {
-        const uint32_t parent = asset.nodes[node].parent;
-        (parent == kNone ? order : children[parent]).push_back(node);
-    }
-    for (size_t i = 0; i < order.size(); ++i)
-        for (const uint32_t child : children[order[i]]) order.push_back(child);
-    return order;
 }
 
 NodeFrame frame_of(const std::vector<NodeFrame>& frames, uint32_t node) {

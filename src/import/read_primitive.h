@@ -1,0 +1,29 @@
+// One primitive of a mesh.
+#pragma once
+
+#include "import/readers.h"
+
+namespace throng::gltf {
+
+// What the warnings at the end of all meshes say of their attributes.
+struct AttributeNotes {
+    // What was repaired, for one warning.
+    struct Repair {
+        void add(const std::string& place) {
+            if (count++ == 0) first_place = place;
+        }
+
+        uint64_t count = 0;
+        std::string first_place{};
+    };
+
+    uint64_t count = 0;
+    Repair taken_as_normalised{}, left_out{};
+};
+
+// Raises `needed` to what the primitive needs.
+AssetPrimitive read_primitive(Reading& reading, const JsonView& json, const Asset& asset,
+                              std::span<const TextureCoordinates> of_materials, AttributeNotes& notes,
+                              NeededJoints& needed);
+
+}  // namespace throng::gltf
