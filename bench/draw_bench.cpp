@@ -1,7 +1,7 @@
 #include "bench/draw_bench.h"
 
-#include "bench/gpu_load.h"
 #include "bench/psnr.h"
+#include "bench/updates.h"
 #include "bench/value_of.h"
 #include "draw/native_renderer.h"
 
@@ -31,20 +31,20 @@ struct DrawEntrant {
     double alike_db = 0;
     bool is_wrong = false;
     NativeTimes last;
-    std::vector<double> all_ms, list_ms, skin_ms, shadow_ms, picture_ms, resolve_ms;
+    UpdateTimes times;
+    std::vector<double> list_ms, skin_ms, shadow_ms, picture_ms, resolve_ms;
 
-    Picture draw(const Camera& camera, double& ms) {
-        RenderResult result = vulkan ? value_of(vulkan->render(*stage->crowd, camera))
-                                     : native->render(std::array{&stage->crowd->state()}, camera);
-        if (native) last = static_cast<NativeRenderer&>(*native).times();
-        ms = result.draw_ms;
-        return std::move(result.picture);
+    RenderResult draw(const Camera& camera) {
+        if (vulkan) return value_of(vulkan->render(*stage->crowd, camera));
+        RenderResult result = native->render(std::array{&stage->crowd->state()}, camera);
+        last = static_cast<NativeRenderer&>(*native).times();
+        return result;
     }
     void sample(const Camera& camera) {
         if (load) load->run();
-        double ms = 0;
-        draw(camera, ms);
-        all_ms.push_back(ms);
+        const Stopwatch watch;
+        const double draw_ms = draw(camera).draw_ms, host_ms = watch.elapsed_s() * 1e3;
+        times.take(load ? believed_reading(load->gpu(), draw_ms, host_ms) : Reading{draw_ms});
         list_ms.push_back(last.list_ms);
         skin_ms.push_back(last.skin_ms);
         shadow_ms.push_back(last.shadow_ms);
@@ -121,8 +121,7 @@ private:
     // threads, or visibly from the first one.
     void compare(DrawEntrant& entrant, const Progress& progress) {
         progress(drawn_.configuration + ": checking " + entrant.renderer + " " + entrant.isa);
-        double ms = 0;
-        entrant.picture = entrant.draw(*camera_, ms);
+        entrant.picture = entrant.draw(*camera_).picture;
         for (const DrawEntrant& before : entrants_)
             if (&before != &entrant && before.isa == entrant.isa && before.picture.rgba != entrant.picture.rgba)
                 entrant.is_wrong = true;
@@ -155,10 +154,10 @@ private:
                        {"triangles", of.triangles}});
         if (std::isfinite(entrant.alike_db)) record["alike_db"] = entrant.alike_db;
         if (entrant.is_wrong) record["wrong"] = true;
-        if (entrant.all_ms.empty()) return record;
-        const Spread all = spread_of(entrant.all_ms);
-        record["samples"] = entrant.all_ms.size();
-        record["ms"] = spread_json(all);
+        if (entrant.times.count() == 0) return record;
+        entrant.times.add_to(record);
+        const double median_ms = entrant.times.total().median;
+        if (entrant.vulkan) record["host_samples"] = entrant.times.count_by_host();
         if (entrant.native)
             record["parts"] = {{"list", spread_of(entrant.list_ms).median},
                                {"skin", spread_of(entrant.skin_ms).median},
@@ -166,10 +165,10 @@ private:
                                {"picture", spread_of(entrant.picture_ms).median},
                                {"resolve", spread_of(entrant.resolve_ms).median}};
         const double samples = static_cast<double>(uint64_t{picture.width} * picture.height * picture.samples);
-        record["mtriangles_per_s"] = static_cast<double>(of.triangles) / all.median * 1e-3;
-        record["msamples_per_s"] = samples / all.median * 1e-3;
-        if (const DrawEntrant& vulkan = entrants_.back(); vulkan.vulkan && !vulkan.all_ms.empty() && entrant.native)
-            record["times_faster"] = spread_of(vulkan.all_ms).median / all.median;
+        record["mtriangles_per_s"] = static_cast<double>(of.triangles) / median_ms * 1e-3;
+        record["msamples_per_s"] = samples / median_ms * 1e-3;
+        if (const DrawEntrant& other = entrants_.back(); other.vulkan && other.times.count() > 0 && entrant.native)
+            record["times_faster"] = other.times.total().median / median_ms;
         return record;
     }
 

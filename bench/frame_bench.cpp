@@ -3,7 +3,6 @@
 #include "bench/frame_crowds.h"
 #include "bench/frame_floors.h"
 #include "bench/frame_traffic.h"
-#include "bench/updates.h"
 #include "scan/scan_planner.h"
 
 #include <algorithm>
@@ -117,18 +116,12 @@ private:
 
     // The largest error of some instances, at the times that they were given.
     double error_of(const FrameEntrant& entrant) const {
-        constexpr uint64_t kChecked = 16;
         value_of(entrant.crowd()->set_playback(entrant.crowd()->instances(), *entrant.playback));
         value_of(entrant.crowd()->update(0));
-        const uint64_t checked = std::min(kChecked, instance_count());
-        double worst = 0;
-        for (uint64_t i = 1; i <= checked; ++i) {
-            const auto instance = static_cast<uint32_t>(instance_count() * i / checked - 1);
-            const std::vector<Affine> skin = value_of(entrant.crowd()->read_skin_matrices({instance}));
-            worst = std::max(worst, skin_error(skin, reference_(*entrant.character, (*entrant.playback)[instance]),
-                                               entrant.character->size));
-        }
-        return worst;
+        return largest_error_of_some(static_cast<uint32_t>(instance_count()), [&](uint32_t instance) {
+            return skin_error(value_of(entrant.crowd()->read_skin_matrices({instance})),
+                              reference_(*entrant.character, (*entrant.playback)[instance]), entrant.character->size);
+        });
     }
 
     // All variants begin at the same playback times in every round, so that they do the same work.
@@ -192,14 +185,9 @@ private:
     }
 
     Json case_record() const {
-        Json record = where_and_when(device_.info());
-        const Rig& rig = frame_.character->rig;
-        record.update({{"bench", "frame"},
-                       {"configuration", frame_.configuration},
-                       {"characters", instance_count()},
-                       {"joints", rig.joint_count()},
-                       {"levels", rig.level_count},
-                       {"mean_depth", rig.mean_depth},
+        Json record = new_record(device_, "frame", frame_.configuration, *frame_.character);
+        record.update({{"characters", instance_count()},
+                       {"mean_depth", frame_.character->rig.mean_depth},
                        {"palette_entries", frame_.character->palette.size()}});
         return record;
     }
@@ -254,10 +242,6 @@ private:
 };
 
 }  // namespace
-
-std::vector<AffineT<double>> skin_reference_of(const Character& character, const Playback& playback) {
-    return value_of(reference_pose(character, playback)).model_from_bind;
-}
 
 std::vector<Json> measure_frame(const Device& device, const FrameCase& frame, uint32_t samples,
                                 const Progress& progress, const SkinReference& reference) {

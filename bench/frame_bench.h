@@ -2,10 +2,7 @@
 // then timed in turns with the floors, which do the memory traffic alone.
 #pragma once
 
-#include "bench/record.h"
-#include "bench/rounds.h"
-
-#include <throng/reference.h>
+#include "bench/updates.h"
 
 namespace throng::bench {
 
@@ -16,10 +13,6 @@ struct FrameCase {
     const Character* exact = nullptr;    // the same character with exact keys, to be compared with; or none
     std::span<const Playback> playback;  // [instance_count], two clips each
 };
-
-// model_from_bind of each palette entry, as an update should have it.
-using SkinReference = std::function<std::vector<AffineT<double>>(const Character&, const Playback&)>;
-std::vector<AffineT<double>> skin_reference_of(const Character& character, const Playback& playback);
 
 // A record for each variant and each floor of the case (bench/README.md lists their fields). A variant that `reference`
 // shows to be wrong is not timed, and its record says so; if the device or the character does not support a variant,

@@ -1,5 +1,6 @@
 #include "bench/million_bench.h"
 
+#include "base/failure.h"
 #include "bench/million_prediction.h"
 #include "bench/pixels_off.h"
 #include "bench/updates.h"
@@ -48,20 +49,20 @@ struct Seen {
 class MillionMeasurement {
 public:
     MillionMeasurement(const Device& device, const MillionCase& million)
-        : device_(device), load_(device.gpu()), million_(million), crowd_(make(count())) {}
+        : device_(device), load_(device.gpu()), million_(million), crowd_(make(count(), million_.path)) {}
 
     // Characters with poses of their own must be correct, and the others as close as the view asks.
     void check(const Progress& progress) {
-        const Bounds bounds = world_bounds(crowd_);
+        const Bounds bounds = world_bounds(*crowd_);
         for (const Viewpoint& viewpoint : kViewpoints) {
             progress(million_.configuration + ": checking " + viewpoint.name);
             Seen& seen = seen_.emplace_back();
             seen.viewpoint = &viewpoint;
             seen.view = view_of_crowd(viewpoint, bounds);
-            value_of(crowd_.update(0, &seen.view));
+            value_of(crowd_->update(0, &seen.view));
             std::vector<DrawnInstance> own, shared;
             std::set<uint32_t> rows, cells;
-            for (const DrawnInstance& one : value_of(crowd_.read_drawn())) {
+            for (const DrawnInstance& one : value_of(crowd_->read_drawn())) {
                 (one.shares_pose ? shared : own).push_back(one);
                 if (one.shares_pose) rows.insert(one.skin_row);
                 cells.insert(one.instance / io::kCullWorkgroupSize);
@@ -84,55 +85,68 @@ public:
         for (Seen& seen : seen_)
             if (!is_wrong(seen))
                 contestants.push_back({million_.configuration + ": " + seen.viewpoint->name,
-                                       [&] { seen.times.take(load_, crowd_, kFrame_s, &seen.view); }});
+                                       [&] { seen.times.take(load_, *crowd_, kFrame_s, &seen.view); }});
         run_rounds(contestants, samples, progress);
     }
 
-    // How long the CPU takes to record a frame, for 1,000 characters, 10,000 and so on.
-    void time_recording(uint32_t samples, const Progress& progress) {
-        if (device_.gpu()->is_native()) return;
+    std::vector<Json> view_records() const {
+        std::vector<Json> records;
+        for (const Seen& seen : seen_) records.push_back(record_of(seen));
+        return records;
+    }
+
+    // How long the CPU takes to record a frame, for 1,000 characters, 10,000 and so on. The crowd that was timed gives
+    // up its memory first.
+    std::vector<Json> recording_records(uint32_t samples, const Progress& progress) {
+        crowd_.reset();
+        std::vector<Json> records;
+        if (device_.gpu()->is_native()) return records;
         for (uint64_t n = 1000;; n *= 10) {
             const auto of = static_cast<uint32_t>(std::min<uint64_t>(n, count()));
             progress(million_.configuration + ": recording " + std::to_string(of));
-            Crowd crowd = make(of, UpdatePath::kDevice);
-            const CrowdView view = view_of_crowd(kViewpoints[1], world_bounds(crowd));
-            value_of(crowd.update(0, &view));
-            std::vector<double> ms;
-            for (uint32_t sample = 0; sample < samples; ++sample)
-                device_.gpu()->submit_and_wait([&](VkCommandBuffer commands) {
-                    const Stopwatch watch;
-                    value_of(crowd.record(commands, kFrame_s, &view));
-                    ms.push_back(watch.elapsed_s() * 1e3);
-                });
-            Json record = where_and_when(device_.info());
-            record.update({{"bench", "million"},
-                           {"configuration", million_.configuration},
-                           {"characters", of},
-                           {"samples", samples},
-                           {"record_ms", spread_json(spread_of(ms))}});
-            recordings_.push_back(record);
+            Json& record = records.emplace_back(
+                new_record(device_, "million", million_.configuration, *million_.character));
+            record["characters"] = of;
+            try {
+                record["record_ms"] = spread_json(spread_of(recording_ms(of, samples)));
+                record["samples"] = samples;
+            } catch (const Failure& failure) {  // what was timed before is kept
+                record["unsupported_reason"] = failure.error.text();
+                break;
+            }
             if (of == count()) break;
         }
+        return records;
     }
 
-    std::vector<Json> records(const Progress& progress) const {
-        std::vector<Json> all;
-        for (const Seen& seen : seen_) all.push_back(record_of(seen));
-        all.insert(all.end(), recordings_.begin(), recordings_.end());
+    std::vector<Json> predictions(const Progress& progress) const {
         std::vector<ViewToPredict> views;
         for (const Seen& seen : seen_) views.push_back({seen.viewpoint->name, seen.drawn});
         progress(million_.configuration + ": predicting");
-        for (Json& prediction : predict_million(*million_.character, million_.pool, count(), views)) {
-            prediction["configuration"] = million_.configuration;
-            all.push_back(std::move(prediction));
-        }
-        return all;
+        std::vector<Json> records;
+        for (const Json& prediction : predict_million(*million_.character, million_.pool, count(), views))
+            records.emplace_back(new_record(device_, "million", million_.configuration, *million_.character))
+                .update(prediction);
+        return records;
     }
 
 private:
     uint32_t count() const { return static_cast<uint32_t>(million_.playback.size()); }
 
-    Crowd make(uint32_t of) const { return make(of, million_.path); }
+    std::vector<double> recording_ms(uint32_t of, uint32_t samples) const {
+        Crowd crowd = make(of, UpdatePath::kDevice);
+        const CrowdView view = view_of_crowd(kViewpoints[1], world_bounds(crowd));
+        value_of(crowd.update(0, &view));
+        std::vector<double> ms;
+        for (uint32_t sample = 0; sample < samples; ++sample)
+            device_.gpu()->submit_and_wait([&](VkCommandBuffer commands) {
+                const Stopwatch watch;
+                value_of(crowd.record(commands, kFrame_s, &view));
+                ms.push_back(watch.elapsed_s() * 1e3);
+            });
+        return ms;
+    }
+
     Crowd make(uint32_t of, UpdatePath path) const {
         Crowd crowd = value_of(Crowd::create(
             device_, {.groups = {{.character = million_.character, .instance_count = of, .skin_pool = million_.pool}},
@@ -151,7 +165,7 @@ private:
     // In pixels, since some joints may be left out.
     double pixels_of(uint32_t instance, const CrowdView& view) {
         const ReferencePose pose = value_of(reference_pose(*million_.character, million_.playback[instance]));
-        return pixels_off(value_of(crowd_.read_positions({instance})), reference_positions(*million_.character, pose),
+        return pixels_off(value_of(crowd_->read_positions({instance})), reference_positions(*million_.character, pose),
                           million_.placement[instance], view);
     }
 
@@ -163,21 +177,16 @@ private:
     }
 
     Json record_of(const Seen& seen) const {
-        Json record = where_and_when(device_.info());
-        const Rig& rig = million_.character->rig;
+        Json record = new_record(device_, "million", million_.configuration, *million_.character);
         const uint64_t own_bytes = uint64_t{million_.character->palette.size()} * sizeof(Affine);
-        record.update({{"bench", "million"},
-                       {"configuration", million_.configuration},
-                       {"view", seen.viewpoint->name},
+        record.update({{"view", seen.viewpoint->name},
                        {"characters", count()},
-                       {"joints", rig.joint_count()},
-                       {"levels", rig.level_count},
-                       {"path", path_name(crowd_)},
+                       {"path", path_name(*crowd_)},
                        {"drawn", seen.drawn.own + seen.drawn.shared},
                        {"own_poses", seen.drawn.own},
                        {"pool_is_full", is_full(seen)},
                        {"distinct_poses", seen.drawn.own + seen.shared_poses},
-                       {"memory_bytes", crowd_.size_bytes()},
+                       {"memory_bytes", crowd_->size_bytes()},
                        {"matrices_of_all_bytes", own_bytes * count()}});
         if (seen.max_own_pixels) record["max_pixels_own"] = *seen.max_own_pixels;
         if (seen.max_pixels) record["max_pixels"] = *seen.max_pixels;
@@ -189,9 +198,8 @@ private:
     const Device& device_;
     GpuLoad load_;
     const MillionCase& million_;
-    Crowd crowd_;
+    std::optional<Crowd> crowd_;
     std::vector<Seen> seen_;
-    std::vector<Json> recordings_;
 };
 
 }  // namespace
@@ -201,8 +209,11 @@ std::vector<Json> measure_million(const Device& device, const MillionCase& milli
     MillionMeasurement measurement(device, million);
     measurement.check(progress);
     measurement.time(samples, progress);
-    measurement.time_recording(samples, progress);
-    return measurement.records(progress);
+    std::vector<Json> records = measurement.view_records();
+    for (const std::vector<Json>& more :
+         {measurement.recording_records(samples, progress), measurement.predictions(progress)})
+        records.insert(records.end(), more.begin(), more.end());
+    return records;
 }
 
 }  // namespace throng::bench

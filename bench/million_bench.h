@@ -27,7 +27,8 @@ struct MillionCase {
 
 // A record for each camera, from one that sees a handful of characters to one that sees all. On a Vulkan device also
 // one for each number of characters up to all, with the CPU time that recording takes; and, if AMD's compiler is
-// installed, a predicted one for each GPU and camera (bench/README.md lists their fields). Throws if the device fails.
+// installed, a predicted one for each GPU and camera (bench/README.md lists their fields). Throws if the device fails
+// before the cameras are timed.
 std::vector<Json> measure_million(const Device& device, const MillionCase& million, uint32_t samples,
                                   const Progress& progress);
 

@@ -123,6 +123,7 @@ std::vector<Json> predict_million(const Character& character, const SkinPool& po
                                    {"characters", instance_count},
                                    {"machine", machine.name},
                                    {"family", family},
+                                   {"subgroup_size", kSubgroup},
                                    {"predicted_stages", stages},
                                    {"predicted_ms", stages["control"].get<double>() + stages["cull"].get<double>() +
                                                         stages["fused"].get<double>()}});

@@ -1,8 +1,7 @@
 // `throng bench population`: what it costs that instances come and go: free room, and births and deaths in each update.
 #pragma once
 
-#include "bench/record.h"
-#include "bench/rounds.h"
+#include "bench/updates.h"
 
 #include <throng/crowd.h>
 
@@ -23,8 +22,8 @@ struct PopulationCase {
 // Records (bench/README.md lists their fields): for some fractions of the capacity, updates of a crowd that has as many
 // instances for good, of one where they are the first of their group, and of one where they are anywhere in it; then
 // frames in which some get new playbacks, beside frames in which as many die and as many are born. All are checked
-// before they are timed.
+// first, the latter after one such frame; what `reference` shows to be wrong is not timed, and its record says so.
 std::vector<Json> measure_population(const Device& device, const PopulationCase& population, uint32_t samples,
-                                     const Progress& progress);
+                                     const Progress& progress, const SkinReference& reference = skin_reference_of);
 
 }  // namespace throng::bench

@@ -81,28 +81,50 @@ double predicted_ms(const Json& record, std::span<const Json> predictions) {
     return std::nan("");
 }
 
-std::string characters_of(const Json& record) {
-    const double characters = number(record, "characters"), joints = number(record, "joints");
-    return (std::isnan(characters) ? "" : whole(characters) + " characters") +
-           (std::isnan(joints) ? "" : ", " + whole(joints) + " joints");
+std::string counted(double count, const char* what) { return std::isnan(count) ? "" : whole(count) + " " + what; }
+
+// Those that are not empty.
+std::string listed(std::initializer_list<std::string> parts) {
+    std::string all;
+    for (const std::string& part : parts)
+        if (!part.empty()) all += (all.empty() ? "" : ", ") + part;
+    return all;
+}
+
+// The names of the characters' files, where there is no name of the configuration.
+std::string files_of(const Json& record) {
+    std::string names = text(record, "file");
+    for (const Json& file : record.value("files", Json::array())) names = listed({names, text(file, "name")});
+    return names;
 }
 
 std::string what_of(const Json& record) {
     const std::string configuration = text(record, "configuration");
     if (!configuration.empty()) return configuration;
-    const double levels = number(record, "levels");
-    return characters_of(record) + (std::isnan(levels) ? "" : ", " + whole(levels) + " levels");
+    const double levels = number(record, "levels"), seed = number(record, "seed");
+    return listed({counted(number(record, "characters"), "characters"), counted(number(record, "joints"), "joints"),
+                   counted(std::isnan(levels) ? number(record, "files/0/levels") : levels, "levels"),
+                   text(record, "shape"), std::isnan(seed) ? "" : "seed " + whole(seed), files_of(record)});
 }
 
-std::string variant_of(const Json& record) {
-    std::string variant = text(record, "variant");
-    if (variant.empty()) variant = text(record, "method");
-    if (variant.empty()) variant = text(record, "scan");
-    if (variant.empty()) variant = text(record, "view");
-    if (const std::string chosen = text(record, "chosen"); !chosen.empty()) variant += ": " + chosen;
-    if (const double threads = number(record, "threads"); threads > 0)
-        variant += ", " + whole(threads) + (threads > 1 ? " threads" : " thread");
-    return variant;
+// The first that the record has.
+std::string first_of(const Json& record, std::initializer_list<const char*> fields) {
+    for (const char* field : fields)
+        if (const std::string found = text(record, field); !found.empty()) return found;
+    return "";
+}
+
+// What tells the record from others of the same configuration, and of what part the time is.
+std::string variant_of(const Json& record, const char* part) {
+    const std::string bench = text(record, "bench"), chosen = text(record, "chosen");
+    const std::string name = first_of(record, {"variant", "method", "scan", "view", "instances", "frames_with"});
+    const bool is_recording = bench == "million" && text(record, "view").empty();
+    const double threads = number(record, "threads"), characters = number(record, "characters");
+    return listed({name + (chosen.empty() ? "" : ": " + chosen),
+                   bench == "population" || is_recording ? counted(characters, "characters") : "", text(record, "isa"),
+                   threads > 0 ? counted(threads, threads > 1 ? "threads" : "thread") : "",
+                   bench == "frame" ? "" : text(record, "path"),  // the variants of a frame are called by it
+                   part});
 }
 
 std::string note_of(const Json& record) {
@@ -112,7 +134,7 @@ std::string note_of(const Json& record) {
 
 // Where a record has its times: "ms/median", "control_ms/median", or "total/median_ms".
 struct Place {
-    const char *ms, *p5, *p95, *of;
+    const char *ms, *p5, *p95, *part;
 };
 constexpr Place kPlaces[]{{"ms/median", "ms/p5", "ms/p95", ""},
                           {"median_ms", "p5_ms", "p95_ms", ""},
@@ -127,45 +149,13 @@ std::string range_of(const MeasuredTime& time) {
     return std::isnan(time.p5_ms) ? "" : digits(time.p5_ms) + " – " + digits(time.p95_ms);
 }
 
-}  // namespace
-
-std::vector<MeasuredTime> measured_times(std::span<const Json> records, std::span<const Json> predictions) {
-    std::vector<MeasuredTime> times;
-    for (const Json& record : records) {
-        const std::string bench = text(record, "bench");
-        if (bench.empty() || (bench == "scan" && text(record, "experiment") != "levels")) continue;
-        MeasuredTime time{.bench = bench, .what = what_of(record), .variant = variant_of(record)};
-        bool has_time = false;
-        for (const Place& place : kPlaces) {
-            time.ms = number(record, place.ms);
-            if (std::isnan(time.ms)) continue;
-            time.p5_ms = number(record, place.p5);
-            time.p95_ms = number(record, place.p95);
-            if (place.of[0]) time.variant = place.of;
-            time.predicted_ms = predicted_ms(record, predictions);
-            times.push_back(time);
-            has_time = true;
-        }
-        time.note = note_of(record);
-        if (!has_time && !time.note.empty()) times.push_back(time);
-    }
-    return times;
-}
-
-std::string summary_text(std::span<const Json> records, std::span<const Json> predictions) {
-    const std::vector<MeasuredTime> times = measured_times(records, predictions);
-    const bool predicted = std::ranges::any_of(times,
-                                               [](const MeasuredTime& time) { return !std::isnan(time.predicted_ms); });
-    std::string text;
-    if (predictions.empty())
-        text += "Nothing was predicted: there are no records of `throng bench isa` here.\n";
-    else if (!predicted)
-        text += "None of the predictions is for this device.\n";
-    std::string bench;
+// A table for each benchmark.
+std::string tables_of(std::span<const MeasuredTime> times, bool predicted) {
+    std::string text, bench;
     for (const MeasuredTime& time : times) {
         if (time.bench != bench) {
             bench = time.bench;
-            text += "\n## " + bench + "\n\n| what | variant | ms | 5 % – 95 % |" +
+            text += "\n### " + bench + "\n\n| what | variant | ms | 5 % – 95 % |" +
                     (predicted ? " predicted, ms | measured / predicted |" : "") + "\n|---|---|---|---|" +
                     (predicted ? "---|---|" : "") + "\n";
         }
@@ -177,16 +167,67 @@ std::string summary_text(std::span<const Json> records, std::span<const Json> pr
     return text;
 }
 
+}  // namespace
+
+std::vector<MeasuredTime> measured_times(std::span<const Json> records, std::span<const Json> predictions) {
+    std::vector<MeasuredTime> times;
+    for (const Json& record : records) {
+        const std::string bench = text(record, "bench");
+        const bool is_prediction = !text(record, "machine").empty();
+        if (bench.empty() || is_prediction || (bench == "scan" && text(record, "experiment") != "levels")) continue;
+        MeasuredTime time{.device = text(record, "device"),
+                          .bench = bench,
+                          .what = what_of(record),
+                          .variant = variant_of(record, "")};
+        bool has_time = false;
+        for (const Place& place : kPlaces) {
+            time.ms = number(record, place.ms);
+            if (std::isnan(time.ms)) continue;
+            time.p5_ms = number(record, place.p5);
+            time.p95_ms = number(record, place.p95);
+            time.variant = variant_of(record, place.part);
+            time.predicted_ms = predicted_ms(record, predictions);
+            times.push_back(time);
+            has_time = true;
+        }
+        time.note = note_of(record);
+        if (!has_time && !time.note.empty()) times.push_back(time);
+    }
+    return times;
+}
+
+std::string summary_text(std::span<const Json> records, std::span<const Json> predictions) {
+    std::vector<MeasuredTime> times = measured_times(records, predictions);
+    const bool predicted = std::ranges::any_of(times,
+                                               [](const MeasuredTime& time) { return !std::isnan(time.predicted_ms); });
+    std::string text;
+    if (predictions.empty())
+        text += "Nothing was predicted: there are no records of `throng bench isa` here.\n";
+    else if (!predicted)
+        text += "None of the predictions is for this device.\n";
+    while (!times.empty()) {
+        const std::string device = times.front().device;
+        const auto others = std::ranges::stable_partition(times,
+                                                          [&](const auto& time) { return time.device == device; });
+        text += "\n## " + (device.empty() ? "a device without a name" : device) + "\n" +
+                tables_of({times.begin(), others.begin()}, predicted);
+        times.erase(times.begin(), others.begin());
+    }
+    return text;
+}
+
 std::string summary_section(std::span<const Json> records) {
     std::string rows;
     for (const MeasuredTime& time : measured_times(records, {})) {
         if (has_own_section(time.bench)) continue;
-        rows += "<tr><td>" + escape(time.bench) + "</td><td class=\"wide\">" + escape(time.what) +
-                "</td><td class=\"wide\">" + escape(time.variant) + "</td><td>" + digits(time.ms) + "</td><td>" +
-                range_of(time) + "</td><td class=\"note\">" + escape(time.note) + "</td></tr>\n";
+        rows += "<tr><td>" + escape(time.device) + "</td><td class=\"wide\">" + escape(time.bench) +
+                "</td><td class=\"wide\">" + escape(time.what) + "</td><td class=\"wide\">" + escape(time.variant) +
+                "</td><td>" + digits(time.ms) + "</td><td>" + range_of(time) + "</td><td class=\"note\">" +
+                escape(time.note) + "</td></tr>\n";
     }
     return rows.empty() ? ""
-                        : "<h2>Other benchmarks</h2>\n<div class=\"scroll\"><table><thead><tr><th>benchmark</th>"
+                        : "<h2>Other benchmarks</h2>\n<div class=\"scroll\"><table><thead><tr><th>device</th>"
+                          "<th class=\"wide\">benchmark</th>"
                           "<th class=\"wide\">what</th><th class=\"wide\">variant</th><th>ms</th><th>5 % – 95 %</th>"
                           "<th></th></tr></thead><tbody>\n" +
                               rows + "</tbody></table></div>\n";

@@ -11,7 +11,7 @@
 namespace throng::bench {
 
 struct MeasuredTime {
-    std::string bench, what, variant;
+    std::string device, bench, what, variant;  // `what` and `variant` tell apart what one run on a device has measured
     double ms = std::nan(""), p5_ms = std::nan(""), p95_ms = std::nan("");
     double predicted_ms = std::nan("");  // NaN where nothing was
     std::string note;                    // why it has no time
@@ -21,7 +21,8 @@ struct MeasuredTime {
 // device if the device's name has all the words with digits of the machine's name.
 std::vector<MeasuredTime> measured_times(std::span<const Json> records, std::span<const Json> predictions);
 
-// As Markdown. Without predictions the table has no column for them, and a sentence says so.
+// As Markdown: a heading for each device, a table for each of its benchmarks. Without predictions the tables have no
+// column for them, and a sentence says so.
 std::string summary_text(std::span<const Json> records, std::span<const Json> predictions);
 
 // As HTML, for the benchmarks that have no section of their own; empty if there is no such record.

@@ -1,5 +1,7 @@
 #include "bench/updates.h"
 
+#include "tools/cli/path_name.h"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -20,17 +22,35 @@ double skin_error(std::span<const Affine> got, std::span<const AffineT<double>> 
     return worst;
 }
 
+std::vector<AffineT<double>> skin_reference_of(const Character& character, const Playback& playback) {
+    return value_of(reference_pose(character, playback)).model_from_bind;
+}
+
 double largest_error_of_some(uint32_t instance_count, const std::function<double(uint32_t instance)>& error_of) {
     const uint32_t checked = std::min(16u, instance_count);
     double worst = 0;
-    for (uint32_t i = 0; i < checked; ++i)
-        worst = std::max(worst, error_of(static_cast<uint32_t>(uint64_t{instance_count} * i / checked)));
+    for (uint32_t i = 1; i <= checked; ++i)
+        worst = std::max(worst, error_of(static_cast<uint32_t>(uint64_t{instance_count} * i / checked - 1)));
     return worst;
 }
 
 std::string path_name(const Crowd& crowd) {
-    const GroupPath path = value_of(crowd.path(0));
-    return std::string(path.is_native ? "native, " : "") + (path.is_fused ? "fused" : "staged");
+    std::string name;
+    for (const uint32_t group : crowd.groups()) {
+        const std::string of_group = tools::path_name(value_of(crowd.path(group)));
+        if (name.empty()) name = of_group;
+        if (name != of_group) return "both";
+    }
+    return name;
+}
+
+Json new_record(const Device& device, const char* bench, const std::string& configuration, const Character& character) {
+    Json record = where_and_when(device.info());
+    record.update({{"bench", bench},
+                   {"configuration", configuration},
+                   {"joints", character.rig.joint_count()},
+                   {"levels", character.rig.level_count}});
+    return record;
 }
 
 void UpdateTimes::take(const GpuLoad& load, Crowd& crowd, float time_step_s, const CrowdView* view) {

@@ -6,8 +6,13 @@
 #include "bench/value_of.h"
 
 #include <throng/draw.h>
+#include <throng/reference.h>
 
 #include <array>
+#include <functional>
+#include <span>
+#include <string>
+#include <vector>
 
 namespace throng::bench {
 
@@ -20,10 +25,19 @@ inline constexpr double kSkinErrorBound = 1e-4;
 // columns as displacements of a point one size away. Infinite if any number is NaN, or the counts differ.
 double skin_error(std::span<const Affine> got, std::span<const AffineT<double>> wanted, double size);
 
-// The largest error of some instances, spread evenly over all of them.
+// model_from_bind of each palette entry, as an update should have it.
+using SkinReference = std::function<std::vector<AffineT<double>>(const Character&, const Playback&)>;
+std::vector<AffineT<double>> skin_reference_of(const Character& character, const Playback& playback);
+
+// The largest error of some instances, spread evenly over all of them up to the last.
 double largest_error_of_some(uint32_t instance_count, const std::function<double(uint32_t instance)>& error_of);
 
-std::string path_name(const Crowd& crowd);  // of its first group: "fused", "staged", "native, fused", …
+// Of its groups: "fused", "staged", "native, fused", …; "both" where they differ.
+std::string path_name(const Crowd& crowd);
+
+// What records of updates begin with: where and when, "bench", "configuration", and "joints" and "levels" of the
+// character.
+Json new_record(const Device& device, const char* bench, const std::string& configuration, const Character& character);
 
 class UpdateTimes {
 public:

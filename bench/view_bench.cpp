@@ -4,8 +4,6 @@
 #include "bench/updates.h"
 #include "tools/cli/drawn.h"
 
-#include <throng/reference.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -129,14 +127,8 @@ private:
     }
 
     Json record_of(const ViewEntrant& entrant) const {
-        Json record = where_and_when(device_.info());
-        const Rig& rig = seen_.character->rig;
-        record.update({{"bench", "view"},
-                       {"configuration", seen_.configuration},
-                       {"variant", entrant.variant->name},
-                       {"characters", count()},
-                       {"joints", rig.joint_count()},
-                       {"levels", rig.level_count}});
+        Json record = new_record(device_, "view", seen_.configuration, *seen_.character);
+        record.update({{"variant", entrant.variant->name}, {"characters", count()}});
         if (!entrant.crowd) {
             record["unsupported_reason"] = entrant.unsupported_reason;
             return record;

@@ -2,13 +2,16 @@
 #include "base/failure.h"
 #include "bench/scan_cell.h"
 #include "bench/scan_crowd.h"
+#include "bench/updates.h"
 #include "tools/cli/statistics.h"
 #include "tests/kernel_runner.h"
 
 #include <nlohmann/json.hpp>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <functional>
 #include <limits>
 #include <thread>
 
@@ -86,6 +89,19 @@ TEST(Bench, SpreadsAreOfTheSortedValues) {
     EXPECT_EQ(spread.median, 50);
     EXPECT_EQ(spread.p95, 95);
     EXPECT_EQ(spread_of({3}).p95, 3);
+}
+
+TEST(Bench, SomeInstancesAreSpreadUpToTheLast) {
+    for (const uint32_t count : {1u, 5u, 16u, 17u, 1000u}) {
+        std::vector<uint32_t> seen;
+        const double largest = largest_error_of_some(count, [&](uint32_t instance) {
+            seen.push_back(instance);
+            return instance;
+        });
+        EXPECT_EQ(seen.size(), std::min(16u, count));
+        EXPECT_TRUE(std::ranges::is_sorted(seen, std::ranges::less_equal())) << "one twice";
+        EXPECT_EQ(largest, count - 1) << "the last";
+    }
 }
 
 TEST(Bench, RoundsAlternateAndSlowOnesStop) {

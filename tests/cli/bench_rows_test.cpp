@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 namespace throng::tools {
 namespace {
 
@@ -12,12 +14,14 @@ using testing::internal::CaptureStdout, testing::internal::GetCapturedStdout;
 TEST(BenchRows, SayWhyThereAreNoTimes) {
     CaptureStdout();
     EXPECT_TRUE(print_untimed({{"wrong", true}, {"max_error", 0.5}}, "not measured"));
+    EXPECT_TRUE(print_untimed({{"wrong", true}, {"max_error", std::nan("")}}, "not measured"));
     EXPECT_TRUE(print_untimed({{"wrong", true}, {"alike_db", 12.5}}, "not measured", " dB alike", "alike_db"));
     EXPECT_TRUE(print_untimed({{"wrong", true}}, "not measured", " dB alike", "alike_db"));
     EXPECT_TRUE(print_untimed({{"unsupported_reason", "there is no llvmpipe"}}, "not measured"));
     EXPECT_FALSE(print_untimed({{"ms", 3}}, "not measured"));
     EXPECT_EQ(GetCapturedStdout(),
               "WRONG, not timed: it is 0.5 of the size off\n"
+              "WRONG, not timed: a number is missing or not finite\n"
               "WRONG, not timed: it is 12.5 dB alike\n"
               "WRONG, not timed\n"
               "not measured: there is no llvmpipe\n");

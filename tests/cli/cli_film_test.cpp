@@ -99,6 +99,9 @@ TEST_F(CliFilm, AFrameIsTheSameWhicheverAreDrawn) {
     EXPECT_EQ(Json::parse(again.out)["kept"], 2);
     EXPECT_EQ(contents(resumed), frames);
     EXPECT_EQ(fs::last_write_time(resumed + "/frame_0001.png"), time);
+    const Json nothing_new = json_of(arguments(resumed + "/frame_%04d.png"));
+    EXPECT_EQ(nothing_new["rendered"], 0);
+    EXPECT_TRUE(nothing_new["stages_ms"].is_null()) << nothing_new;
 
     // The picture of that time is that frame.
     Words picture = arguments("picture.png");
@@ -122,7 +125,7 @@ TEST_F(CliFilm, FramesOfOtherSettingsAreRefused) {
     ASSERT_TRUE(film(out, "--shard 3/4").succeeded());
     const auto before = contents(folder);
     const std::map<std::string, std::pair<std::string, std::string>> others{
-        {"--count", {"7", "count 6, not 7"}},
+        {"--count", {"7", "counts [3,3], not [3,4]"}},
         {"--sizes", {"1,2", "sizes [], not [1.0,2.0]"}},
         {"--placement", {"grid", "placement"}},
         {"--spacing", {"2", "spacing 1.0, not 2.0"}},
@@ -335,6 +338,24 @@ TEST_F(CliFilm, AnInterruptedOneSaysWhatIsKept) {
     const auto count = static_cast<size_t>(std::stoul(kept[1]));
     EXPECT_GT(count, 0u);
     EXPECT_EQ(contents(folder).size(), count + 1) << "with the settings, and nothing half-written";
+}
+
+// Of two thousand frames that are there, few have been decoded when the signal comes.
+TEST_F(CliFilm, AnInterruptionEndsTheCheckOfFramesThatAreThere) {
+    const std::string folder = new_folder("checked"), lock = folder + "/settings.json.lock";
+    const auto command = [&](const std::string& frames) {
+        return "render walker.glb --size 1280x720 --frames" + Words{frames, "--out", folder + "/%d.png"};
+    };
+    succeed(command("0:1"));
+    for (int frame = 1; frame < 2000; ++frame)
+        fs::create_hard_link(folder + "/0.png", folder + "/" + std::to_string(frame) + ".png");
+    bool is_asked = false;
+    const auto interrupt = [&](int process, const std::string&) {
+        std::error_code none;
+        if (!is_asked && fs::file_size(lock, none) > 0 && !none) is_asked = kill(process, SIGINT) == 0;
+    };
+    const Outcome outcome = run_tool(command("0:2000"), {.watch = interrupt});
+    EXPECT_TRUE(outcome.refused("interrupted while the 2000 frames that are there were checked")) << outcome;
 }
 
 TEST_F(CliFilm, ControllersAreForFilesThatAreThere) {

@@ -53,11 +53,32 @@ TEST_F(CliRender, ClipsAreChosenByNameOrNumber) {
     EXPECT_TRUE(refuses({"--clip", "fox.glb=0"}, "--clip fox.glb=0: there is no file 'fox.glb'. There are: "));
     EXPECT_TRUE(refuses({"--clip", "0", "--blend", "99"}, "no clip '99'"));
     EXPECT_TRUE(refuses({"--blend", "0"}, "--clip"));
+    EXPECT_TRUE(refuses({"--clip", "walker.glb=0", "--blend", "dragon.glb=1"},
+                        "--blend 1: dragon.glb has no --clip that it could be blended with"));
     EXPECT_TRUE(refuses({"--clip", "0", "--weight", "0.5"}, "--blend"));
     EXPECT_TRUE(refuses({"--clip", "0", "--blend", "1", "--weight", "1.5"}, "--weight"));
-    EXPECT_TRUE(
-        refuses({"--clip", "0", "--controller", "walker.glb=" THRONG_SOURCE_DIR "/examples/controllers/walker.json"},
-                "--clip 0: walker.glb has a controller, which chooses the clips"));
+    const Words driven{"--clip", "0", "--controller",
+                       "walker.glb=" THRONG_SOURCE_DIR "/examples/controllers/walker.json"};
+    EXPECT_TRUE(refuses(driven, "--clip 0: walker.glb has a controller, which chooses the clips"));
+    EXPECT_EQ(run_tool(command("refused.png") + driven).exit_code, 2) << "a wrong option";
+}
+
+TEST_F(CliRender, EachFileIsDrawnAndReported) {
+    const Json json = json_of("render walker.glb dragon.glb --size 64x48 --out each.png");
+    EXPECT_EQ(json["count"], 2);
+    ASSERT_EQ(json["files"].size(), 2u);
+    const Json four = json_of(command("four.png") + Words{"--scan", "serial"});
+    for (const size_t k : {0u, 1u}) {
+        EXPECT_EQ(json["files"][k]["file"], k == 0 ? "walker.glb" : "dragon.glb");
+        EXPECT_EQ(json["files"][k]["count"], 1);
+        EXPECT_EQ(four["files"][k]["count"], 2);
+        EXPECT_EQ(four["files"][k]["scan"], "serial");
+    }
+    const Outcome text = succeed("render walker.glb dragon.glb --size 64x48 --path staged --out each.png");
+    for (const char* name : {"walker.glb", "dragon.glb"})
+        EXPECT_NE(text.out.find("  1 of " + std::string(name) + ", staged, scan by "), std::string::npos) << text;
+    EXPECT_TRUE(run_tool("render walker.glb dragon.glb --count 1 --out refused.png")
+                    .refused("--count 1: there are 2 files; give at least one character for each"));
 }
 
 TEST_F(CliRender, LooksAreChosenForEachCharacter) {

@@ -273,8 +273,7 @@ TEST_F(Cli, RenderWritesAPictureOfTheAskedSize) {
     EXPECT_LT(coarse["drawn"][0], 9) << "who stands far enough from the eye is drawn coarser";
     EXPECT_EQ(fine["drawn"], Json::array({9}));
 
-    // Fewer characters than files.
-    const Outcome one = succeed("render creature.glb creature.glb --size 64x64 --out one.png");
+    EXPECT_EQ(json_of("render creature.glb --size 64x64 --out one.png")["count"], 1);
 }
 
 TEST_F(Cli, BothRenderersDrawThePicture) {
@@ -365,7 +364,11 @@ TEST_F(Cli, WrongInputIsRefusedInOneLineThatNamesIt) {
         {"pose creature.glb --clip swim", "there is no clip 'swim'. There are: idle, walk, fly, glide, roar"},
         {"pose creature.glb --clip 5", "'5'"},
         {"pose creature.glb --clip -1", "-1"},
-        {"pose creature.glb --blend walk", "--clip"},
+        {"pose creature.glb --time 3", "--time requires --clip"},
+        {"pose creature.glb --loop", "--loop requires --clip"},
+        {"pose creature.glb --blend walk", "--blend requires --clip"},
+        {"pose creature.glb --clip walk --blend-time 1", "--blend-time requires --blend"},
+        {"pose creature.glb --clip walk --weight 0.2", "--weight requires --blend"},
         {"pose creature.glb --clip walk --blend swim", "swim"},
         {"pose creature.glb --clip walk --time nan", "--time"},
         {"pose creature.glb --clip walk --time inf", "--time"},
@@ -435,6 +438,14 @@ TEST_F(Cli, WrongInputIsRefusedInOneLineThatNamesIt) {
         {"devices all", "all"},
     });
     EXPECT_TRUE(fs::is_empty("folder"));
+}
+
+// As help says: 1 is for what fails.
+TEST_F(Cli, AWrongOptionHasAnExitCodeOfItsOwn) {
+    for (const char* command : {"render creature.glb --out x.png --cont 5", "pose creature.glb --vertices some",
+                                "pose creature.glb --blend walk", "view creature.glb --size 1x1"})
+        EXPECT_GT(run_tool(command).exit_code, 1) << command;
+    EXPECT_EQ(run_tool("pose missing.glb").exit_code, 1);
 }
 
 TEST_F(Cli, AFullDiskIsSaid) {

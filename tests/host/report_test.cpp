@@ -17,6 +17,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
+#include <set>
 
 namespace throng::bench {
 namespace {
@@ -209,6 +210,55 @@ TEST(Summary, HasALineForEachTimeBesideItsPrediction) {
     const std::string section = summary_section(records);
     EXPECT_EQ(count_of(section, "one dragon"), 1u);
     EXPECT_EQ(count_of(section, "60 levels"), 0u) << "updates have a section of their own";
+}
+
+// Of the records that are kept. Left out are runs with several cameras, about which records say nothing.
+TEST(Summary, NoTwoRowsOfADeviceAreAlike) {
+    size_t rows = 0;
+    for (const auto& entry : std::filesystem::directory_iterator(THRONG_SOURCE_DIR "/bench/results")) {
+        const std::string file = entry.path().filename();
+        if (file.find("_view_lavapipe_") != std::string::npos) continue;
+        std::set<std::vector<std::string>> seen;
+        for (const MeasuredTime& time : measured_times(read_records(entry.path()), {})) {
+            EXPECT_TRUE(seen.insert({time.device, time.bench, time.what, time.variant}).second)
+                << file << ": " << time.bench << " | " << time.what << " | " << time.variant;
+            ++rows;
+        }
+    }
+    EXPECT_GT(rows, 1'000u);
+}
+
+TEST(Summary, RowsNameTheFileAndThePath) {
+    const Json times{{"median", 1}};
+    const std::vector<Json> records{
+        {{"bench", "baseline"}, {"method", "baked"}, {"joints", 40}, {"file", "a.glb"}, {"median_ms", 1}},
+        {{"bench", "baseline"}, {"method", "baked"}, {"joints", 40}, {"file", "b.glb"}, {"median_ms", 1}},
+        {{"bench", "update"}, {"scan", "serial"}, {"files", {{{"name", "a"}}}}, {"total", {{"median_ms", 1}}}},
+        {{"bench", "update"}, {"scan", "serial"}, {"files", {{{"name", "b"}}}}, {"total", {{"median_ms", 1}}}},
+        {{"bench", "control"}, {"characters", 9}, {"path", "fused"}, {"control_ms", times}},
+        {{"bench", "control"}, {"characters", 9}, {"path", "native, fused"}, {"control_ms", times}}};
+    const std::string text = summary_text(records, {});
+    for (const char* row :
+         {"| 40 joints, a.glb | baked |", "| 40 joints, b.glb | baked |", "| a | serial |", "| b | serial |",
+          "| 9 characters | fused, the control stage |", "| 9 characters | native, fused, the control stage |"})
+        EXPECT_EQ(count_of(text, row), 1u) << row << text;
+}
+
+TEST(Summary, EachDeviceHasAHeadingOfItsOwn) {
+    const auto record = [](const char* bench, const char* device, double ms) {
+        return Json{{"bench", bench}, {"configuration", "a"}, {"device", device}, {"ms", {{"median", ms}}}};
+    };
+    const std::string text = summary_text(std::vector{record("view", "One", 1), record("view", "Two", 2),
+                                                      record("view", "One", 3), record("frame", "One", 4)},
+                                          {});
+    const size_t one = text.find("\n## One\n"), two = text.find("\n## Two\n");
+    ASSERT_LT(one, two);
+    ASSERT_NE(two, std::string::npos) << text;
+    EXPECT_EQ(count_of(text, "\n## "), 2u);
+    EXPECT_EQ(count_of(text, "\n### view\n"), 2u);
+    for (const char* ms : {"| 1.00 |", "| 3.00 |", "| 4.00 |"}) EXPECT_LT(text.find(ms), two) << text;
+    EXPECT_GT(text.find("| 2.00 |"), two) << text;
+    EXPECT_EQ(count_of(summary_section(std::vector{record("view", "Two", 2)}), "<td>Two</td>"), 1u);
 }
 
 TEST(Summary, PredictionsAreForOneDevice) {

@@ -5,6 +5,8 @@
 #include "tools/view/history.h"
 #include "tools/view/orbit.h"
 #include "tools/view/pick.h"
+#include "tools/view/same_device.h"
+#include "tools/view/window.h"
 
 #include <nlohmann/json.hpp>
 
@@ -193,6 +195,24 @@ TEST_F(View, ADroppedControllerDrives) {
     EXPECT_NE(wrong.err.find("gust"), std::string::npos) << "a clip that it has not: " << wrong;
 }
 
+constexpr const char* kGuard = THRONG_SOURCE_DIR "/examples/controllers/guard.json";
+constexpr const char* kClickOnTheOne = "5 move 475 120\n6 press left\n7 release left\n12 move 630 20\n";
+
+TEST_F(View, ADroppedControllerDoesNotWaitForAnotherThatIsWrong) {
+    const std::string wrong = write("wrong.json", "{");
+    const Outcome run = view("2 drop " + wrong + " " + kGuard + "\n" + kClickOnTheOne, {"--count", "1"});
+    EXPECT_NE(run.err.find("wrong.json"), std::string::npos) << run;
+    EXPECT_EQ(state_["controller"]["leading"], nlohmann::json::array({0})) << state_;
+}
+
+TEST_F(View, AControllerForCharactersThatDoNotComeIsNotUsed) {
+    const std::string broken = write("broken.glb", "glTF, it says");
+    const Outcome run = view("2 drop " + broken + " " + kGuard + "\n" + kClickOnTheOne, {"--count", "1"});
+    EXPECT_NE(run.err.find("broken.glb"), std::string::npos) << run;
+    EXPECT_EQ(state_["selected"], 0);
+    EXPECT_TRUE(state_["controller"].is_null()) << state_;
+}
+
 TEST_F(View, DroppedLooksAreWorn) {
     const std::string material = json_of("info " + file("one.glb"))["section_materials"][0];
     const std::string looks = write("looks.json", R"({"colors": {")" + material + R"(": ["#ff0000"]}})");
@@ -214,6 +234,16 @@ TEST_F(View, ChangesTheNumber) {
     EXPECT_LT(state_["count"], 500);
     view("2 type +\n4 type +\n6 type +\n8 type -\n", {"--count", "3"});
     EXPECT_EQ(state_["count"], 10) << "5, 10, 20, 10";
+    view("2 type +++-\n8 move 630 20\n", {"--count", "3"});
+    EXPECT_EQ(state_["count"], 10) << "the same in one frame";
+}
+
+TEST_F(View, TheWholeCrowdIsSeenWhateverLeadsTheCamera) {
+    const std::string whole = "4 type r\n8 move 630 20\n";
+    view(whole);
+    const Json eye = state_["eye"];
+    view(whole, {"--camera", "low"});
+    EXPECT_EQ(state_["eye"], eye);
 }
 
 TEST_F(View, WhoIsSelectedStaysSoWhereTheNumberChanges) {
@@ -385,6 +415,33 @@ TEST_F(View, RefusesInOneLine) {
             display_->name());
     refused({file("one.glb"), "--eye", "0,2,0", "--target", "0,2,0"}, "apart", display_->name());
     refused({file("one.glb"), "--script", write("wrong.txt", "1 move 2\n")}, "wrong.txt:1", display_->name());
+    const RunSettings in_window{.environment = {{"DISPLAY", display_->name()}}, .time_limit_s = 120};
+    EXPECT_EQ(run_tool({"view", file("one.glb"), "--count", "200000"}, in_window).exit_code, 2) << "a wrong option";
+}
+
+TEST(ViewKeyPresses, AHeldKeyCountsOnce) {
+    view::KeyPresses presses;
+    const auto press_k = [&](int action) {
+        presses.add_key(GLFW_KEY_K, action, 0);
+        if (action != GLFW_RELEASE) presses.add_character('k');
+    };
+    const auto typed = [&] {
+        return std::ranges::count_if(presses.take(),
+                                     [](const view::KeyPress& press) { return press.character == 'k'; });
+    };
+    for (const int action : {GLFW_PRESS, GLFW_REPEAT, GLFW_REPEAT}) press_k(action);
+    EXPECT_EQ(typed(), 1);
+    for (const int action : {GLFW_REPEAT, GLFW_RELEASE, GLFW_PRESS, GLFW_RELEASE, GLFW_PRESS}) press_k(action);
+    EXPECT_EQ(typed(), 2);
+    EXPECT_TRUE(presses.all().empty());
+}
+
+TEST(ViewDevice, IsTheSameOfSeveralWithOneName) {
+    const std::vector<std::string> names{"slow", "fast", "fast", "native"}, others{"fast", "slow", "fast"};
+    EXPECT_EQ(view::same_device(names, 0, others), 1u);
+    EXPECT_EQ(view::same_device(names, 1, others), 0u);
+    EXPECT_EQ(view::same_device(names, 2, others), 2u);
+    EXPECT_EQ(view::same_device(names, 3, others), std::nullopt);
 }
 
 TEST(ViewOrbit, GoesWhereTheHandGoes) {

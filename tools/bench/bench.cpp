@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <optional>
 
 namespace throng::tools {
 namespace {
@@ -23,13 +24,6 @@ struct BenchOptions {
     uint64_t seed = 1;
     bool json = false;
 };
-
-// The path by which the crowd's groups are updated.
-const char* path_of(const Crowd& crowd, size_t group_count) {
-    size_t fused_count = 0;
-    for (uint32_t group = 0; group < group_count; ++group) fused_count += crowd.path(group)->is_fused ? 1 : 0;
-    return fused_count == 0 ? "staged" : fused_count == group_count ? "fused" : "both";
-}
 
 double largest_error(Crowd& crowd, const Scatter& field) {
     double worst = 0;
@@ -46,28 +40,8 @@ double largest_error(Crowd& crowd, const Scatter& field) {
     return worst;
 }
 
-Json run_case(const Device& device, const std::vector<Character>& characters, const Scatter& field,
-              const std::string& scan, const BenchOptions& options) {
-    print_progress(scan + ": checking");
-    Result<Crowd> created = Crowd::create(device, {.groups = field.groups, .path = options.path, .scan = scan});
-    if (!created && created.error().code == ErrorCode::kUnsupported && options.scan == "all")
-        return {{"bench", "update"}, {"scan", scan}, {"unsupported_reason", created.error().message}};
-    Crowd crowd = unwrap(std::move(created));
-    unwrap(crowd.set_playback(crowd.instances(), field.playback));
-    unwrap(crowd.update(0));
-    const double error = largest_error(crowd, field);
-    check_error(scan, error);
-
-    bench::UpdateTimes times;
-    const bench::GpuLoad load(device.gpu());
-    const bench::Contestant updates{scan, [&] { times.take(load, crowd); }};
-    bench::run_rounds({&updates, 1}, options.samples, print_progress);
-    uint64_t joints = 0;
-    for (const CrowdGroup& group : field.groups)
-        joints += uint64_t{group.instance_count} * group.character->rig.joint_count();
-    Json stages, files = Json::array();
-    for (size_t s = 0; s < stage_names().size(); ++s)
-        stages[stage_names()[s]] = bench::spread_json(times.stage(s), "_ms");
+Json files_of(const std::vector<Character>& characters) {
+    Json files = Json::array();
     for (const Character& c : characters)
         files.push_back({{"name", c.name},
                          {"joints", c.rig.joint_count()},
@@ -76,38 +50,130 @@ Json run_case(const Device& device, const std::vector<Character>& characters, co
                          {"leaves", c.rig.leaf_count},
                          {"palette_entries", c.palette.size()},
                          {"keys", keys_text(c)}});
-    Json record = bench::where_and_when(device.info());
-    record.update({{"bench", "update"},
-                   {"scan", scan},
-                   {"path", path_of(crowd, field.groups.size())},
-                   {"characters", options.count},
-                   {"joints", joints},
-                   {"files", files},
-                   {"clips_blended", 2},
-                   {"samples", options.samples},
-                   {"host_samples", times.count_by_host()},
-                   {"stages", stages},
-                   {"total", bench::spread_json(times.total(), "_ms")},
-                   {"ns_per_joint", times.total().median * 1e6 / static_cast<double>(joints)},
-                   {"max_error", error},
-                   {"memory_bytes", crowd.size_bytes()}});
-    return record;
+    return files;
 }
 
 void print_update_row(const Json& record) {
     std::printf("%-18s ", text(record, "scan").c_str());
     if (print_untimed(record, "does not apply")) return;
-    std::printf("%-6s", text(record, "path").c_str());
+    std::printf("%-13s", text(record, "path").c_str());
     for (const char* name : stage_names())
         std::printf(" %9.3f", real(record, std::string("stages/") + name + "/median_ms"));
     print_columns(record, {{" %9.3f", "total/median_ms"}, {" %9.2f", "ns_per_joint"}, {"  %.1e\n", "max_error"}});
 }
 
+// Updates by each scan method in turns, as many methods at a time as there is memory for.
+class MethodRun {
+public:
+    MethodRun(const BenchOptions& options, const std::vector<Character>& characters)
+        : options_(options),
+          device_(open_device(options.device)),
+          load_(device_.gpu()),
+          field_(scatter(characters, {.counts = deal_out(options.count, characters.size()), .seed = options.seed})),
+          files_(files_of(characters)),
+          measured_(options.json) {}
+
+    const Device& device() const { return device_; }
+
+    void run(const std::vector<std::string>& scans) {
+        for (const std::string& scan : scans) {
+            if (!fits_another()) time_group();
+            check(scan);
+        }
+        time_group();
+        measured_.finish("", "a scan method");
+    }
+
+private:
+    struct Method {
+        Json record;
+        std::optional<Crowd> crowd{};  // none where it does not apply or is wrong
+        bench::UpdateTimes times{};
+    };
+
+    // All crowds are about as large as the last. Half of the memory is left to whatever else there is.
+    bool fits_another() const {
+        uint64_t held_bytes = 0, last_bytes = 0;
+        for (const Method& method : group_) {
+            if (!method.crowd) continue;
+            last_bytes = method.crowd->size_bytes();
+            held_bytes += last_bytes;
+        }
+        return held_bytes + last_bytes <= device_.gpu()->largest_heap_bytes() / 2;
+    }
+
+    void check(const std::string& scan) {
+        print_progress(scan + ": checking");
+        Method& method = group_.emplace_back(Method{.record = bench::where_and_when(device_.info())});
+        Json& record = method.record;
+        record.update({{"bench", "update"}, {"scan", scan}});
+        Result<Crowd> created = Crowd::create(device_, {.groups = field_.groups, .path = options_.path, .scan = scan});
+        if (!created && created.error().code == ErrorCode::kUnsupported && options_.scan == "all") {
+            record["unsupported_reason"] = created.error().message;
+            return;
+        }
+        Crowd crowd = unwrap(std::move(created));
+        unwrap(crowd.set_playback(crowd.instances(), field_.playback));
+        unwrap(crowd.update(0));
+        const double error = largest_error(crowd, field_);
+        record.update({{"path", bench::path_name(crowd)},
+                       {"characters", options_.count},
+                       {"joints", joint_count()},
+                       {"files", files_},
+                       {"clips_blended", 2},
+                       {"max_error", error},
+                       {"memory_bytes", crowd.size_bytes()}});
+        if (error <= bench::kSkinErrorBound)
+            method.crowd = std::move(crowd);
+        else
+            record["wrong"] = true;
+    }
+
+    void time_group() {
+        std::vector<bench::Contestant> contestants;
+        for (Method& method : group_)
+            if (method.crowd)
+                contestants.push_back({text(method.record, "scan"), [&] { method.times.take(load_, *method.crowd); }});
+        bench::run_rounds(contestants, options_.samples, print_progress);
+        for (Method& method : group_) {
+            if (method.crowd) add_times(method.record, method.times);
+            measured_.add({&method.record, 1}, [&] { print_update_row(method.record); });
+        }
+        group_.clear();
+    }
+
+    uint64_t joint_count() const {
+        uint64_t joints = 0;
+        for (const CrowdGroup& group : field_.groups)
+            joints += uint64_t{group.instance_count} * group.character->rig.joint_count();
+        return joints;
+    }
+
+    void add_times(Json& record, const bench::UpdateTimes& times) const {
+        Json stages;
+        for (size_t s = 0; s < stage_names().size(); ++s)
+            stages[stage_names()[s]] = bench::spread_json(times.stage(s), "_ms");
+        record.update({{"samples", options_.samples},
+                       {"host_samples", times.count_by_host()},
+                       {"stages", stages},
+                       {"total", bench::spread_json(times.total(), "_ms")},
+                       {"ns_per_joint", times.total().median * 1e6 / static_cast<double>(joint_count())}});
+    }
+
+    const BenchOptions& options_;
+    const Device device_;
+    const bench::GpuLoad load_;
+    const Scatter field_;
+    const Json files_;
+    Measured measured_;
+    std::vector<Method> group_;  // whose crowds there are now
+};
+
 void print_head(const Device& device, const std::vector<Character>& characters, const BenchOptions& options) {
     std::string keys;
     for (const Character& character : characters) keys += (keys.empty() ? "" : ", ") + keys_text(character);
-    std::printf("%u characters on %s, two clips blended, keys %s; medians of %u updates, ms\n%-18s %-6s", options.count,
-                device.info().name.c_str(), keys.c_str(), options.samples, "scan method", "path");
+    std::printf("%u characters on %s, two clips blended, keys %s; medians of %u updates, ms\n%-18s %-13s",
+                options.count, device.info().name.c_str(), keys.c_str(), options.samples, "scan method", "path");
     for (const char* name : stage_names()) std::printf(" %9s", name);
     std::printf(" %9s %9s  %s\n", "total", "ns/joint", "error");
 }
@@ -116,21 +182,15 @@ void run_bench(const BenchOptions& options) {
     std::vector<Character> characters = load_characters(options.files, options.compile);
     if (characters.empty())
         characters.push_back(unwrap(compile_character(unwrap(make_creature(options.creature)), options.compile)));
-    const Device device = open_device(options.device);
-    const Scatter field = scatter(characters,
-                                  {.counts = deal_out(options.count, characters.size()), .seed = options.seed});
+    MethodRun run(options, characters);
     std::vector<std::string> scans{options.scan};
     if (options.scan == "all") {
         scans.clear();
         for (const ScanMethodInfo& method : scan_methods())
             if (method.in_crowds) scans.push_back(method.name);
     }
-    if (!options.json) print_head(device, characters, options);
-    Measured measured(options.json);
-    for (const std::string& scan : scans) {
-        const Json record = run_case(device, characters, field, scan, options);
-        measured.add({&record, 1}, [&] { print_update_row(record); });
-    }
+    if (!options.json) print_head(run.device(), characters, options);
+    run.run(scans);
 }
 
 }  // namespace
@@ -138,9 +198,13 @@ void run_bench(const BenchOptions& options) {
 void add_bench(Command app) {
     Command command = app.add_subcommand(kBench.command, kBench.description);
     auto options = std::make_shared<BenchOptions>();
-    command.add_option("files", options->files, "glTF 2.0 files (default: a generated creature)");
-    command.add_option("--joints", options->creature.joint_count, "of the generated creature").capture_default_str();
-    command.add_option("--levels", options->creature.level_count, "of the generated creature").capture_default_str();
+    Option files = command.add_option("files", options->files, "glTF 2.0 files (default: a generated creature)");
+    command.add_option("--joints", options->creature.joint_count, "of the generated creature")
+        .excludes(files)
+        .capture_default_str();
+    command.add_option("--levels", options->creature.level_count, "of the generated creature")
+        .excludes(files)
+        .capture_default_str();
     command.add_option("--seed", options->seed, "of clips, times and blends").capture_default_str();
     command.add_option("--count", options->count, "characters in all")
         .check(range(1u, 10'000'000u))

@@ -131,18 +131,19 @@ Json record_of(const Device& device, const Method& method, const Character& char
                const BaselineOptions& options) {
     uint64_t clip_bytes = 0;
     for (const Clip& clip : method.stored->clips) clip_bytes += clip.size_bytes;
-    Json record{{"bench", "baseline"},
-                {"method", method.name},
-                {"file", file},
-                {"joints", character.rig.joint_count()},
-                {"levels", character.rig.level_count},
-                {"mean_depth", character.rig.mean_depth},
-                {"characters", options.count},
-                {"clips", character.clips.size()},
-                {"bytes_per_clip", clip_bytes / character.clips.size()},
-                {"bytes_all_clips", clip_bytes},
-                {"rate", options.rate},
-                {"samples", options.samples}};
+    Json record = bench::where_and_when(device.info());
+    record.update({{"bench", "baseline"},
+                   {"method", method.name},
+                   {"file", file},
+                   {"joints", character.rig.joint_count()},
+                   {"levels", character.rig.level_count},
+                   {"mean_depth", character.rig.mean_depth},
+                   {"characters", options.count},
+                   {"clips", character.clips.size()},
+                   {"bytes_per_clip", clip_bytes / character.clips.size()},
+                   {"bytes_all_clips", clip_bytes},
+                   {"rate", options.rate},
+                   {"samples", options.samples}});
     print_progress(file + ", " + method.name + ": errors");
     for (const bool blended : {false, true}) record.update(errors_of(device, method, character, blended, options.seed));
     return record;
@@ -225,7 +226,6 @@ std::vector<Json> compare(const Device& device, const Character& character, cons
     std::vector<Json> records;
     for (const Method& method : methods) records.push_back(record_of(device, method, character, file, options));
     time_methods(device, methods, character, options, records);
-    for (Json& record : records) record.update(bench::where_and_when(device.info()));
     return records;
 }
 
@@ -247,6 +247,8 @@ void run_baselines(const BaselineOptions& options) {
                     options.count, device.info().name.c_str(), options.samples, options.rate);
             print_baselines_table(records);
         });
+        // After each character, so that a long run that is stopped keeps its results
+        if (!options.json.empty()) write_text(options.json, measured.lines());
     };
     for (const std::string& file : options.files) run(load_characters({file}, kExact).front(), file);
     if (options.files.empty())
@@ -256,7 +258,6 @@ void run_baselines(const BaselineOptions& options) {
                         {.joint_count = options.joints, .level_count = level_count, .seed = options.seed})),
                     kExact)),
                 "creature");
-    if (!options.json.empty()) write_text(options.json, measured.lines());
 }
 
 }  // namespace
@@ -265,9 +266,13 @@ void add_bench_baselines(Command bench) {
     Command command = bench.add_subcommand("baselines",
                                            "what baked and flattened clips save in time, and cost in memory and shape");
     auto options = std::make_shared<BaselineOptions>();
-    command.add_option("files", options->files, "glTF 2.0 files, in metres (default: generated creatures)");
-    command.add_option("--joints", options->joints, "of the generated creatures").capture_default_str();
-    command.add_option("--levels", options->levels, "of the generated creatures").delimiter(',').capture_default_str();
+    Option files = command.add_option("files", options->files,
+                                      "glTF 2.0 files, in metres (default: generated creatures)");
+    command.add_option("--joints", options->joints, "of the generated creatures").excludes(files).capture_default_str();
+    command.add_option("--levels", options->levels, "of the generated creatures")
+        .excludes(files)
+        .delimiter(',')
+        .capture_default_str();
     command.add_option("--count", options->count, "instances of each character")
         .check(range(1u, 10'000'000u))
         .capture_default_str();

@@ -134,11 +134,13 @@ void add_bench_cpu(Command bench) {
                                            "whole updates on the processor, with each of its instruction sets: "
                                            "checked, then timed beside a fill of the same bytes; needs no device");
     auto options = std::make_shared<CpuOptions>();
-    command.add_option("files", options->files, "glTF 2.0 files (default: generated creatures)");
+    Option files = command.add_option("files", options->files, "glTF 2.0 files (default: generated creatures)");
     command.add_option("--characters", options->characters, "how many (default: several cases)")
         .check(range(1u, 10'000'000u));
-    command.add_option("--joints", options->joints, "of each").check(range(2u, 65'535u));
-    command.add_option("--levels", options->levels, "of the skeleton").check(range(2u, 65'535u));
+    command.add_option("--joints", options->joints, "of each generated creature")
+        .excludes(files)
+        .check(range(2u, 65'535u));
+    command.add_option("--levels", options->levels, "of its skeleton").excludes(files).check(range(2u, 65'535u));
     command.add_option("--clips", options->clips, "clips that each character plays")
         .check(is_member({"1", "2", "all"}))
         .capture_default_str();

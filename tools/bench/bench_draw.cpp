@@ -84,6 +84,8 @@ void print_draw_row(const Json& record) {
     const Json parts = record.value("parts", Json::object());
     for (const auto& [part, part_ms] : parts.items()) std::printf(" %s %.1f,", part.c_str(), part_ms.get<double>());
     if (record.contains("alike_db")) print_columns(record, {{" %.1f dB", "alike_db"}});
+    if (real(record, "host_samples") > 0)
+        print_columns(record, {{", %g of", "host_samples"}, {" %g pictures by the host's clock", "samples"}});
     std::printf("\n");
 }
 
@@ -142,8 +144,10 @@ void run_draw(DrawBenchOptions options) {
             measure(options, make(options.seed), measured);
         }
     } else {
-        Shown shown{.name = std::to_string(options.count) + " x " +
-                            std::filesystem::path(options.files.front()).filename().string(),
+        std::string names;
+        for (const std::filesystem::path file : options.files)
+            names += (names.empty() ? "" : ", ") + file.filename().string();
+        Shown shown{.name = std::to_string(options.count) + " x " + names,
                     .characters = load_characters(options.files, {}),
                     .places = {.counts = deal_out(options.count, options.files.size()), .seed = options.seed},
                     .camera = options.camera,

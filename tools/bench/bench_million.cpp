@@ -60,16 +60,16 @@ void print_views(std::span<const Json> records) {
 }
 
 void print_recording(std::span<const Json> records) {
-    if (std::ranges::none_of(records, [](const Json& record) { return record.contains("record_ms"); })) return;
+    const auto is_recording = [](const Json& record) { return !record.contains("view") && !record.contains("family"); };
+    if (std::ranges::none_of(records, is_recording)) return;
     std::printf("\nthe CPU's part of a frame that the device computes\n%10s %10s %19s\n", "characters", "ms",
                 "5 % - 95 %");
     for (const Json& record : records)
-        if (record.contains("record_ms")) {
-            print_columns(record, {{"%10.0f", "characters"},
-                                   {" %10.3f", "record_ms/median"},
-                                   {" %8.3f", "record_ms/p5"},
-                                   {" - %8.3f", "record_ms/p95"}});
-            std::printf("\n");
+        if (is_recording(record)) {
+            print_columns(record, {{"%10.0f ", "characters"}});
+            if (print_untimed(record, "not measured")) continue;
+            print_columns(
+                record, {{"%10.3f", "record_ms/median"}, {" %8.3f", "record_ms/p5"}, {" - %8.3f\n", "record_ms/p95"}});
         }
 }
 

@@ -23,9 +23,9 @@ void print_rows(std::span<const Json> records) {
     for (const Json& record : records) {
         if (!record.contains("instances")) continue;
         print_columns(record, {{"%10.0f", "characters"}});
-        std::printf(" %-10s", text(record, "instances").c_str());
+        std::printf(" %-10s ", text(record, "instances").c_str());
         if (print_untimed(record, "not measured")) continue;
-        print_columns(record, {{" %9.3f", "ms/median"},
+        print_columns(record, {{"%9.3f", "ms/median"},
                                {" %8.3f", "ms/p5"},
                                {" - %8.3f", "ms/p95"},
                                {"  %.0f\n", "memory_bytes", 1.0 / (1 << 20)}});
@@ -34,10 +34,9 @@ void print_rows(std::span<const Json> records) {
     for (const Json& record : records) {
         if (!record.contains("frames_with")) continue;
         std::printf("%-18s", text(record, "frames_with").c_str());
-        print_columns(record, {{" %10.0f", "characters"},
-                               {" %8.0f", "changed"},
-                               {" %12.3f", "call_ms/median"},
-                               {" %12.3f\n", "update_ms/median"}});
+        print_columns(record, {{" %10.0f", "characters"}, {" %8.0f ", "changed"}});
+        if (print_untimed(record, "not measured")) continue;
+        print_columns(record, {{"%12.3f", "call_ms/median"}, {" %12.3f\n", "update_ms/median"}});
     }
 }
 

@@ -23,9 +23,8 @@ struct ViewOptions {
 
 void print_view_row(const Json& record) {
     std::printf("%-18s ", text(record, "variant").c_str());
-    if (print_untimed(record, "not measured",
-                      " of the size off, and " + record.value("max_pixels", Json()).dump() + " pixels"))
-        return;
+    const std::string pixels = record.contains("max_pixels") ? ", and " + record["max_pixels"].dump() + " pixels" : "";
+    if (print_untimed(record, "not measured", " of the size off" + pixels)) return;
     print_columns(record, {{"%9.3f", "ms/median"}, {" %9.3f", "ms/p5"}, {" -%8.3f ", "ms/p95"}});
     if (record.contains("times_faster"))
         print_columns(record, {{"%7.2f ", "times_faster"}});

@@ -7,6 +7,7 @@
 #include "tools/cli/command.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <thread>
 
@@ -41,7 +42,7 @@ std::vector<NativeIsa> chosen_isas(const std::string& isa) {
         known += (known.empty() ? "" : ", ") + name;
         if (isa == "all" || isa == name) chosen.insert(chosen.begin(), one);
     }
-    if (chosen.empty()) throw CommandError("--isa: this machine has no '" + isa + "', but " + known);
+    if (chosen.empty()) throw UsageError("--isa: this machine has no '" + isa + "', but " + known);
     return chosen;
 }
 
@@ -102,6 +103,8 @@ void print_columns(const Json& record, std::initializer_list<Column> columns) {
 bool print_untimed(const Json& record, const char* not_done, const std::string& off, const std::string& field) {
     if (record.contains("unsupported_reason"))
         std::printf("%s: %s\n", not_done, text(record, "unsupported_reason").c_str());
+    else if (record.contains("wrong") && record.contains(field) && std::isnan(bench::number(record, field)))
+        std::printf("WRONG, not timed: a number is missing or not finite\n");
     else if (record.contains("wrong") && record.contains(field))
         std::printf("WRONG, not timed: it is %s%s\n", record[field].dump().c_str(), off.c_str());
     else if (record.contains("wrong"))

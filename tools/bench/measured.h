@@ -23,7 +23,7 @@ void add_report_option(Command command, std::string& file);
 
 void write_text(const std::string& path, const std::string& text);
 
-// --isa: an instruction set, or "all". Returns the fastest first. Throws CommandError if this machine lacks the set.
+// --isa: an instruction set, or "all". Returns the fastest first. Throws UsageError if this machine lacks the set.
 void add_isa_option(Command command, std::string& isa);
 std::vector<NativeIsa> chosen_isas(const std::string& isa);
 // --threads, and its default.
@@ -64,7 +64,8 @@ struct Column {
 void print_columns(const Json& record, std::initializer_list<Column> columns);
 
 // Prints why a record has no times; returns whether it has none. `not_done` is printed for a method that does not
-// apply. `field` names the error of a wrong result, if the record has it; `off` is printed after its number.
+// apply. `field` names the error of a wrong result, if the record has it; `off` is printed after its number, if that is
+// finite.
 bool print_untimed(const Json& record, const char* not_done, const std::string& off = " of the size off",
                    const std::string& field = "max_error");
 

@@ -30,9 +30,18 @@ void run_predicted(const TuneOptions& options) {
                 scan_count, median_slack, largest_slack);
 }
 
+// Before the work: whether the costs can be kept.
+void check_cache(const std::filesystem::path& file) {
+    std::error_code error;
+    if (!std::filesystem::create_directories(file.parent_path(), error) && error)
+        throw CommandError(file.parent_path().string() + ": cannot be made: " + error.message());
+    if (const std::string wrong = writable_file().what_is_wrong(file.string()); !wrong.empty())
+        throw CommandError(wrong);
+}
+
 void run_tune(const TuneOptions& options) {
     if (!options.predicted.empty()) {
-        if (!options.device.empty()) throw CommandError("--predicted is for a GPU that is not here: without --device");
+        if (!options.device.empty()) throw UsageError("--predicted is for a GPU that is not here: without --device");
         return run_predicted(options);
     }
     const Device device = open_vulkan_device(options.device);
@@ -42,10 +51,7 @@ void run_tune(const TuneOptions& options) {
         throw CommandError(
             "neither XDG_CACHE_HOME nor HOME is set: there is no cache folder to keep the costs in (--dry-run prints "
             "them)");
-    std::error_code error;
-    // Checked before the work
-    if (!options.dry_run && !std::filesystem::create_directories(file.parent_path(), error) && error)
-        throw CommandError(file.parent_path().string() + ": cannot be made: " + error.message());
+    if (!options.dry_run) check_cache(file);
     const ScanLimits limits = scan_limits(gpu);
     const std::vector<bench::ScanObservation> observations = bench::observe_scans(device.gpu(), options.quick,
                                                                                   print_progress);

@@ -1,6 +1,7 @@
 #include "tools/cli/command.h"
 #include "tools/cli/kept_characters.h"
 #include "tools/cli/options.h"
+#include "tools/cli/path_name.h"
 #include "tools/commands.h"
 
 #include <nlohmann/json.hpp>

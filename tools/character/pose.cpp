@@ -120,13 +120,11 @@ void print_text(const Character& character, const Pose& pose) {
 std::optional<uint32_t> parse_vertices(const std::string& text) {
     if (text == "all") return std::nullopt;
     if (const auto limit = parse_number(text)) return limit;
-    throw CommandError("--vertices " + text + ": give a number or 'all'");
+    throw UsageError("--vertices " + text + ": give a number or 'all'");
 }
 
 void run_pose(const PoseOptions& options) {
     const std::optional<uint32_t> vertex_limit = parse_vertices(options.vertices);
-    if (options.clip.empty() && !options.blend.empty())
-        throw CommandError("--blend needs --clip: the two clips are blended");
     const Character character = unwrap(load_kept_character(options.file, options.compile));
     print_warnings(character.warnings);
     const Playback playback = playback_of(options, character);
@@ -146,14 +144,21 @@ void add_pose(Command app) {
         "pose", "joint matrices, skin matrices and skinned vertices of one character at one time");
     PoseOptions& options = command.options_of(run_pose);
     command.add_option("file", options.file, "a glTF 2.0 file, or one that 'throng compile' wrote").required();
-    command.add_option("--clip", options.clip, "name or number of a clip (default: the rest pose)");
-    command.add_option("--time", options.time_s, "seconds into the clip").check(finite()).capture_default_str();
-    command.add_flag("--loop", options.loop, "wrap times beyond the clip's end, for both clips (else clamp)");
-    command.add_option("--blend", options.blend, "name or number of a second clip to blend with");
+    Option clip = command.add_option("--clip", options.clip, "name or number of a clip (default: the rest pose)");
+    command.add_option("--time", options.time_s, "seconds into the clip")
+        .needs(clip)
+        .check(finite())
+        .capture_default_str();
+    command.add_flag("--loop", options.loop, "wrap times beyond the clip's end, for both clips (else clamp)")
+        .needs(clip);
+    Option blend =
+        command.add_option("--blend", options.blend, "name or number of a second clip to blend with").needs(clip);
     command.add_option("--blend-time", options.blend_time_s, "seconds into the second clip")
+        .needs(blend)
         .check(finite())
         .capture_default_str();
     command.add_option("--weight", options.weight, "weight of --clip; the second clip has the rest")
+        .needs(blend)
         .check(finite())
         .check(range(0.0, 1.0))
         .capture_default_str();

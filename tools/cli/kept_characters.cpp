@@ -111,16 +111,17 @@ void remove_oldest(const fs::path& folder) {
 
 }  // namespace
 
-Result<Character> load_kept_character(const std::string& file, const CompileSettings& settings) {
+Result<Character> load_kept_character(const std::string& file, const CompileSettings& settings,
+                                      const LoadHooks& hooks) {
     const std::optional<fs::path> kept = kept_file(file, settings);
     std::error_code unimportant;
     if (kept && fs::exists(*kept, unimportant)) {
-        if (Result<Character> character = load_character(*kept)) {
+        if (Result<Character> character = load_character(*kept, {}, hooks)) {
             fs::last_write_time(*kept, fs::file_time_type::clock::now(), unimportant);
             return character;
         }
     }
-    Result<Character> character = load_character(file, settings);
+    Result<Character> character = load_character(file, settings, hooks);
     if (!character || !kept) return character;
     fs::create_directories(kept->parent_path(), unimportant);
     if (!unimportant && save_character(*character, *kept)) remove_oldest(kept->parent_path());

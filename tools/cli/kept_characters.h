@@ -10,6 +10,7 @@ namespace throng::tools {
 // load_character(), or what it returned before for the same bytes under the same name, with the same settings and the
 // same build of throng. Keeps only .glb files without side files, the latest 1 GiB of them, and nothing if the folder
 // cannot be written.
-Result<Character> load_kept_character(const std::string& file, const CompileSettings& settings);
+Result<Character> load_kept_character(const std::string& file, const CompileSettings& settings,
+                                      const LoadHooks& hooks = {});
 
 }  // namespace throng::tools

@@ -58,6 +58,16 @@ std::string first_of(const std::vector<std::string>& unexpected, int argc, char*
     return unexpected.empty() ? "" : unexpected.front();
 }
 
+// A command's own options do nothing where a subcommand of it runs.
+void refuse_before(const std::string& subcommand, const CLI::App& command) {
+    for (const CLI::Option* option : command.get_options()) {
+        if (option->count() == 0 || option == command.get_help_ptr() || option == command.get_version_ptr()) continue;
+        const std::string word = option->get_positional() ? option->results().front() : option->get_name();
+        throw UsageError(word + " has no effect before '" + subcommand + "': give what '" + subcommand +
+                         "' takes after its name");
+    }
+}
+
 }  // namespace
 
 Check range(uint32_t least, uint32_t most) {
@@ -156,7 +166,9 @@ Option Option::default_str(const std::string& text) {
 bool Option::empty() const { return option_->empty(); }
 
 Command Command::add_subcommand(const std::string& name, const std::string& description) {
-    return Command(*app_->add_subcommand(name, description));
+    CLI::App* subcommand = app_->add_subcommand(name, description);
+    subcommand->preparse_callback([app = app_, name](size_t) { refuse_before(name, *app); });
+    return Command(*subcommand);
 }
 
 void Command::require_subcommand(const std::string& names) {
@@ -232,10 +244,6 @@ void add_path_option(Command command, UpdatePath& path) {
          {"device", UpdatePath::kDevice}},
         "fused: sample, blend, scan and bind in one pass; staged: one after another; device: fused where it applies; "
         "native: by this machine's processor, on software devices; auto: native there, else as device");
-}
-
-std::string path_name(const GroupPath& path) {
-    return std::string(path.is_native ? "native, " : "") + (path.is_fused ? "fused" : "staged");
 }
 
 void add_renderer_option(Command command, DrawPath& path) {

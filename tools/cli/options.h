@@ -69,6 +69,7 @@ class Command {
 public:
     explicit Command(CLI::App& app) : app_(&app) {}
 
+    // Once it is named, options given before its name are refused.
     Command add_subcommand(const std::string& name, const std::string& description);
     // One of its subcommands must be given; `names` is what a message calls them.
     void require_subcommand(const std::string& names);
@@ -130,7 +131,6 @@ void add_scan_option(Command command, std::string& scan);
 
 // --path; the value that `path` has is the default.
 void add_path_option(Command command, UpdatePath& path);
-std::string path_name(const GroupPath& path);  // "native, fused"
 
 // --renderer; the value that `path` has is the default.
 void add_renderer_option(Command command, DrawPath& path);

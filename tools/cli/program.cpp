@@ -29,6 +29,7 @@ int run_program(int argc, char** argv, void (*run)(int argc, char** argv)) {
     try {
         run(argc, argv);
     } catch (const UsageError& error) {
+        print_progress("");
         // Words of the command line may hold anything
         std::cerr << "throng: " << printable(error.what(), std::string::npos) << "\n";
         return 2;

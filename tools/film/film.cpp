@@ -3,13 +3,19 @@
 // without a byte of difference.
 #include "tools/film/film.h"
 
+#include "base/crc64.h"
+#include "base/failure.h"
+#include "base/read_file.h"
 #include "base/text.h"
+#include "import/limits.h"
 #include "tools/film/encode.h"
 #include "tools/film/film_frames.h"
 #include "tools/film/film_lock.h"
+#include "tools/film/film_pace.h"
 #include "tools/film/interruption.h"
 #include "tools/cli/inputs.h"
 #include "tools/cli/options.h"
+#include "tools/cli/path_name.h"
 
 #include <throng/version.h>
 
@@ -17,8 +23,9 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cinttypes>
 #include <cstdio>
-#include <fstream>
+#include <functional>
 #include <future>
 #include <iostream>
 
@@ -65,15 +72,12 @@ std::vector<fs::path> outs_of(const RenderOptions& options, const FilmPlan& plan
     return outs;
 }
 
-// FNV-1a (G. Fowler, L. C. Noll, K.-P. Vo), to notice that a file has changed since the last run.
-std::string content_hash(const std::string& path) {
-    std::ifstream file(path, std::ios::binary);
-    if (!file) throw CommandError(path + (fs::exists(path) ? ": cannot be read" : ": no such file"));
-    uint64_t hash = 0xcbf29ce484222325u;
-    for (std::istreambuf_iterator<char> byte(file), end; byte != end; ++byte)
-        hash = (hash ^ static_cast<uint8_t>(*byte)) * 0x100000001b3u;
+// To notice that a file has changed since the last run.
+std::string checksum(const std::string& path) {
+    const std::string name = printable(fs::path(path).filename().string(), 120);
+    const auto bytes = unwrap(as_result([&] { return read_file(path, gltf::kFileLimitBytes, name); }));
     char text[17];
-    std::snprintf(text, sizeof(text), "%016llx", static_cast<unsigned long long>(hash));
+    std::snprintf(text, sizeof(text), "%016" PRIx64, crc64(bytes));
     return text;
 }
 
@@ -81,11 +85,10 @@ std::string content_hash(const std::string& path) {
 nlohmann::json settings_of(const RenderOptions& options) {
     const SceneOptions& scene = options.scene;
     nlohmann::json files = nlohmann::json::array(), controllers = files, looks = files;
-    for (const std::string& file : scene.files)
-        files.push_back({fs::path(file).filename().string(), content_hash(file)});
+    for (const std::string& file : scene.files) files.push_back({fs::path(file).filename().string(), checksum(file)});
     for (const std::string& controller : controller_files(scene))
-        controllers.push_back(controller.empty() ? "" : content_hash(controller));
-    for (const std::string& file : look_files(scene)) looks.push_back(file.empty() ? "" : content_hash(file));
+        controllers.push_back(controller.empty() ? "" : checksum(controller));
+    for (const std::string& file : look_files(scene)) looks.push_back(file.empty() ? "" : checksum(file));
     return {{"throng", version()},
             {"files", files},
             {"controllers", controllers},
@@ -93,8 +96,7 @@ nlohmann::json settings_of(const RenderOptions& options) {
             {"clips", scene.clips},
             {"blends", scene.blends},
             {"weight", scene.weight},
-            {"count", scene.count},
-            {"counts", scene.counts},
+            {"counts", counts_of(scene)},
             {"sizes", scene.sizes},
             {"placement", static_cast<int>(scene.formation)},
             {"spacing", scene.spacing},
@@ -152,6 +154,21 @@ std::string duration_text(double seconds) {
 constexpr size_t kMeasured = 3;  // frames, after which it is said how long a film will take
 constexpr double kLong_s = 600;  // and only if it will take longer than this
 
+void report_frame(size_t done, size_t all, double left_s) {
+    if (done == kMeasured && left_s > kLong_s) {
+        print_progress("");
+        std::cerr << "throng: " << all << " frames will take some " << duration_text(left_s) << "\n";
+    }
+    print_progress("frame " + std::to_string(done) + " of " + std::to_string(all) + ", " + duration_text(left_s) +
+                   " left");
+}
+
+double seconds_of(const std::function<void()>& work) {
+    const auto start = std::chrono::steady_clock::now();
+    work();
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
 // Compresses and writes a picture while the next one is drawn.
 class PictureWriter {
 public:
@@ -189,27 +206,23 @@ Film draw_frames(const Device& device, const RenderOptions& options, const FilmP
     uint32_t next = 0;  // the frame that the characters step to next
     const auto step_to = [&](uint32_t frame) { return frame == 0 ? options.time_s : 1 / options.fps; };
     PictureWriter writer;
-    const auto start = std::chrono::steady_clock::now();
+    FilmPace pace;
     for (const uint32_t frame : frames) {
         for (; next < frame; ++next) {
             stop_before_first();
-            shot.skip(step_to(next));
+            pace.skipped(seconds_of([&] { shot.skip(step_to(next)); }));
         }
         stop_before_first();
-        RenderResult result = shot.draw(step_to(next), options.time_s + next / options.fps);
+        RenderResult result;
+        pace.drew(seconds_of([&] {
+            result = shot.draw(step_to(next), options.time_s + next / options.fps);
+            writer.write(plan.files.path(frame), std::move(result.picture));
+        }));
         ++next;
-        writer.write(plan.files.path(frame), std::move(result.picture));
         if (film.frames.empty()) print_warnings(result.warnings);
         film.frames.push_back(shot.times());
-        const double passed_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-        const size_t done = film.frames.size();
-        const double left_s = passed_s / static_cast<double>(done) * static_cast<double>(frames.size() - done);
-        if (done == kMeasured && left_s > kLong_s) {
-            print_progress("");
-            std::cerr << "throng: " << frames.size() << " frames will take some " << duration_text(left_s) << "\n";
-        }
-        print_progress("frame " + std::to_string(done) + " of " + std::to_string(frames.size()) + ", " +
-                       duration_text(left_s) + " left");
+        const size_t done = film.frames.size(), to_draw = frames.size() - done;
+        report_frame(done, frames.size(), pace.left_s(to_draw, frames.back() + 1 - next - to_draw));
         if (!interruption.is_asked_for() || done == frames.size()) continue;
         writer.finish();
         print_progress("");
@@ -235,7 +248,7 @@ void print_film(const RenderOptions& options, const std::string& device, const F
                            {"kept", asked - rendered},
                            {"renderer", rendered > 0 ? nlohmann::json(film.renderer) : nlohmann::json()},
                            {"drawn", film.drawn},
-                           {"stages_ms", to_json(times)}});
+                           {"stages_ms", rendered > 0 ? to_json(times) : nlohmann::json()}});
     std::printf("%s: %zu frames, %zu of them new\n", printable(options.out, std::string::npos).c_str(), asked,
                 rendered);
     if (rendered == 0) return;
@@ -245,7 +258,24 @@ void print_film(const RenderOptions& options, const std::string& device, const F
     print_drawn(film.drawn);
 }
 
-void encode(const RenderOptions& options, const FilmPlan& plan) {
+// The frames that are still to be drawn.
+std::vector<uint32_t> missing_frames(const FilmPlan& plan, const Interruption& interruption) {
+    const auto report = [&](size_t checked, size_t all) {
+        if (interruption.is_asked_for())
+            throw CommandError("interrupted while the " + std::to_string(all) +
+                               " frames that are there were checked: the same command goes on from them");
+        print_progress("checking frame " + std::to_string(checked + 1) + " of " + std::to_string(all));
+    };
+    std::vector<uint32_t> frames = plan.files.missing(plan.range, plan.shard, plan.size.width, plan.size.height,
+                                                      report);
+    print_progress("");
+    return frames;
+}
+
+void encode(const RenderOptions& options, const FilmPlan& plan, const Interruption& interruption) {
+    if (interruption.is_asked_for())
+        throw CommandError("interrupted; all frames are kept in " + plan.folder.string() +
+                           ": the same command makes the film of them");
     print_progress("encoding " + options.out);
     encode_film({plan.folder, plan.range.first, plan.range.end - plan.range.first, options.fps}, options.out);
     for (const uint32_t frame : plan.range.frames()) fs::remove(plan.files.path(frame));
@@ -273,10 +303,10 @@ void render_film(const RenderOptions& options) {
         throw CommandError("--out " + options.out +
                            ": another process has just drawn another film there; --force draws this one over it");
     }
-    lock.write(asked_for);
     const Interruption interruption;
+    lock.write(asked_for);
     plan.files.check_settings(settings);
-    const std::vector<uint32_t> frames = plan.files.missing(plan.range, plan.shard, plan.size.width, plan.size.height);
+    const std::vector<uint32_t> frames = missing_frames(plan, interruption);
     Film film;
     std::string device_name;
     if (!frames.empty()) {
@@ -286,7 +316,7 @@ void render_film(const RenderOptions& options) {
         plan.files.check_settings(settings);
         film = draw_frames(device, options, plan, frames, settings, interruption);
     }
-    if (encodes) encode(options, plan);
+    if (encodes) encode(options, plan, interruption);
     print_film(options, device_name, film, asked);
 }
 

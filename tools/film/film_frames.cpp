@@ -1,6 +1,9 @@
 #include "tools/film/film_frames.h"
 
+#include "base/failure.h"
+#include "base/read_file.h"
 #include "base/replace_file.h"
+#include "base/thread_pool.h"
 #include "tools/cli/command.h"
 
 #include <nlohmann/json.hpp>
@@ -11,7 +14,8 @@
 #define STBI_NO_STDIO
 #include <stb/stb_image.h>
 
-#include <fstream>
+#include <algorithm>
+#include <limits>
 #include <memory>
 
 namespace throng::tools {
@@ -19,14 +23,12 @@ namespace {
 
 constexpr uint32_t kMostFrames = 1'000'000;
 
-std::optional<std::string> content(const std::filesystem::path& path) {
-    std::ifstream file(path, std::ios::binary);
-    if (!file) return std::nullopt;
-    return std::string{std::istreambuf_iterator<char>(file), {}};
+Result<std::vector<std::byte>> content(const std::filesystem::path& path) {
+    return as_result([&] { return read_file(path, std::numeric_limits<int>::max(), path.string()); });
 }
 
 bool is_whole(const std::filesystem::path& path, uint32_t width, uint32_t height) {
-    const std::optional<std::string> bytes = content(path);
+    const auto bytes = content(path);
     if (!bytes) return false;
     int picture_width = 0, picture_height = 0, channels = 0;
     const std::unique_ptr<stbi_uc, decltype(&stbi_image_free)> pixels(
@@ -98,14 +100,15 @@ std::filesystem::path FrameFiles::some_frame() const {
 
 void FrameFiles::check_settings(const nlohmann::json& settings) const {
     const std::string place = settings_path().string(), advice = "; remove it and the frames, or give another --out";
-    const std::optional<std::string> text = content(settings_path());
-    if (!text) {
+    const auto bytes = content(settings_path());
+    if (!bytes) {
         const std::filesystem::path frame = some_frame();
         if (frame.empty()) return;
         throw CommandError(frame.string() + " is there, but not " + place +
                            ", which says what it was made with; remove the frames, or give another --out");
     }
-    const nlohmann::json there = nlohmann::json::parse(*text, nullptr, false);
+    const std::string_view text(reinterpret_cast<const char*>(bytes->data()), bytes->size());
+    const nlohmann::json there = nlohmann::json::parse(text, nullptr, false);
     for (const auto& [name, value] : settings.items()) {
         const nlohmann::json found = there.is_object() && there.contains(name) ? there[name] : nlohmann::json();
         if (found != value)
@@ -121,12 +124,25 @@ void FrameFiles::keep_settings(const nlohmann::json& settings) const {
     check_settings(settings);
 }
 
-std::vector<uint32_t> FrameFiles::missing(const FrameRange& range, const Shard& shard, uint32_t width,
-                                          uint32_t height) const {
-    std::vector<uint32_t> frames;
+std::vector<uint32_t> FrameFiles::missing(const FrameRange& range, const Shard& shard, uint32_t width, uint32_t height,
+                                          const std::function<void(size_t checked, size_t all)>& report) const {
+    std::vector<uint32_t> missing, there;
+    std::error_code error;
     for (const uint32_t frame : range.frames())
-        if (shard.has(frame) && !is_whole(path(frame), width, height)) frames.push_back(frame);
-    return frames;
+        if (shard.has(frame)) (std::filesystem::exists(path(frame), error) ? there : missing).push_back(frame);
+    if (there.empty()) return missing;
+    ThreadPool threads(0);
+    std::vector<char> are_whole(there.size());
+    for (size_t first = 0; first < there.size(); first += threads.concurrency()) {
+        report(first, there.size());
+        const auto count = static_cast<uint32_t>(std::min<size_t>(threads.concurrency(), there.size() - first));
+        for_each_job(threads, count,
+                     [&](uint32_t i) { are_whole[first + i] = is_whole(path(there[first + i]), width, height); });
+    }
+    for (size_t i = 0; i < there.size(); ++i)
+        if (!are_whole[i]) missing.push_back(there[i]);
+    std::ranges::sort(missing);
+    return missing;
 }
 
 }  // namespace throng::tools

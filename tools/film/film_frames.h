@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <ranges>
 #include <string>
 #include <vector>
@@ -43,8 +44,10 @@ public:
     void check_settings(const nlohmann::json& settings) const;
     // The same, and writes the file if there is none. If several shards do so at once, one writes, and all compare.
     void keep_settings(const nlohmann::json& settings) const;
-    // The frames of the range and shard that do not exist yet as complete pictures of this size.
-    std::vector<uint32_t> missing(const FrameRange& range, const Shard& shard, uint32_t width, uint32_t height) const;
+    // The frames of the range and shard that do not exist yet as complete pictures of this size. Those that exist are
+    // decoded, for which `report` is told again and again how many of how many have been; it may throw.
+    std::vector<uint32_t> missing(const FrameRange& range, const Shard& shard, uint32_t width, uint32_t height,
+                                  const std::function<void(size_t checked, size_t all)>& report) const;
 
 private:
     // An existing frame with any number; empty if there is none.

@@ -2,6 +2,7 @@
 #include "tools/film/film.h"
 #include "tools/cli/inputs.h"
 #include "tools/cli/options.h"
+#include "tools/cli/path_name.h"
 #include "tools/commands.h"
 #include "tools/film/shot.h"
 
@@ -14,9 +15,21 @@
 namespace throng::tools {
 namespace {
 
+// How many characters each file has, and how they are updated.
+nlohmann::json files_of(const RenderOptions& options, const Crowd& crowd) {
+    nlohmann::json files = nlohmann::json::array();
+    for (uint32_t group = 0; group < options.scene.files.size(); ++group) {
+        const GroupPath path = *crowd.path(group);
+        files.push_back({{"file", options.scene.files[group]},
+                         {"count", crowd.instances(group)->size()},
+                         {"path", path_name(path)},
+                         {"scan", path.scan.method}});
+    }
+    return files;
+}
+
 void print_times(const RenderOptions& options, const Device& device, Shot& shot) {
-    const std::string scan = shot.crowd().path(0)->scan.method;
-    const std::string path = path_name(*shot.crowd().path(0));
+    const nlohmann::json files = files_of(options, shot.crowd());
     const std::string renderer = renderer_name(shot.is_drawn_natively());
     const uint32_t count = shot.crowd().instance_count();
     if (options.json)
@@ -25,13 +38,15 @@ void print_times(const RenderOptions& options, const Device& device, Shot& shot)
                            {"driver", device.info().driver},
                            {"count", count},
                            {"drawn", shot.count_drawn()},
-                           {"scan", scan},
-                           {"path", path},
+                           {"files", files},
                            {"renderer", renderer},
                            {"stages_ms", to_json(shot.times())}});
-    std::printf("%s: %u characters on %s, %s, scan by %s, renderer %s\n",
-                printable(options.out, std::string::npos).c_str(), count, device.info().name.c_str(), path.c_str(),
-                scan.c_str(), renderer.c_str());
+    std::printf("%s: %u characters on %s, renderer %s\n", printable(options.out, std::string::npos).c_str(), count,
+                device.info().name.c_str(), renderer.c_str());
+    for (const nlohmann::json& file : files)
+        std::printf("  %u of %s, %s, scan by %s\n", file["count"].get<uint32_t>(),
+                    printable(file["file"].get<std::string>(), std::string::npos).c_str(),
+                    file["path"].get<std::string>().c_str(), file["scan"].get<std::string>().c_str());
     print_drawn(shot.count_drawn());
     print_times(shot.times());
 }

@@ -16,18 +16,10 @@ namespace {
 
 constexpr uint32_t kMostCharacters = 10'000'000;
 
-void check_lengths(const SceneOptions& options) {
-    const size_t files = options.files.size();
-    const auto check = [&](const char* name, size_t given) {
-        if (given != 0 && given != files)
-            throw UsageError(std::string(name) + ": " + std::to_string(given) + " numbers for " +
-                             std::to_string(files) + " files; give one for each");
-    };
-    check("--counts", options.counts.size());
-    check("--sizes", options.sizes.size());
-    const uint64_t sum = std::accumulate(options.counts.begin(), options.counts.end(), uint64_t{0});
-    if (!options.counts.empty() && (sum == 0 || sum > kMostCharacters))
-        throw UsageError("--counts: " + std::to_string(sum) + " characters in all; give from 1 to 10000000");
+void check_length(const char* option, size_t given, size_t files) {
+    if (given != 0 && given != files)
+        throw UsageError(std::string(option) + ": " + std::to_string(given) + " numbers for " + std::to_string(files) +
+                         " files; give one for each");
 }
 
 bool is_called(const std::string& file, const std::string& name) {
@@ -81,6 +73,26 @@ std::vector<std::string> of_files(const std::vector<std::string>& files, const s
     return values;
 }
 
+// The clips that the characters of each file are to play. Empty: those at random, or none to blend with.
+struct WantedClips {
+    // Throws UsageError where a clip that was asked for would not be played.
+    explicit WantedClips(const SceneOptions& options)
+        : first(of_files(options.files, options.clips, "--clip")),
+          second(of_files(options.files, options.blends, "--blend")) {
+        const std::vector<std::string> controller_of = controller_files(options);
+        for (size_t k = 0; k < options.files.size(); ++k) {
+            if (!controller_of[k].empty() && !first[k].empty())
+                throw UsageError("--clip " + first[k] + ": " + options.files[k] +
+                                 " has a controller, which chooses the clips");
+            if (!second[k].empty() && first[k].empty())
+                throw UsageError("--blend " + second[k] + ": " + options.files[k] +
+                                 " has no --clip that it could be blended with");
+        }
+    }
+
+    std::vector<std::string> first, second;  // [files]
+};
+
 // Replaces the random clips by those that were asked for; times remain.
 void choose_clips(std::span<Playback> playback, const Character& character, const std::string& clip,
                   const std::string& blend, double weight) {
@@ -103,9 +115,9 @@ void add_scene_options(Command app, SceneOptions& options) {
     app.add_option("files", options.files,
                    "glTF 2.0 or .throng files; several are mixed, scaled to one size unless --sizes says otherwise")
         .required();
-    Option count = app.add_option("--count", options.count, "characters in all")
+    Option count = app.add_option("--count", options.count, "characters in all, at least one of each file")
                        .check(range(1u, kMostCharacters))
-                       .capture_default_str();
+                       .default_str(std::to_string(options.usual_count));
     app.add_option("--counts", options.counts,
                    "characters of each file, comma-separated (default: --count, dealt out evenly)")
         .delimiter(',')
@@ -146,6 +158,22 @@ void add_clip_options(Command app, SceneOptions& options) {
         .capture_default_str();
 }
 
+std::vector<uint32_t> counts_of(const SceneOptions& options) {
+    const size_t files = options.files.size();
+    if (options.counts.empty()) {
+        const uint32_t count = options.count.value_or(std::max(options.usual_count, static_cast<uint32_t>(files)));
+        if (count < files)
+            throw UsageError("--count " + std::to_string(count) + ": there are " + std::to_string(files) +
+                             " files; give at least one character for each, or leave files out");
+        return deal_out(count, files);
+    }
+    check_length("--counts", options.counts.size(), files);
+    const uint64_t sum = std::accumulate(options.counts.begin(), options.counts.end(), uint64_t{0});
+    if (sum == 0 || sum > kMostCharacters)
+        throw UsageError("--counts: " + std::to_string(sum) + " characters in all; give from 1 to 10000000");
+    return options.counts;
+}
+
 std::vector<std::string> controller_files(const SceneOptions& options) {
     return of_files(options.files, options.controllers, "--controller");
 }
@@ -161,8 +189,8 @@ std::vector<std::string> input_files(const SceneOptions& options) {
     return files;
 }
 
-SceneCast::SceneCast(const SceneOptions& options) {
-    check_lengths(options);
+SceneCast::SceneCast(const SceneOptions& options) : counts(counts_of(options)) {
+    check_length("--sizes", options.sizes.size(), options.files.size());
     const std::vector<std::string> controller_of = controller_files(options), looks_of = look_files(options);
     characters = load_characters(options.files, options.compile);
     controllers.resize(characters.size());
@@ -179,11 +207,10 @@ SceneCast::SceneCast(const SceneOptions& options) {
 
 CrowdScene::CrowdScene(const Device& device, const SceneOptions& options, CrowdSettings settings)
     : culls_(settings.culling.has_value()) {
+    const WantedClips clips(options);
     const SceneCast cast(options);
     const std::vector<Character>& characters = cast.characters;
-    Scatter field = scatter(characters,
-                            {options.counts.empty() ? deal_out(options.count, characters.size()) : options.counts,
-                             options.sizes, options.formation, options.spacing, options.seed});
+    Scatter field = scatter(characters, {cast.counts, options.sizes, options.formation, options.spacing, options.seed});
     for (size_t k = 0; k < characters.size(); ++k) {
         kinds_.push_back({field.groups[k].instance_count, {characters[k].bounds_min, characters[k].bounds_max}});
         if (options.steer)
@@ -202,16 +229,11 @@ CrowdScene::CrowdScene(const Device& device, const SceneOptions& options, CrowdS
     settings.path = options.path;
     crowd_.emplace(unwrap(Crowd::create(device, settings)));
     director_.emplace(field.groups, options.seed);
-    const std::vector<std::string> clips = of_files(options.files, options.clips, "--clip"),
-                                   blends = of_files(options.files, options.blends, "--blend");
     uint32_t first = 0;
     for (size_t k = 0; k < characters.size(); ++k) {
         const CrowdGroup& group = field.groups[k];
-        if (group.controller && !clips[k].empty())
-            throw CommandError("--clip " + clips[k] + ": " + options.files[k] +
-                               " has a controller, which chooses the clips");
-        choose_clips(std::span(field.playback).subspan(first, group.instance_count), characters[k], clips[k], blends[k],
-                     options.weight);
+        choose_clips(std::span(field.playback).subspan(first, group.instance_count), characters[k], clips.first[k],
+                     clips.second[k], options.weight);
         if (!group.controller)
             unwrap(crowd_->set_playback(Instances::numbered(first, group.instance_count),
                                         std::span(field.playback).subspan(first, group.instance_count)));

@@ -26,7 +26,8 @@ struct SceneOptions {
     CompileSettings compile;
     std::string scan = "auto";
     UpdatePath path = UpdatePath::kAuto;
-    uint32_t count = 1;
+    std::optional<uint32_t> count;
+    uint32_t usual_count = 1;      // without `count`, or one of each file if these are more
     std::vector<uint32_t> counts;  // [files], or none: `count` is dealt out evenly
     std::vector<double> sizes;     // [files], or none
     Formation formation = Formation::kGrid;
@@ -40,6 +41,10 @@ struct SceneOptions {
 class Command;
 void add_scene_options(Command app, SceneOptions& options);
 void add_clip_options(Command app, SceneOptions& options);
+
+// How many characters of each file there are, [files]. Throws UsageError, also where `count` is not enough for one of
+// each.
+std::vector<uint32_t> counts_of(const SceneOptions& options);
 
 // The controller of each file, [files], or an empty name. Throws CommandError.
 std::vector<std::string> controller_files(const SceneOptions& options);
@@ -55,6 +60,7 @@ std::vector<std::string> input_files(const SceneOptions& options);
 struct SceneCast {
     explicit SceneCast(const SceneOptions& options);
 
+    std::vector<uint32_t> counts;                        // [files]
     std::vector<Character> characters;                   // [files]
     std::vector<std::optional<Controller>> controllers;  // [files]
     std::vector<std::optional<Looks>> looks;             // [files]

@@ -43,7 +43,7 @@ constexpr std::array kCommands{
     Command{{"b", "boxes that culling goes by"}, 'b', 0, [](State& s) { s.drawing.bounds = !s.drawing.bounds; }},
     Command{{"h", "shadows"}, 'h', 0, [](State& s) { s.drawing.shadows = !s.drawing.shadows; }},
     Command{{"g", "fog"}, 'g', 0, [](State& s) { s.drawing.fog = !s.drawing.fog; }},
-    Command{{"r", "see the whole crowd"}, 'r', 0, [](State& s) { s.resets_view = true; }},
+    Command{{"r", "see the whole crowd"}, 'r', 0, [](State& s) { s.see_whole_crowd(); }},
     Command{{"f", "fly, or orbit"}, 'f', 0, [](State& s) { s.flies = !s.flies; }},
     Command{{"tab", "panels"}, 0, GLFW_KEY_TAB, [](State& s) { s.shows_panels = !s.shows_panels; }},
     Command{{"p, F12", "screenshot"}, 'p', GLFW_KEY_F12, [](State& s) { s.takes_screenshot = true; }},
@@ -74,19 +74,18 @@ void fly_by_keys(State& state) {
     state.orbit.fly(right * step, up * step, forward * step);
 }
 
+bool is_for(const KeyPress& press, const Command& command) {
+    if (press.character != 0) return press.character == command.character;
+    return press.key != 0 && press.key == command.key && press.with_ctrl == command.with_ctrl;
+}
+
 void take_keys(State& state, std::span<const KeyPress> pressed) {
     const ImGuiIO& io = ImGui::GetIO();
     if (io.WantTextInput) return;
     if (ImGui::IsPopupOpen("", ImGuiPopupFlags_AnyPopupId | ImGuiPopupFlags_AnyPopupLevel)) return;  // a list has them
-    for (const Command& command : kCommands) {
-        const bool typed = command.character &&
-                           std::find(io.InputQueueCharacters.begin(), io.InputQueueCharacters.end(),
-                                     command.character) != io.InputQueueCharacters.end();
-        const auto is_it = [&](const KeyPress& press) {
-            return press.key == command.key && press.with_ctrl == command.with_ctrl;
-        };
-        if (typed || (command.key && std::ranges::any_of(pressed, is_it))) command.run(state);
-    }
+    for (const KeyPress& press : pressed)
+        for (const Command& command : kCommands)
+            if (is_for(press, command)) command.run(state);
     if (!io.KeyCtrl) fly_by_keys(state);
 }
 

@@ -23,8 +23,8 @@ struct Command {
 };
 std::span<const Command> commands();
 
-// Runs the commands typed since the last frame, and moves the camera by keys and mouse, unless a panel has taken them.
-// A click on the scene is returned as a point of the picture: 0..1 from the left and the top.
+// Runs the commands pressed since the last frame, once for each press, and moves the camera by keys and mouse, unless a
+// panel has taken them. A click on the scene is returned as a point of the picture: 0..1 from the left and the top.
 struct Click {
     float x, y;
 };

@@ -1,8 +1,11 @@
 #include "tools/view/context.h"
 
 #include "tools/cli/command.h"
+#include "tools/view/same_device.h"
 
-#include <algorithm>
+#include <optional>
+#include <string>
+#include <vector>
 
 namespace throng::view {
 
@@ -44,18 +47,22 @@ void Context::create_instance() {
 // Finds the device that every command chooses for this selection again by its name, since an instance with a surface
 // may list devices in another order.
 void Context::find_device(const std::string& select) {
-    device_name_ = tools::open_device(select).info().name;
+    const DeviceInfo chosen = tools::open_device(select).info();
+    device_name_ = chosen.name;
+    std::vector<std::string> names, names_here;
+    for (const DeviceInfo& info : tools::unwrap(Device::list())) names.push_back(info.name);
     const auto devices = list_of<VkPhysicalDevice>("vkEnumeratePhysicalDevices", vkEnumeratePhysicalDevices,
                                                    instance());
-    const auto found = std::find_if(devices.begin(), devices.end(), [&](VkPhysicalDevice device) {
+    for (const VkPhysicalDevice device : devices) {
         VkPhysicalDeviceProperties properties{};
         vkGetPhysicalDeviceProperties(device, &properties);
-        return device_name_ == properties.deviceName;
-    });
-    if (found == devices.end())
+        names_here.push_back(properties.deviceName);
+    }
+    const std::optional<size_t> found = same_device(names, chosen.index, names_here);
+    if (!found)
         throw CommandError("device " + device_name_ +
                            " cannot show pictures in a window: choose another with --device");
-    adopted_.physical_device = *found;
+    adopted_.physical_device = devices[*found];
 }
 
 void Context::find_queue_family() {

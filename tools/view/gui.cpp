@@ -118,7 +118,7 @@ void Gui::take_input(VkExtent2D extent, std::span<const KeyPress> pressed) {
     ImGuiIO& io = ImGui::GetIO();
     for (const int key : std::exchange(let_go_, {})) io.KeysDown[key] = glfwGetKey(window_.handle(), key) == GLFW_PRESS;
     for (const KeyPress& press : pressed) {
-        if (press.key < 0 || io.KeysDown[press.key]) continue;
+        if (press.key <= 0 || io.KeysDown[press.key]) continue;
         io.KeysDown[press.key] = true;
         let_go_.push_back(press.key);
     }

@@ -1,24 +1,48 @@
 // Reads files in the background, so that the window stays responsive.
 #pragma once
 
-#include "tools/view/scene.h"
+#include <throng/character.h>
 
+#include <atomic>
 #include <future>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
 
 namespace throng::view {
 
 class Loader {
 public:
-    // Replaces what is being read, after waiting for it.
+    Loader() = default;
+    // Cancels what is being read, and waits until it has ended.
+    ~Loader() { cancel(); }
+    Loader(const Loader&) = delete;
+    Loader& operator=(const Loader&) = delete;
+
+    // Replaces what is being read, which is cancelled; does not wait for it.
     void start(std::vector<std::string> files, const CompileSettings& settings);
     bool is_busy() const { return future_.valid(); }
+    // Of the files that start() was last called with, 0..1.
+    double part_done() const { return job_->part_done; }
 
     // Returns what has been read, once; nothing while reading goes on, unless `waits`. Throws a CommandError if a file
     // is wrong.
     std::optional<std::vector<Character>> take(bool waits);
 
 private:
-    std::future<std::vector<Character>> future_;
+    struct Job {
+        std::atomic<bool> is_cancelled{false};
+        std::atomic<double> part_done{0};
+    };
+    static std::vector<Character> read(const std::vector<std::string>& files, const CompileSettings& settings,
+                                       Job& job);
+    void cancel() {
+        if (job_) job_->is_cancelled = true;
+    }
+
+    std::shared_ptr<Job> job_;
+    std::future<std::vector<Character>> future_;  // its destructor waits
 };
 
 }  // namespace throng::view

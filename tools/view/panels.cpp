@@ -1,6 +1,7 @@
 #include "tools/view/panels.h"
 
 #include "tools/cli/options.h"
+#include "tools/cli/path_name.h"
 #include "tools/view/commands.h"
 #include "tools/view/window.h"
 
@@ -181,7 +182,7 @@ void picture_section(State& state) {
     ImGui::SameLine(scaled(130));
     check_row("fog", state.drawing.fog);
     slider_row("exposure", state.drawing.exposure, 0.25f, 4, "%.2f", ImGuiSliderFlags_Logarithmic);
-    if (ImGui::Button("whole crowd")) state.resets_view = true;
+    if (ImGui::Button("whole crowd")) state.see_whole_crowd();
     ImGui::SameLine();
     if (ImGui::Button("screenshot")) state.takes_screenshot = true;
 }

@@ -4,9 +4,18 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <stdexcept>
+#include <tuple>
+#include <utility>
 
 namespace throng::view {
 namespace {
+
+std::vector<float> initial_parameters(const Controller& controller) {
+    std::vector<float> values;
+    for (const ControllerParameter& parameter : controller.parameters) values.push_back(parameter.initial);
+    return values;
+}
 
 // Dealt out by their shares, as long as there are enough.
 std::vector<uint32_t> deal_out(uint32_t count, std::span<const uint32_t> shares) {
@@ -33,15 +42,14 @@ double moved_on(const Character& character, const ClipPlayback& clip, double sec
 Scene::Shown::Shown(Cast of, const SceneSettings& made_so)
     : settings(made_so), playback(of.characters.size()), parameters(of.characters.size()) {
     for (size_t group = 0; group < of.controllers.size(); ++group)
-        if (of.controllers[group])
-            for (const ControllerParameter& parameter : of.controllers[group]->parameters)
-                parameters[group].push_back(parameter.initial);
+        if (of.controllers[group]) parameters[group] = initial_parameters(*of.controllers[group]);
     cast = std::make_shared<const Cast>(std::move(of));
 }
 
 Scene::Scene(const Device& device, Cast cast, const SceneSettings& settings)
     : device_(device), shown_(std::move(cast), settings) {
     make_field();
+    begin_playing();
     make_crowd();
 }
 
@@ -53,46 +61,72 @@ void Scene::set_settings(const SceneSettings& settings) {
 
 void Scene::set_cast(Cast cast) { remake({std::move(cast), settings()}); }
 
+void Scene::set_controllers(std::vector<std::optional<Controller>> controllers) {
+    Shown wanted = shown_;
+    Cast with_them = cast();
+    for (size_t group = 0; group < controllers.size(); ++group) {
+        if (!controllers[group]) continue;
+        wanted.parameters[group] = initial_parameters(*controllers[group]);
+        with_them.controllers[group] = std::move(controllers[group]);
+    }
+    wanted.cast = std::make_shared<const Cast>(std::move(with_them));
+    remake(std::move(wanted));
+}
+
+void Scene::set_looks(std::vector<std::optional<tools::Looks>> looks) {
+    Shown wanted = shown_;
+    Cast with_them = cast();
+    for (size_t group = 0; group < looks.size(); ++group)
+        if (looks[group]) with_them.looks[group] = std::move(looks[group]);
+    wanted.cast = std::make_shared<const Cast>(std::move(with_them));
+    remake(std::move(wanted));
+}
+
 void Scene::remake(Shown wanted) {
-    const auto same_field = [&] {
-        const SceneSettings &a = wanted.settings, &b = shown_.settings;
-        return wanted.cast == shown_.cast && a.count == b.count && a.seed == b.seed && a.formation == b.formation &&
-               a.spacing == b.spacing;
-    };
-    const bool keeps_field = same_field();
     std::swap(shown_, wanted);
+    Shown& before = wanted;
+    const auto places = [](const SceneSettings& of) { return std::tie(of.count, of.seed, of.formation, of.spacing); };
+    const bool same_places = !shown_.playing.empty() && places(shown_.settings) == places(before.settings);
     try {
-        if (!keeps_field) make_field();
+        if (!same_places || shown_.cast != before.cast) make_field();
+        if (!same_places) begin_playing();
         make_crowd();
-    } catch (const tools::CommandError&) {
-        std::swap(shown_, wanted);
-        if (!keeps_field) make_field();
-        make_crowd();
+    } catch (const tools::CommandError& error) {
+        std::swap(shown_, before);
+        try {
+            make_crowd();
+        } catch (const tools::CommandError& again) {
+            throw std::runtime_error(std::string(error.what()) +
+                                     "; nor can the crowd before it be made again: " + again.what());
+        }
         throw;
     }
 }
 
 void Scene::make_field() {
     const SceneSettings& of = settings();
-    field_ = tools::scatter(cast().characters, {deal_out(of.count, cast().shares), cast().heights, of.formation,
-                                                double{of.spacing}, of.seed});
-    for (size_t group = 0; group < field_.groups.size(); ++group) {
-        field_.groups[group].controller = controller_of(static_cast<uint32_t>(group));
-        if (cast().looks[group]) field_.groups[group].outfits = cast().looks[group]->outfits();
-        field_.groups[group].moves_placements = false;  // so that places are known here when one is clicked
+    shown_.field = tools::scatter(cast().characters, {deal_out(of.count, cast().shares), cast().heights, of.formation,
+                                                      double{of.spacing}, of.seed});
+    for (size_t group = 0; group < shown_.field.groups.size(); ++group) {
+        shown_.field.groups[group].controller = controller_of(static_cast<uint32_t>(group));
+        if (cast().looks[group]) shown_.field.groups[group].outfits = cast().looks[group]->outfits();
+        shown_.field.groups[group].moves_placements = false;  // so that places are known here when one is clicked
     }
-    playing_.assign(field_.playback.size(), {});
+}
+
+void Scene::begin_playing() {
+    shown_.playing.assign(shown_.field.playback.size(), {});
     uint32_t instance = 0;
-    for (uint32_t group = 0; group < field_.groups.size(); ++group)
+    for (uint32_t group = 0; group < shown_.field.groups.size(); ++group)
         for (uint32_t i = 0; i < instance_count_of(group); ++i, ++instance)
-            playing_[instance] = {chosen(group, instance), clock_s_};
+            shown_.playing[instance] = {chosen(group, instance), clock_s_};
 }
 
 void Scene::make_crowd() {
     crowd_.reset();  // first: two large ones need not fit the device together
     const SceneSettings& of = settings();
     crowd_.emplace(tools::unwrap(Crowd::create(
-        device_, {.groups = field_.groups,
+        device_, {.groups = shown_.field.groups,
                   .path = of.path,
                   .skin_format = of.format,
                   .scan = of.scan,
@@ -102,8 +136,8 @@ void Scene::make_crowd() {
                                       : std::nullopt,
                   .skin_blend = of.blend,
                   .skins_once = of.skins_once})));
-    director_.emplace(field_.groups, of.seed);
-    for (uint32_t group = 0; group < field_.groups.size(); ++group) {
+    director_.emplace(shown_.field.groups, of.seed);
+    for (uint32_t group = 0; group < shown_.field.groups.size(); ++group) {
         if (!controller_of(group)) send_playback(group);
         if (cast().looks[group])
             tools::unwrap(crowd_->set_look(*crowd_->instances(group), cast().looks[group]->of_instances(
@@ -112,8 +146,8 @@ void Scene::make_crowd() {
             if (parameters(group)[p] != controller_of(group)->parameters[p].initial)
                 set_parameter(group, p, parameters(group)[p]);
     }
-    tools::unwrap(crowd_->set_placement(crowd_->instances(), field_.placement));
-    bounds_ = tools::reached_bounds(main_bounds(*crowd_), field_);
+    tools::unwrap(crowd_->set_placement(crowd_->instances(), shown_.field.placement));
+    bounds_ = tools::reached_bounds(main_bounds(*crowd_), shown_.field);
 }
 
 std::optional<uint32_t> Scene::instance_at(const InGroup& place) const {
@@ -138,12 +172,12 @@ uint32_t Scene::group_of(uint32_t instance) const {
 }
 
 uint32_t Scene::first_instance_of(uint32_t group) const {
-    return std::accumulate(field_.groups.begin(), field_.groups.begin() + group, 0u,
+    return std::accumulate(shown_.field.groups.begin(), shown_.field.groups.begin() + group, 0u,
                            [](uint32_t sum, const CrowdGroup& one) { return sum + one.instance_count; });
 }
 
 Playback Scene::chosen(uint32_t group, uint32_t instance) const {
-    Playback playback = field_.playback[instance];
+    Playback playback = shown_.field.playback[instance];
     const GroupPlayback& wanted = group_playback(group);
     if (wanted.own) return playback;
     const Character& character = cast().characters[group];
@@ -159,12 +193,12 @@ void Scene::set_group_playback(uint32_t group, const GroupPlayback& playback) {
     const uint32_t first = first_instance_of(group);
     for (uint32_t i = first; i < first + instance_count_of(group); ++i) {
         const Playback wanted = chosen(group, i), now = playback_of(i);
-        Playback& next = playing_[i].from;
+        Playback& next = shown_.playing[i].from;
         next = wanted;
         // Clips that go on playing do so from where they are.
         if (now.first.clip == next.first.clip) next.first.time_s = now.first.time_s;
         if (now.second.clip == next.second.clip) next.second.time_s = now.second.time_s;
-        playing_[i].since_s = clock_s_;
+        shown_.playing[i].since_s = clock_s_;
     }
     send_playback(group);
 }
@@ -177,7 +211,7 @@ void Scene::send_playback(uint32_t group) {
 }
 
 Playback Scene::playback_of(uint32_t instance) const {
-    const Playing& playing = playing_[instance];
+    const Playing& playing = shown_.playing[instance];
     const Character& character = cast().characters[group_of(instance)];
     Playback now = playing.from;
     for (ClipPlayback* clip : {&now.first, &now.second})
@@ -187,7 +221,7 @@ Playback Scene::playback_of(uint32_t instance) const {
 
 void Scene::set_playback_of(uint32_t instance, const Playback& playback) {
     tools::unwrap(crowd_->set_playback(InstanceHandle{instance}, playback));
-    playing_[instance] = {playback, clock_s_};
+    shown_.playing[instance] = {playback, clock_s_};
 }
 
 void Scene::set_parameter(uint32_t group, uint32_t parameter, float value) {
@@ -203,13 +237,13 @@ void Scene::set_parameter_of(uint32_t instance, uint32_t parameter, float value)
 
 PlacedBox Scene::box_of(uint32_t instance) const {
     const Character& character = cast().characters[group_of(instance)];
-    return {character.bounds_min, character.bounds_max, field_.placement[instance]};
+    return {character.bounds_min, character.bounds_max, shown_.field.placement[instance]};
 }
 
 std::optional<uint32_t> Scene::pick(const Projection::Ray& ray) const {
     std::optional<uint32_t> nearest;
     float least = 0;
-    for (uint32_t instance = 0; instance < field_.placement.size(); ++instance) {
+    for (uint32_t instance = 0; instance < shown_.field.placement.size(); ++instance) {
         const std::optional<float> distance = distance_to(box_of(instance), ray);
         if (!distance || (nearest && *distance >= least)) continue;
         nearest = instance;

@@ -63,11 +63,17 @@ struct GroupPlayback {
 
 class Scene {
 public:
-    // Throws a CommandError if such a crowd cannot be made. So do the next two, which then leave the scene as it was.
-    // The device must be idle.
+    // Throws a CommandError if such a crowd cannot be made. So do the next four, which then leave the scene as it was;
+    // if that cannot be made again either, there is no crowd, and they throw a std::runtime_error. The device must be
+    // idle.
     Scene(const Device& device, Cast cast, const SceneSettings& settings);
     void set_settings(const SceneSettings& settings);
+    // Other characters.
     void set_cast(Cast cast);
+    // [characters]; those without one keep what they have. Clips stay as they were chosen, and so do the parameters of
+    // controllers that stay.
+    void set_controllers(std::vector<std::optional<Controller>> controllers);
+    void set_looks(std::vector<std::optional<tools::Looks>> looks);
 
     const Cast& cast() const { return *shown_.cast; }
     const SceneSettings& settings() const { return shown_.settings; }
@@ -84,7 +90,7 @@ public:
     };
     InGroup place_of(uint32_t instance) const;
     std::optional<uint32_t> instance_at(const InGroup& place) const;  // none: the group has fewer
-    uint32_t instance_count_of(uint32_t group) const { return field_.groups[group].instance_count; }
+    uint32_t instance_count_of(uint32_t group) const { return shown_.field.groups[group].instance_count; }
     const Controller* controller_of(uint32_t group) const {
         return cast().controllers[group] ? &*cast().controllers[group] : nullptr;
     }
@@ -109,22 +115,25 @@ public:
     std::optional<uint32_t> pick(const Projection::Ray& ray) const;
 
 private:
+    struct Playing {
+        Playback from;       // what it played then
+        double since_s = 0;  // of the clock
+    };
     struct Shown {
         std::shared_ptr<const Cast> cast;
         SceneSettings settings;
         std::vector<GroupPlayback> playback;         // [characters]
         std::vector<std::vector<float>> parameters;  // [characters][parameters of its controller]
+        // What make_field() and begin_playing() make of these
+        tools::Scatter field{};
+        std::vector<Playing> playing{};  // [instances]
 
-        Shown() = default;
         Shown(Cast of, const SceneSettings& made_so);
-    };
-    struct Playing {
-        Playback from;       // what it played then
-        double since_s = 0;  // of the clock
     };
 
     void remake(Shown wanted);
     void make_field();
+    void begin_playing();
     void make_crowd();
     uint32_t first_instance_of(uint32_t group) const;
     Playback chosen(uint32_t group, uint32_t instance) const;
@@ -132,8 +141,6 @@ private:
 
     Device device_;
     Shown shown_;
-    tools::Scatter field_;
-    std::vector<Playing> playing_;  // [instances]
     std::optional<Crowd> crowd_;
     std::optional<tools::Director> director_;
     Bounds bounds_;

@@ -79,13 +79,17 @@ std::optional<std::string> Script::play(uint64_t frame, Window& window) {
         if (word == "move") mouse_ = {number(0), number(1)};
         if (word == "press" || word == "release") buttons_[kButtons.at(arguments[0])] = word == "press";
         if (word == "scroll") io.MouseWheel += number(0);
-        if (word == "type") io.AddInputCharactersUTF8(arguments[0].c_str());
+        if (word == "type") {
+            io.AddInputCharactersUTF8(arguments[0].c_str());
+            for (const char c : arguments[0]) window.presses().add_character(static_cast<unsigned char>(c));
+        }
         if (word == "hold" || word == "let") {
             const int key = key_of(arguments[0]);
             io.KeysDown[key] = word == "hold";
             io.KeyShift = io.KeysDown[GLFW_KEY_LEFT_SHIFT];
             io.KeyCtrl = io.KeysDown[GLFW_KEY_LEFT_CONTROL];
-            if (word == "hold") window.press({key, io.KeyCtrl});
+            window.presses().add_key(key, word == "hold" ? GLFW_PRESS : GLFW_RELEASE,
+                                     io.KeyCtrl ? GLFW_MOD_CONTROL : 0);
         }
         if (word == "drop") window.drop(arguments);
         if (word == "resize")

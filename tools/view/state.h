@@ -38,6 +38,12 @@ struct State {
     bool takes_screenshot = false;
     bool closes = false;
 
+    // Takes the camera from the path that leads it, if there is one.
+    void see_whole_crowd() {
+        camera = kByHand;
+        resets_view = true;
+    }
+
     // Shows a message in the window for a while; errors go to stderr too.
     void say(std::string text) {
         message = std::move(text);

@@ -9,7 +9,7 @@ namespace {
 void check_size(const RendererSettings& size) {
     constexpr uint32_t kLeastWidth = 320, kLeastHeight = 200, kMost = 16384;
     if (size.width < kLeastWidth || size.height < kLeastHeight || size.width > kMost || size.height > kMost)
-        throw CommandError("--size: a window is from 320x200 to 16384x16384 pixels large");
+        throw UsageError("--size: a window is from 320x200 to 16384x16384 pixels large");
 }
 
 }  // namespace
@@ -18,7 +18,7 @@ void add_view(Command app) {
     Command command = app.add_subcommand(kView.command, kView.description);
     auto options = std::make_shared<view::ViewOptions>();
     auto size = std::make_shared<std::string>("1280x720");
-    options->scene.count = 100;
+    options->scene.usual_count = 100;
     add_scene_options(command, options->scene);
     add_camera_options(command, options->camera);
     command.add_option("--size", *size, "of the window").capture_default_str();

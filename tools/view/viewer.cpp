@@ -10,6 +10,9 @@
 
 #include <algorithm>
 #include <numeric>
+#include <optional>
+#include <type_traits>
+#include <utility>
 
 namespace throng::view {
 namespace {
@@ -31,13 +34,12 @@ Cast make_cast(const tools::SceneOptions& options) {
 }
 
 SceneSettings make_settings(const tools::SceneOptions& options) {
-    const uint64_t count = options.counts.empty()
-                               ? options.count
-                               : std::accumulate(options.counts.begin(), options.counts.end(), uint64_t{0});
+    const std::vector<uint32_t> counts = tools::counts_of(options);
+    const uint32_t count = std::accumulate(counts.begin(), counts.end(), 0u);
     if (count > kMostCharacters)
-        throw CommandError(std::to_string(count) + " characters: a window shows at most " +
-                           std::to_string(kMostCharacters) + "; 'throng render' draws more");
-    return {.count = static_cast<uint32_t>(count),
+        throw tools::UsageError(std::to_string(count) + " characters: a window shows at most " +
+                                std::to_string(kMostCharacters) + "; 'throng render' draws more");
+    return {.count = count,
             .seed = options.seed,
             .formation = options.formation,
             .spacing = static_cast<float>(options.spacing),
@@ -68,6 +70,23 @@ std::vector<std::string> checked_inputs(const ViewOptions& options) {
     tools::keep_inputs(inputs, {options.screenshot, options.dump});
     if (!options.screenshot.empty()) tools::check_png_name("--screenshot", options.screenshot);
     return inputs;
+}
+
+// What `make` makes of each character; none of those for which it throws a CommandError. Throws one of these if it
+// makes none at all.
+template <class Make>
+auto for_fitting(const std::vector<Character>& characters, const Make& make) {
+    std::vector<std::optional<std::invoke_result_t<Make, const Character&>>> made(characters.size());
+    std::optional<CommandError> why;
+    for (size_t k = 0; k < characters.size(); ++k) {
+        try {
+            made[k] = make(characters[k]);
+        } catch (const CommandError& error) {
+            why = error;
+        }
+    }
+    if (std::ranges::none_of(made, [](const auto& one) { return one.has_value(); })) throw *why;
+    return made;
 }
 
 // Null where none is watched.
@@ -139,7 +158,7 @@ bool Viewer::is_done() const {
 
 void Viewer::show_frame() {
     if (display_.is_stale(window_.size())) resize();
-    gui_.take_input(display_.extent(), window_.pressed());
+    gui_.take_input(display_.extent(), window_.presses().all());
     if (script_) shot_ = script_->play(frame_, window_).value_or("");
     if (is_scripted()) ImGui::GetIO().DeltaTime = kScriptedStep_s;
     ImGui::NewFrame();
@@ -187,7 +206,7 @@ void Viewer::move_camera(float aspect_ratio) {
 void Viewer::draw_panels() {
     const ImVec2 display = ImGui::GetIO().DisplaySize;
     const float aspect_ratio = display.x / display.y;
-    if (const std::optional<Click> click = take_commands(state_, window_.take_pressed()))
+    if (const std::optional<Click> click = take_commands(state_, window_.presses().take()))
         state_.selected = scene_.pick(Projection(state_.picture_camera, aspect_ratio).ray(click->x, click->y));
     state_.free_part = state_.shows_panels ? part_without_panels() : PicturePart();
     move_camera(aspect_ratio * state_.free_part.width() / state_.free_part.height());
@@ -271,7 +290,8 @@ void Viewer::take_dropped() {
         (file.ends_with(".json") ? dropped_json_ : files).push_back(std::move(file));
     }
     if (files.empty()) return;
-    state_.say("reading " + std::filesystem::path(files.front()).filename().string() + (files.size() > 1 ? " …" : ""));
+    reading_ = "reading " + std::filesystem::path(files.front()).filename().string() + (files.size() > 1 ? " …" : "");
+    state_.say(reading_);
     loader_.start(std::move(files), options_.scene.compile);
 }
 
@@ -285,38 +305,37 @@ void Viewer::take_loaded() {
             state_.resets_view = true;
             state_.message.clear();
         }
-        if (loader_.is_busy()) return;
-        for (const std::string& file : std::exchange(dropped_json_, {})) use_json(file);
     } catch (const CommandError& error) {
-        state_.complain(error.what());
+        dropped_json_.clear();  // meant for characters that have not come
+        return state_.complain(error.what());
+    }
+    if (loader_.is_busy()) {
+        const int percent = static_cast<int>(100 * loader_.part_done());
+        if (!state_.message_is_error) state_.say(reading_ + ", " + std::to_string(percent) + " %");
+        return;
+    }
+    for (const std::string& file : std::exchange(dropped_json_, {})) {
+        try {
+            use_json(file);
+        } catch (const CommandError& error) {
+            state_.complain(error.what());
+        }
     }
 }
 
 // Uses a controller or looks for the characters that it fits.
 void Viewer::use_json(const std::string& file) {
-    const bool are_looks = tools::is_looks_file(file);
-    const Controller controller = are_looks ? Controller() : unwrap(load_controller(file));
-    Cast cast = scene_.cast();
-    const auto give = [&](size_t k) {
-        if (are_looks) {
-            cast.looks[k] = tools::Looks(file, cast.characters[k]);
-        } else {
-            unwrap(check_controller(controller, cast.characters[k]));
-            cast.controllers[k] = controller;
-        }
-    };
-    std::string why;
-    size_t fitting = 0;
-    for (size_t k = 0; k < cast.characters.size(); ++k) {
-        try {
-            give(k);
-            ++fitting;
-        } catch (const CommandError& error) {
-            why = error.what();
-        }
+    const std::vector<Character>& characters = scene_.cast().characters;
+    if (tools::is_looks_file(file)) {
+        scene_.set_looks(
+            for_fitting(characters, [&](const Character& character) { return tools::Looks(file, character); }));
+    } else {
+        const Controller controller = unwrap(load_controller(file));
+        scene_.set_controllers(for_fitting(characters, [&](const Character& character) {
+            unwrap(check_controller(controller, character));
+            return controller;
+        }));
     }
-    if (fitting == 0) throw CommandError(why);
-    scene_.set_cast(std::move(cast));
     measured_.feedback = {};
 }
 

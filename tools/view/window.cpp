@@ -28,8 +28,10 @@ Window::Window(uint32_t width, uint32_t height) {
     glfwSetWindowSizeLimits(window_, 320, 200, GLFW_DONT_CARE, GLFW_DONT_CARE);
     glfwSetWindowUserPointer(window_, this);
     glfwSetKeyCallback(window_, [](GLFWwindow* window, int key, int, int action, int modifiers) {
-        if (action == GLFW_PRESS)
-            static_cast<Window*>(glfwGetWindowUserPointer(window))->press({key, (modifiers & GLFW_MOD_CONTROL) != 0});
+        static_cast<Window*>(glfwGetWindowUserPointer(window))->presses().add_key(key, action, modifiers);
+    });
+    glfwSetCharCallback(window_, [](GLFWwindow* window, unsigned character) {
+        static_cast<Window*>(glfwGetWindowUserPointer(window))->presses().add_character(character);
     });
     glfwSetDropCallback(window_, [](GLFWwindow* window, int count, const char** paths) {
         static_cast<Window*>(glfwGetWindowUserPointer(window))->drop({paths, paths + count});

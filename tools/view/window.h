@@ -13,9 +13,32 @@
 
 namespace throng::view {
 
+// A key that went down, or a character that this typed: of most keys there are both.
 struct KeyPress {
-    int key = 0;  // of GLFW
+    int key = 0;  // of GLFW; 0: a character
     bool with_ctrl = false;
+    unsigned character = 0;  // of Unicode; 0: a key
+};
+
+// What was pressed since it was last taken, even if it has been released since: a frame can take longer than a key
+// press. A key that is held counts once, however often the keyboard repeats it.
+class KeyPresses {
+public:
+    // As GLFW reports them: first a key, then what it has typed.
+    void add_key(int key, int action, int modifiers) {
+        is_repeated_ = action == GLFW_REPEAT;
+        if (action == GLFW_PRESS) pressed_.push_back({.key = key, .with_ctrl = (modifiers & GLFW_MOD_CONTROL) != 0});
+    }
+    void add_character(unsigned character) {
+        if (!is_repeated_) pressed_.push_back({.character = character});
+    }
+
+    std::span<const KeyPress> all() const { return pressed_; }
+    std::vector<KeyPress> take() { return std::exchange(pressed_, {}); }
+
+private:
+    std::vector<KeyPress> pressed_;
+    bool is_repeated_ = false;
 };
 
 // Only one can exist at a time. Hidden until show(). Throws a CommandError if there is no display.
@@ -36,15 +59,12 @@ public:
     std::vector<std::string> take_dropped() { return std::exchange(dropped_, {}); }
     void drop(std::vector<std::string> files) { dropped_ = std::move(files); }
 
-    // Keys pressed since the last call, even if released since: a frame can take longer than a key press.
-    std::span<const KeyPress> pressed() const { return pressed_; }
-    std::vector<KeyPress> take_pressed() { return std::exchange(pressed_, {}); }
-    void press(const KeyPress& press) { pressed_.push_back(press); }
+    KeyPresses& presses() { return presses_; }
 
 private:
     GLFWwindow* window_ = nullptr;
     std::vector<std::string> dropped_;
-    std::vector<KeyPress> pressed_;
+    KeyPresses presses_;
 };
 
 }  // namespace throng::view
