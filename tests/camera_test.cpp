@@ -91,11 +91,54 @@ TEST(ShadowMap, MovesInWholeTexels) {
             if (!before || before->map_from_world[row][0] != fit.map_from_world[row][0]) continue;
             const double moved = place_in(fit, row) - place_in(*before, row);
             EXPECT_NEAR(moved, std::round(moved), 0.01);
+            EXPECT_NEAR(std::remainder(moved + fit.grid[row] - before->grid[row], 65536), 0, 0.01) << "same texel";
             ++compared;
         }
         before = fit;
     }
     EXPECT_GT(compared, 60) << "the size of a texel seldom changes";
+}
+
+TEST(ShadowMap, AxesAreAtRightAnglesUnderAnySun) {
+    const Camera camera{.eye = {0, 3, 12}, .target = {0, 0, 0}};
+    for (const Vec3<float> to_sun : {Vec3<float>{0, 1, 0}, Vec3<float>{0.014f, 1, 0}, Vec3<float>{0.01f, 1, -0.009f},
+                                     Vec3<float>{0, 1, 0.2f}, Vec3<float>{-0.9f, 0.1f, 0.3f}}) {
+        const ShadowFit fit = fit_shadow(camera, make_view(camera, 1), {{-3, 0, -3}, {3, 2, 3}}, normalized(to_sun),
+                                         512);
+        std::array<Vec3<double>, 3> axes;
+        for (size_t k = 0; k < 3; ++k) {
+            const auto& row = fit.map_from_world[k];
+            axes[k] = normalized(Vec3<double>{row[0], row[1], row[2]});
+        }
+        EXPECT_NEAR(dot(axes[0], axes[1]), 0, 1e-6);
+        EXPECT_NEAR(dot(axes[0], axes[2]), 0, 1e-6);
+        EXPECT_NEAR(dot(axes[1], axes[2]), 0, 1e-6);
+    }
+}
+
+// A game's camera looks at what the crosshair hits, a kilometre away; its own hands are still to be seen.
+TEST(View, NearThingsAreSeenHoweverFarTheTargetIs) {
+    for (const float distance : {0.1f, 5.0f, 1000.0f}) {
+        const View view = make_view({.eye = {1, 2, 3}, .target = {1, 2, 3 - distance}}, 1.5f);
+        const Vec3<float> close{1, 2, 3 - 1e-4f * distance};
+        const auto along = [&](size_t row) {
+            const auto& of = view.clip_from_world[row];
+            return of[0] * close.x + of[1] * close.y + of[2] * close.z + of[3];
+        };
+        EXPECT_LE(along(2), along(3)) << distance;
+        EXPECT_GT(along(2), 0) << distance;
+    }
+}
+
+TEST(View, ShadowsReachAsFarAsTheHighestIn) {
+    const Camera camera{.eye = {0, 1, 5}, .target = {0, 1, 0}};
+    const DrawOptions options{.to_sun = {0, 0.6f, 0.8f}};
+    const Bounds at_rest{{-1, 0.5f, -1}, {1, 1, 1}};
+    const auto reach_below = [&](float highest) {
+        return -crowd_view_of(camera, 64, 64, at_rest, highest, options).shadow.y;
+    };
+    EXPECT_NEAR(reach_below(1), 1, 1e-5) << "twice the height at rest";
+    EXPECT_NEAR(reach_below(20.5f), 20, 1e-4) << "of a clip that flies";
 }
 
 }  // namespace

@@ -181,6 +181,18 @@ TEST_F(CrowdBoundsTest, LeaveOutStraysButNotAParty) {
     EXPECT_TRUE(same(main_bounds(crowd), world_bounds(crowd)));
 }
 
+TEST_F(CrowdBoundsTest, TheSizeOfACharacterIsThatOfOneThatIsThere) {
+    Crowd crowd = create({.groups = {{.character = &character_, .instance_count = 1},
+                                     {.character = &character_, .instance_count = 1, .capacity = 4}}});
+    const auto size = [&] { return character_size(std::array{&crowd.state()}) / character_.size; };
+    const float usual = size();
+    const InstanceHandle large{1};
+    ASSERT_TRUE(crowd.set_placement(large, to_affine(Trs<float>{.scale = {3, 3, 3}})));
+    EXPECT_NEAR(size(), 3 * usual, 1e-3f);
+    ASSERT_TRUE(crowd.despawn(large));
+    EXPECT_NEAR(size(), usual, 1e-3f);
+}
+
 // Motion capture has the hips at the origin at rest, and the feet on the ground in all clips.
 TEST_F(CrowdBoundsTest, ARestPoseThatNoClipComesNearToIsNotShown) {
     Character captured = character_;

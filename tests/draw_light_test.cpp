@@ -53,6 +53,18 @@ TEST(DrawLight, ShadowsFallOnTheGroundAndOnOthers) {
         << "what a mask leaves out throws none";
 }
 
+TEST(DrawLight, TheGroundDarkensEachCharacterByItsOwnSize) {
+    const DrawOptions plain{.shadows = false, .fog = false};
+    const Affine giant = placed({.translation = {25, 0, -25}, .scale = {10, 10, 10}});
+    Asset grey = square();
+    grey.materials = {{.base_color = {0.5f, 0.5f, 0.5f, 1}, .metallic = 0, .roughness = 1}};
+    const Picture alone = pictured(grey, {Affine{}}, kFront, plain),
+                  beside_a_giant = pictured(grey, {Affine{}, giant}, kFront, plain);
+    for (const double height : {0.2, 0.4, 0.7})
+        EXPECT_NEAR(sum_of(at(alone, 0, height)), sum_of(at(beside_a_giant, 0, height)), 3) << height;
+    EXPECT_LT(sum_of(at(alone, 0, 0.2)) + 10, sum_of(at(alone, 0, 0.7))) << "near the ground it is darker";
+}
+
 // A square with a material, whose images are of one pixel each, and the normal that these give it.
 struct LitSquare {
     LitSquare(const char* name, const AssetMaterial& material_in,

@@ -116,6 +116,35 @@ TEST(Draw, WhatIsBlendedIsSeenThrough) {
     }
 }
 
+// Both are instance 0 of their group or crowd, and section 0.
+TEST(Draw, BlendedLayersOfGroupsAndCrowdsShowThroughEachOther) {
+    const auto green_of = [](AlphaMode mode, float alpha, uint32_t group_count, uint32_t crowd_count) {
+        Asset asset = square();
+        asset.materials[0].alpha_mode = mode;
+        asset.materials[0].base_color[3] = alpha;
+        const Character character = *compile_character(asset, kExact);
+        std::vector<Crowd> crowds;
+        std::vector<Crowd*> drawn;
+        for (uint32_t i = 0; i < crowd_count; ++i)
+            crowds.push_back(create({.groups = std::vector<CrowdGroup>(group_count, {&character, 1})}));
+        for (Crowd& crowd : crowds) drawn.push_back(&crowd);
+        Renderer& renderer = shared_renderer(4, {.shadows = false});
+        const Picture picture = renderer.render_frame(drawn, 0, kFront)->picture;
+        double sum = 0;
+        for (uint32_t y = kDrawHeight / 2 - 6; y < kDrawHeight / 2 + 6; ++y)
+            for (uint32_t x = kDrawWidth / 2 - 6; x < kDrawWidth / 2 + 6; ++x)
+                sum += std::pow(picture.rgba[4 * (size_t{y} * kDrawWidth + x) + 1] / 255.0, 2.2);
+        return sum;
+    };
+    const double nothing = green_of(AlphaMode::kBlend, 0, 1, 1), all = green_of(AlphaMode::kOpaque, 1, 1, 1);
+    const auto part = [&](uint32_t group_count, uint32_t crowd_count) {
+        return (green_of(AlphaMode::kBlend, 0.5f, group_count, crowd_count) - nothing) / (all - nothing);
+    };
+    EXPECT_NEAR(part(1, 1), 0.5, 0.04);
+    EXPECT_NEAR(part(2, 1), 0.75, 0.1);
+    EXPECT_NEAR(part(1, 2), 0.75, 0.1);
+}
+
 TEST(Draw, PlacesEveryInstance) {
     const Picture picture = draw(square(), {placed_at(-1.2f), placed_at(1.2f)});
     EXPECT_TRUE(is_red(at(picture, -1.2, 0.5)));

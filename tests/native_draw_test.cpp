@@ -323,6 +323,17 @@ TEST_F(NativeDraw, Options) {
     expect_alike("1 sample", crowd, {}, 1);
 }
 
+// One of very many stands so high that the shadow map does not reach there: its shadow is seen all the same.
+TEST_F(NativeDraw, AStrayHighAbove) {
+    const Character ball = compiled(make_ball({}), kExact);
+    constexpr uint32_t kMany = 110;
+    Crowd crowd = placed_crowd(ball, kMany);
+    const float size = ball.size;
+    ASSERT_TRUE(crowd.set_placement(InstanceHandle{0}, placed_at(4 * size, 400 * size, 4 * size)));
+    const Camera camera{.eye = {12 * size, 9 * size, 14 * size}, .target = {4 * size, 0, 4 * size}};
+    expect_alike("a stray high above", crowd, camera, {.to_sun = {0, 1, 0}});
+}
+
 // So that triangles reach behind the near plane, are seen through the ground, or are smaller than pixels.
 TEST_F(NativeDraw, Cameras) {
     const Character character = creature();

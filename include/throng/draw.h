@@ -24,6 +24,7 @@ Result<void> write_png(const std::filesystem::path& path, const Picture& picture
 
 struct Camera {
     Vec3<float> eye{0, 2, 5};  // world space
+    // In the middle of the picture. Nothing is seen that is closer than a 50,000th of its distance
     Vec3<float> target{0, 1, 0};
     float vertical_field_of_view_rad = 0.7f;
 };
@@ -32,9 +33,9 @@ struct Bounds {
     Vec3<float> min{}, max{};
 };
 
-// World bounds of the instances' rest poses at their placements: as the application has set them or, for groups whose
-// updates move them, in crowds that a Renderer has prepared or drawn, as they were after a recent update. The same goes
-// for which instances of a group that shaders populate are there; without such a Renderer none of them is known.
+// World bounds of the instances' rest poses at their placements. These are those that the application has set; in
+// groups whose updates move instances, those after a recent update, if a Renderer has prepared or drawn the crowd.
+// Which instances of a group that shaders populate are there is known in such crowds alone; in others there is none.
 Bounds world_bounds(const Crowd& crowd);
 // The same without strays: the few, a hundredth at most (one if there are fewer than a hundred), that stand so far away
 // that a camera fitted to them too would show nobody else.
@@ -66,8 +67,9 @@ struct DrawOptions {
 
 // What the camera sees in a picture of this size, shadows of the crowd included: for an update that is drawn with the
 // same camera and options, or with CrowdView::clip_from_world itself. Without occlusion, since its second half is up to
-// the caller. Depth is reversed and infinite: 1 at the near plane, 0 infinitely far away; y of the clip space points
-// down, as in Vulkan. Errors: kInvalidArgument (camera, options).
+// the caller. Shadows are seen of what is up to twice as high as the bounds (Renderer also looks at all poses); enlarge
+// these for a crowd whose clips jump or fly. Depth is reversed and infinite: 1 at the near plane, 0 infinitely far
+// away; y of the clip space points down, as in Vulkan. Errors: kInvalidArgument (camera, options).
 Result<CrowdView> view_of(const Camera& camera, uint32_t width, uint32_t height, const Bounds& bounds,
                           const DrawOptions& options = {});
 
@@ -139,8 +141,8 @@ public:
     // queue, and must have finished before the renderer or the crowd is destroyed, or the renderer resized. If they
     // will never be submitted, call Crowd::discard_last_record() for each crowd that record() was given. What was bound
     // for graphics and compute, the index buffer, and the states that the pipelines set dynamically (viewport, scissor,
-    // cull mode) are other ones afterwards. After an error no crowd has been updated, except for one whose own record()
-    // failed on its way. Frames may be recorded before the last has finished. For a crowd that this renderer has
+    // cull mode) are undefined afterwards. After an error no crowd has been updated, except for one whose own record()
+    // failed half-way. Frames may be recorded before the last has finished. For a crowd that this renderer has
     // neither drawn nor prepared, it uploads textures and waits. The device draws whatever the path, since the crowd is
     // updated there. Errors: kUnsupported (a native device).
     Result<void> record(VkCommandBuffer commands, Crowd& crowd, float time_step_s, const Camera& camera);

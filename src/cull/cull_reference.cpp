@@ -33,6 +33,7 @@ double seen_by(const io::CullView& view, const AffineT<double>& world_from_model
     double least = std::numeric_limits<double>::infinity();
     for (const io::vec4& plane : view.planes) {
         const Vec3<double> normal = xyz(plane);
+        if (length(normal) == 0 && plane.w >= 0) continue;
         double reach = dot(normal, transform_point(world_from_model, box.centre)) + plane.w +
                        std::max(dot(normal, shadow), 0.0);
         reach += std::abs(dot(normal, column(world_from_model, 0))) * box.half_extent.x +

@@ -33,7 +33,10 @@ View make_view(const Camera& camera, float aspect_ratio) {
     View view{axes.right, axes.up, axes.forward};
     view.half_height = std::tan(camera.vertical_field_of_view_rad / 2);
     view.half_width = view.half_height * aspect_ratio;
-    const float near = distance * 0.002f;
+    // Reversed depths are floats, as precise for any near plane. So it can be closer than anything that is to be seen,
+    // even where the target is a mountain.
+    constexpr float kNear = 2e-5f;
+    const float near = distance * kNear;
     const auto row = [&](const Vec3<float>& axis) {
         return std::array<float, 4>{axis.x, axis.y, axis.z, -dot(axis, camera.eye)};
     };
@@ -62,7 +65,7 @@ const DrawOptions& checked(const DrawOptions& options) {
     return options;
 }
 
-CrowdView crowd_view_of(const Camera& camera, uint32_t width, uint32_t height, const Bounds& bounds,
+CrowdView crowd_view_of(const Camera& camera, uint32_t width, uint32_t height, const Bounds& bounds, float highest,
                         const DrawOptions& options) {
     if (width == 0 || height == 0)
         throw Failure(ErrorCode::kInvalidArgument, "view",
@@ -71,7 +74,8 @@ CrowdView crowd_view_of(const Camera& camera, uint32_t width, uint32_t height, c
     const Vec3<float> to_sun = direction_to_sun(options);
     constexpr float kHighest = 2;      // above the ground, in heights of the crowd at rest
     constexpr float kDeepest = 0.25f;  // below it, likewise: rest poses may float above the floor that clips walk on
-    const float extent = bounds.max.y - bounds.min.y, reach = options.shadows ? kHighest * extent / to_sun.y : 0;
+    const float extent = bounds.max.y - bounds.min.y, above = std::max(kHighest * extent, highest - bounds.min.y),
+                reach = options.shadows ? above / to_sun.y : 0;
     return {.clip_from_world = view.clip_from_world,
             .eye = camera.eye,
             .pixels = static_cast<float>(height) / (2 * view.half_height),
@@ -85,7 +89,7 @@ CrowdView crowd_view_of(const Camera& camera, uint32_t width, uint32_t height, c
 
 Result<CrowdView> view_of(const Camera& camera, uint32_t width, uint32_t height, const Bounds& bounds,
                           const DrawOptions& options) {
-    return as_result([&] { return crowd_view_of(camera, width, height, bounds, checked(options)); });
+    return as_result([&] { return crowd_view_of(camera, width, height, bounds, bounds.max.y, checked(options)); });
 }
 
 // Both fits below look at corners in the camera's axes, relative to the centre of the bounds: `side` along one axis of

@@ -18,8 +18,9 @@ struct View {
 // Throws kInvalidArgument if the camera is invalid.
 View make_view(const Camera& camera, float aspect_ratio);
 
-// As view_of() of throng/draw.h. Throws kInvalidArgument if the camera is invalid.
-CrowdView crowd_view_of(const Camera& camera, uint32_t width, uint32_t height, const Bounds& bounds,
+// As view_of() of throng/draw.h. `highest`: y of the highest that throws a shadow in a clip. Throws kInvalidArgument if
+// the camera is invalid.
+CrowdView crowd_view_of(const Camera& camera, uint32_t width, uint32_t height, const Bounds& bounds, float highest,
                         const DrawOptions& options);
 
 // Throws kInvalidArgument if they are invalid.

@@ -17,6 +17,7 @@ layout(location = 1) in vec3 in_normal;
 layout(location = 2) in vec2 in_texcoord;
 layout(location = 3) in vec4 in_color;
 layout(location = 4) flat in uint in_mirrored;
+layout(location = 6) flat in float in_size;
 layout(location = 0) out vec4 out_color;
 
 #ifdef COVERS
@@ -26,7 +27,8 @@ layout(location = 0) out vec4 out_color;
 #include "draw/material_model.glsl"
 
 void main() {
-    const vec4 color = texture(base_color_texture, in_texcoord) * push.base_color * in_color;
+    // At the middle of a pixel that a triangle covers in part, colours may lie beyond those of its vertices.
+    const vec4 color = texture(base_color_texture, in_texcoord) * push.base_color * max(in_color, 0);
     const bool front = gl_FrontFacing != (in_mirrored != 0);
     // Before anything is discarded: beside a fragment that has ended, derivatives and textures' levels are undefined.
     MapTexels maps;
@@ -40,13 +42,14 @@ void main() {
     if (kDiscards) {
         if (!front && push.double_sided == 0) discard;
 #ifdef COVERS
-        cover(color.a);
+        cover(color.a, uvec2(gl_FragCoord.xy));
 #else
         if (color.a < push.alpha_cutoff) discard;
 #endif
     }
     const vec3 normal = normalize(in_normal);
-    Surface surface = plain_surface(color.rgb, push.metallic, push.roughness, push.emissive.rgb, in_world, normal);
+    Surface surface = plain_surface(color.rgb, push.metallic, push.roughness, push.emissive.rgb, in_world, normal,
+                                    in_size);
     if (kMaps) surface = mapped_surface(surface, maps, push.normal_scale, push.emissive.w, steps);
     out_color = vec4(pictured_surface(surface, in_world, normal, front), 1);
 }

@@ -34,6 +34,7 @@ layout(location = 2) out vec2 out_texcoord;
 layout(location = 3) out vec4 out_color;
 layout(location = 4) flat out uint out_mirrored;
 layout(location = 5) flat out uint out_layer;
+layout(location = 6) flat out float out_size;
 
 #include "bind/skin_format.glsl"
 #include "skin/skin.glsl"
@@ -80,14 +81,17 @@ void main() {
     const vec4 world = vec4(affine_point(placement, model.position), 1);
     out_texcoord = uintBitsToFloat(vertex.texcoord_color_delta.xy);
     out_color = unpackUnorm4x8(vertex.texcoord_color_delta.z) * vec4(color, 1);
-    out_layer = coverage_layer(instance, push.section);
+    out_layer = coverage_layer(push.first_layer + instance, push.section);
     if (kShadow) {
+        // What lies higher than the map reaches throws its shadow from there
         gl_Position = vec4(2 * dot(scene.map_from_world[0], world) - 1, 2 * dot(scene.map_from_world[1], world) - 1,
-                           dot(scene.map_from_world[2], world), 1);
+                           min(dot(scene.map_from_world[2], world), 1), 1);
     } else {
         const vec3 normal = transform_normal(placement, model.normal);
         out_normal = normal * inversesqrt(max(dot(normal, normal), 1e-30));
-        out_mirrored = dot(placement.row0.xyz, cross(placement.row1.xyz, placement.row2.xyz)) < 0 ? 1 : 0;
+        const float volume = dot(placement.row0.xyz, cross(placement.row1.xyz, placement.row2.xyz));
+        out_mirrored = volume < 0 ? 1 : 0;
+        out_size = max(push.size * pow(abs(volume), 1 / 3.0), 1e-6);
         out_world = world.xyz;
         gl_Position = vec4(dot(scene.clip_from_world[0], world), dot(scene.clip_from_world[1], world),
                            dot(scene.clip_from_world[2], world), dot(scene.clip_from_world[3], world));

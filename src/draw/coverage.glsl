@@ -15,7 +15,8 @@ uint hash_of(uint number) {
     return (word >> 22) ^ word;
 }
 
-// The layer of one section of one instance, whose samples are covered alike.
+// The layer of one section of one instance, whose samples are covered alike. Instances are counted over all crowds of
+// the picture.
 uint coverage_layer(uint instance, uint section) { return hash_of(instance ^ section << 24); }
 
 // Each layer begins at a different rank in each 4 x 4 pixels, so that over several of them one layer shows through

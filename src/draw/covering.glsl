@@ -7,8 +7,8 @@ CONSTANT(2, uint, kSamples, 4);  // of a pixel
 
 layout(location = 5) flat in uint in_layer;
 
-void cover(float alpha) {
-    const uvec2 pixel = uvec2(gl_FragCoord.xy);
+// `pixel`: of a grid that stays where it is.
+void cover(float alpha, uvec2 pixel) {
     uint samples = 0;
     for (uint i = 0; i < kSamples; ++i)
         samples |= (covers(alpha, pixel.x, pixel.y, i, kSamples, in_layer) ? 1u : 0u) << i;

@@ -50,7 +50,7 @@ Bounds fence_of(Crowds crowds) {
     for (const CrowdState* crowd : crowds) {
         const std::vector<Affine>& placements = crowd->placements->known();
         for (uint32_t i = 0; i < crowd->instance_count; i += step)
-            for (size_t axis = 0; axis < 3 && crowd->is_there(i); ++axis)
+            for (size_t axis = 0; axis < 3 && crowd->has_instance(i); ++axis)
                 along[axis].push_back(placements[i].row[axis][3]);
     }
     if (along[0].size() < kFewest) return kEverywhere;
@@ -93,7 +93,7 @@ private:
     // Shadows are fitted to no more than this, since games hide things by moving them far away in a clip.
     static Bounds near_box(const Group& group) {
         constexpr float kSizes = 4;
-        const float reach = kSizes * length(group.shown_max - group.shown_min);
+        const float reach = kSizes * size_at_rest(group);
         return {group.shown_min - Vec3<float>{reach, reach, reach}, group.shown_max + Vec3<float>{reach, reach, reach}};
     }
     // The box around a placed box, found without transforming its eight corners.
@@ -108,6 +108,13 @@ private:
     }
 };
 
+bool is_any_there(const CrowdState& crowd, const Batch& batch) {
+    if (!crowd.groups[batch.group].varies) return true;
+    for (uint32_t i = 0; i < batch.instance_count; ++i)
+        if (crowd.has_instance(batch.first_instance + i)) return true;
+    return false;
+}
+
 Bounds bounds_at_rest(std::span<const Crowd* const> crowds, Strays strays) {
     std::vector<CrowdState*> states;
     for (const Crowd* crowd : crowds)
@@ -117,15 +124,22 @@ Bounds bounds_at_rest(std::span<const Crowd* const> crowds, Strays strays) {
 
 }  // namespace
 
+float size_at_rest(const Group& group) { return length(group.shown_max - group.shown_min); }
+
+float placed_size(float size_at_rest, const Affine& placement) {
+    return std::max(size_at_rest * std::cbrt(std::abs(determinant(placement))), 1e-6f);
+}
+
 float character_size(Crowds crowds) {
-    float size = 0;
+    float of_all = 0, of_those_there = 0;
     for (const CrowdState* crowd : crowds)
         for (const Batch& batch : crowd->batches) {
-            const Group& group = crowd->groups[batch.group];
-            const float scale = std::cbrt(std::abs(determinant(crowd->placements->known()[batch.first_instance])));
-            size = std::max(size, length(group.shown_max - group.shown_min) * scale);
+            const float size = placed_size(size_at_rest(crowd->groups[batch.group]),
+                                           crowd->placements->known()[batch.first_instance]);
+            of_all = std::max(of_all, size);
+            if (is_any_there(*crowd, batch)) of_those_there = std::max(of_those_there, size);
         }
-    return std::max(size, 1e-6f);
+    return of_those_there > 0 ? of_those_there : std::max(of_all, 1e-6f);
 }
 
 CrowdBounds bounds_of(Crowds crowds, Strays strays) {
@@ -136,7 +150,7 @@ CrowdBounds bounds_of(Crowds crowds, Strays strays) {
         for (const Batch& batch : crowd->batches) {
             const Group& group = crowd->groups[batch.group];
             for (uint32_t i = batch.first_instance; i < batch.first_instance + batch.instance_count; ++i)
-                if (!group.varies || crowd->is_there(i))
+                if (!group.varies || crowd->has_instance(i))
                     (holds(fence, place_of(placements[i])) ? within : beyond).add(group, placements[i]);
         }
     }

@@ -28,7 +28,12 @@ struct CrowdBounds {
 // Goes through all instances; what draws a frame calls it once.
 CrowdBounds bounds_of(Crowds crowds, Strays strays);
 
-// Diagonal of the largest character's box at rest, in world units. A batch counts with the scale of its first instance.
+// Diagonal of a character's box at rest: in model space, and as placed in the world.
+float size_at_rest(const Group& group);
+float placed_size(float size_at_rest, const Affine& placement);
+
+// That of the largest character that is there, in the world; if nobody is, of the largest. A batch counts with the
+// scale of its first instance.
 float character_size(Crowds crowds);
 
 }  // namespace throng

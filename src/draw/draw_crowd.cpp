@@ -1,6 +1,7 @@
 #include "draw/draw_crowd.h"
 
 #include "cull/cull_io.h"
+#include "draw/crowd_bounds.h"
 #include "draw/draw_io.h"
 
 #include <algorithm>
@@ -33,7 +34,8 @@ io::DrawPush push_of(const Group& group, const MeshSection& section, const Textu
             .normal_scale = f.normal_image == kNone ? 0 : f.normal_scale,
             .vertex_count = group.vertex_count,
             .has_skin_pool = group.skin_pool.has_value(),
-            .active_morph_limit = group.active_morph_limit};
+            .active_morph_limit = group.active_morph_limit,
+            .size = size_at_rest(group)};
 }
 
 template <class Push>
@@ -48,37 +50,43 @@ void CrowdDrawing::bind(VkCommandBuffer commands, uint32_t set_number, VkDescrip
                                           0, nullptr);
 }
 
+void CrowdDrawing::find_mirrors() {
+    mirrors.clear();
+    for (const Batch& batch : crowd.batches) mirrors.push_back(has_mirrored_instances(crowd, batch));
+}
+
 void CrowdDrawing::draw(VkCommandBuffer commands, DrawPass pass) const {
-    for (const Batch& batch : crowd.batches) {
+    for (size_t i = 0; i < crowd.batches.size(); ++i) {
+        const Batch& batch = crowd.batches[i];
         if (!batch.has_outputs) continue;  // there are no matrices yet
         const Group& group = crowd.groups[batch.group];
         // Front faces of mirrored instances wind the other way: then the fragment shader culls.
-        const bool mirrors = has_mirrored_instances(crowd, batch);
-        if (mirrors && pass == DrawPass::kOccluders) continue;  // it would take a shader that culls
+        const bool has_mirrored = mirrors[i];
+        if (has_mirrored && pass == DrawPass::kOccluders) continue;  // it would take a shader that culls
         bind(commands, kBatchSet, groups[batch.group]->set_of(batch));
         crowd.gpu->vk.vkCmdBindIndexBuffer(commands, group.indices.handle(), 0, VK_INDEX_TYPE_UINT32);
         for (size_t section = 0; section < group.sections.size(); ++section)
             if (group.sections[section].index_count > 0)
                 for (const uint32_t material : group.section_materials[section])
-                    draw_section(commands, batch, section, material, pass, mirrors);
+                    draw_section(commands, batch, section, material, pass, has_mirrored);
     }
 }
 
 // The vertex shader leaves out instances that show the section in another material, or not at all.
 void CrowdDrawing::draw_section(VkCommandBuffer commands, const Batch& batch, size_t section_index,
-                                uint32_t material_index, DrawPass pass, bool mirrors) const {
+                                uint32_t material_index, DrawPass pass, bool has_mirrored) const {
     const VolkDeviceTable& vk = crowd.gpu->vk;
     const Group& group = crowd.groups[batch.group];
     const MeshSection& section = group.sections[section_index];
     const TexturedMaterial<Image>& material = groups[batch.group]->materials[material_index];
     const CharacterPipelines& pipelines = group.outfit_count > 0 ? *with_looks : characters;
     const auto mode = static_cast<size_t>(material.factors.alpha_mode);
-    const size_t that_culls = std::max(mode, mirrors ? static_cast<size_t>(AlphaMode::kMask) : 0);
+    const size_t that_culls = std::max(mode, has_mirrored ? static_cast<size_t>(AlphaMode::kMask) : 0);
     const OwnedPipeline& pipeline = pass == DrawPass::kShadow ? pipelines.shadow[mode]
                                     : pass == DrawPass::kOccluders
                                         ? pipelines.occluder[mode]
                                         : pipelines.into_picture[that_culls][material.has_maps];
-    const bool shows_back = pass == DrawPass::kShadow || material.factors.double_sided || mirrors;
+    const bool shows_back = pass == DrawPass::kShadow || material.factors.double_sided || has_mirrored;
     vk.vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pipeline.get());
     bind(commands, kMaterialSet, groups[batch.group]->materials.textures_of(material_index));
     vk.vkCmdSetCullMode(commands, shows_back ? VK_CULL_MODE_NONE : VK_CULL_MODE_BACK_BIT);
@@ -86,6 +94,7 @@ void CrowdDrawing::draw_section(VkCommandBuffer commands, const Batch& batch, si
     push.section = static_cast<uint32_t>(section_index);
     push.section_count = static_cast<uint32_t>(group.sections.size());
     push.material = material_index;
+    push.first_layer = first_layer + batch.first_instance;
     const VkBuffer draws = batch.shown_in(batch.slot, io::kDrawsBuffer).handle();
     if (!draws) {
         set_push(commands, crowd, layout, push);

@@ -16,7 +16,11 @@ struct CrowdDrawing {
     const CharacterPipelines& characters;
     const CharacterPipelines* with_looks;  // for groups with CrowdGroup::outfits, if there are any
     const LinePipelines* lines;            // if any are drawn
+    uint32_t first_layer = 0;              // coverage_layer()'s number of the crowd's first instance
+    std::vector<bool> mirrors{};           // [batch], whether some of its instances are mirrored
 
+    // Before the first draw(): goes through all instances.
+    void find_mirrors();
     void draw(VkCommandBuffer commands, DrawPass pass) const;
     // For all instances, or those that are listed. Skeletons need CrowdSettings::keep_model_matrices.
     void draw_skeletons(VkCommandBuffer commands) const;
@@ -25,7 +29,7 @@ struct CrowdDrawing {
 private:
     void bind(VkCommandBuffer commands, uint32_t set_number, VkDescriptorSet set) const;
     void draw_section(VkCommandBuffer commands, const Batch& batch, size_t section, uint32_t material, DrawPass pass,
-                      bool mirrors) const;
+                      bool has_mirrored) const;
     template <class PushOf>
     void draw_lines(VkCommandBuffer commands, const OwnedPipeline& pipeline, const PushOf& push_of) const;
 };

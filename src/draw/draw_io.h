@@ -19,6 +19,7 @@ struct DrawScene {
     vec4 picture;  // x, y: pixels
     // x: texels of the map, each way; y: world size of the larger side of one; z: 1 with shadows, 0 without
     vec4 shadow;
+    vec4 map_grid;  // x, y: where the map's first texel lies on the grid that it moves along: texels, modulo 65536
     vec4 sun_light;
     vec4 sky_light;        // on a surface that looks up
     vec4 bounce_light;     // on one that looks down
@@ -45,7 +46,8 @@ struct DrawPush {
     uint section, section_count;
     uint active_morph_limit;  // morph_io.h
     uint material;            // instances with another SectionLook::material are not drawn
-    uint unused0, unused1;
+    uint first_layer;         // coverage.glsl
+    float size;               // of the character at rest
 };
 
 // A joint, as its line is drawn.

@@ -57,7 +57,7 @@ vec3 through_fog(vec3 color, vec3 world) {
 
 // The Khronos PBR Neutral tone mapper: below 0.76 colours stay what they are.
 vec3 tone_mapped(vec3 light) {
-    const vec3 exposed = light * scene.eye.w;
+    const vec3 exposed = max(light, vec3(0)) * scene.eye.w;
     const Real kStart = 0.8 - 0.04, kDesaturation = 0.15;
     const Real least = min(exposed.x, min(exposed.y, exposed.z));
     const vec3 color = exposed - vec3(choose(least < 0.08, least - 6.25 * least * least, Real(0.04)));

@@ -79,8 +79,9 @@ Vec3<double> character_reference(const io::DrawScene& scene, const MapHeights& h
     io::LightText text = io::text_of(scene, heights);
     const auto vec2 = [](const std::array<double, 2>& v) { return io::LightText::vec2(v[0], v[1]); };
     const io::LightText::vec3 world = text.xyz(surface.place), normal = text.xyz(surface.normal);
-    const io::LightText::Surface plain = text.plain_surface(
-        text.xyz(surface.albedo), surface.metallic, surface.roughness, text.xyz(surface.emissive), world, normal);
+    const io::LightText::Surface plain = text.plain_surface(text.xyz(surface.albedo), surface.metallic,
+                                                            surface.roughness, text.xyz(surface.emissive), world,
+                                                            normal, surface.size);
     const io::LightText::MapTexels texels{maps.metallic, maps.roughness, text.xyz(maps.normal), maps.occlusion,
                                           text.xyz(maps.emissive)};
     const io::LightText::PixelSteps steps{text.xyz(maps.place_x), text.xyz(maps.place_y), vec2(maps.texcoord_x),

@@ -17,6 +17,7 @@ struct LitSurface {
     double metallic = 0, roughness = 1;
     double occlusion = 1;  // the part of the ambient light that arrives
     Vec3<double> emissive;
+    double size = 1;  // of the character, in the world
 };
 
 // The light that leaves it towards the scene's eye; `sun` is the part of the sun that arrives.

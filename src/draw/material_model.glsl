@@ -1,15 +1,15 @@
 // What a character's material makes of the light; C++ too (gpu/glsl.h). The includer also includes light_model.glsl and
 // sun_model.glsl.
 
-// The surface of a material without maps.
-Surface plain_surface(vec3 color, Real metallic, Real roughness, vec3 emissive, vec3 world, vec3 normal) {
+// The surface of a material without maps. `size`: of the character, in the world.
+Surface plain_surface(vec3 color, Real metallic, Real roughness, vec3 emissive, vec3 world, vec3 normal, Real size) {
     Surface surface;
     surface.albedo = color;
     surface.metallic = metallic;
     surface.roughness = roughness;
     surface.normal = normal;
     // The nearer to the ground, the less of the sky is seen
-    surface.occlusion = mix(0.5, 1.0, smoothstep(0.0, 0.25, (world.y - scene.ground.y) / scene.ground.w));
+    surface.occlusion = mix(0.5, 1.0, smoothstep(0.0, 0.25, (world.y - scene.ground.y) / size));
     surface.emissive = emissive;
     return surface;
 }

@@ -121,13 +121,17 @@ void NativeFrame::set_drawn(Crowds crowds, std::span<const NativeGroups> native)
     for (const CrowdState* crowd : crowds) count += crowd->batches.size();
     drawn_.resize(count);
     size_t b = 0;
-    for (size_t i = 0; i < crowds.size(); ++i)
+    uint32_t first_layer = 0;
+    for (size_t i = 0; i < crowds.size(); ++i) {
         for (const Batch& batch : crowds[i]->batches) {
             Drawn& drawn = drawn_[b++];
             drawn.crowd = crowds[i];
             drawn.native = native[i][batch.group];
             drawn.batch = &batch;
+            drawn.first_layer = first_layer + batch.first_instance;
         }
+        first_layer += crowds[i]->instance_count;
+    }
 }
 
 void NativeFrame::list(const DrawOptions& options) {
@@ -167,6 +171,7 @@ void NativeFrame::add_draws(uint32_t b, uint64_t& next_id) {
     const NativeMesh& mesh = drawn.mesh();
     const auto* const placements = reinterpret_cast<const Affine*>((*drawn.batch)[io::kPlacementsBuffer].mapped());
     const NativeLooks looks(drawn.group(), *drawn.batch);
+    const float size = size_at_rest(drawn.group());
     frame_.has_colors = frame_.has_colors || looks;
     const NativeList& list = drawn.list;
     drawn.first_draws.assign(mesh.lod_count() * mesh.section_count(), kNone);
@@ -180,12 +185,13 @@ void NativeFrame::add_draws(uint32_t b, uint64_t& next_id) {
             drawn.first_draws[lod * mesh.section_count() + s] = static_cast<uint32_t>(draws_.size());
             for (uint32_t place = list.begins[lod]; place < list.begins[lod + 1]; ++place) {
                 const uint32_t instance = list.instances[place];
-                raster::Draw& draw = draws_.emplace_back(
-                    raster::Draw{.section = &section->section,
-                                 .material = of_all,
-                                 .first_id = static_cast<uint32_t>(next_id),
-                                 .layer = raster::coverage_layer(instance, static_cast<uint32_t>(s)),
-                                 .is_mirrored = determinant(placements[instance]) < 0});
+                raster::Draw& draw = draws_.emplace_back(raster::Draw{
+                    .section = &section->section,
+                    .material = of_all,
+                    .first_id = static_cast<uint32_t>(next_id),
+                    .layer = raster::coverage_layer(drawn.first_layer + instance, static_cast<uint32_t>(s)),
+                    .is_mirrored = determinant(placements[instance]) < 0,
+                    .size = placed_size(size, placements[instance])});
                 if (looks) set_look(*drawn.native, looks.of(instance, static_cast<uint32_t>(s)), draw);
                 next_id += rounded_up(draw.section->triangle_count, raster::kIdBlock);
             }

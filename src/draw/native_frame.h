@@ -53,6 +53,7 @@ private:
         const CrowdState* crowd = nullptr;
         const NativeGroup* native = nullptr;
         const Batch* batch = nullptr;
+        uint32_t first_layer = 0;  // coverage_layer()'s number of the batch's first instance
         const Group& group() const { return crowd->groups[batch->group]; }
         const NativeMesh& mesh() const { return native->mesh(); }
         PosedInstance posed(uint32_t instance) const { return {group(), *batch, instance}; }

@@ -17,12 +17,12 @@ public:
 
     // Uninitialized memory at a multiple of 64 bytes, valid until the next call for the same use.
     std::byte* bytes(Use use, size_t size) {
-        Part& part = parts_[use];
-        if (part.size < size) {
-            part.bytes = native::aligned_bytes(size);
-            part.size = size;
+        Piece& piece = pieces_[use];
+        if (piece.size < size) {
+            piece.bytes = native::aligned_bytes(size);
+            piece.size = size;
         }
-        return part.bytes.get();
+        return piece.bytes.get();
     }
     template <class T>
     T* items(Use use, size_t count) {
@@ -30,11 +30,11 @@ public:
     }
 
 private:
-    struct Part {
+    struct Piece {
         native::AlignedBytes bytes;
         size_t size = 0;
     };
-    std::array<Part, kUseCount> parts_;
+    std::array<Piece, kUseCount> pieces_;
 };
 
 // Keeps one NativeScratch for each thread that works at the same time.

@@ -29,7 +29,7 @@ void RendererState::accept(Crowds crowds) const {
 }
 
 CrowdView RendererState::view_of(const CrowdBounds& crowds, const Camera& camera) const {
-    return crowd_view_of(camera, extent().width, extent().height, crowds.rest, options);
+    return crowd_view_of(camera, extent().width, extent().height, crowds.rest, crowds.posed.max.y, options);
 }
 
 }  // namespace throng

@@ -40,6 +40,7 @@ io::DrawScene make_scene(const CrowdBounds& crowds, const Camera& camera, const 
     scene.fog = {options.fog ? std::sqrt(-std::log(1 - kFog)) / farthest : 0, 0, 0, 0};
     scene.picture = {width, height, 0, 0};
     scene.shadow = {static_cast<float>(map_size), shadow.texel, options.shadows ? 1.0f : 0.0f, 0};
+    scene.map_grid = {shadow.grid[0], shadow.grid[1], 0, 0};
     // A clear day, from a low red sun to a high one. The ground reflects what it gets of sun and sky, less what the
     // characters on it keep away.
     const float day = std::clamp((to_sun.y - kLowestSun) / 0.55f, 0.0f, 1.0f);

@@ -8,6 +8,7 @@ namespace {
 
 constexpr uint32_t kLeastSize = 512, kMostSize = 4096;  // 1 MiB, and 64
 constexpr double kMargin = 4;                           // texels around what is fitted, for the filter
+constexpr double kGrid = 65536;                         // texels
 
 struct Interval {
     double low = std::numeric_limits<double>::infinity(), high = -low;
@@ -23,7 +24,7 @@ ShadowFit fit_shadow(const Camera& camera, const View& view, const Bounds& posed
                      uint32_t map_size) {
     // The map's axes depend only on the sun, so that what does not move keeps its place on a fixed grid of texels.
     const Vec3<double> sun = to_sun.as<double>(), eye = camera.eye.as<double>();
-    const Vec3<double> across = normalized(std::abs(sun.y) > 0.9999 ? Vec3<double>{1, 0, 0}
+    const Vec3<double> across = normalized(std::abs(sun.y) > 0.9999 ? cross(sun, Vec3<double>{0, 0, 1})
                                                                     : cross(Vec3<double>{0, 1, 0}, sun));
     const std::array axes{across, cross(sun, across), sun};
     std::array<Interval, 3> of_crowd;
@@ -57,7 +58,9 @@ ShadowFit fit_shadow(const Camera& camera, const View& view, const Bounds& posed
         const double least = std::max((to - from) / (map_size - 2 * kMargin - 1), 1e-9 * std::max(reach, 1e-20));
         // Grows in steps, so that a moving camera keeps the grid
         const double texel = std::exp2(std::ceil(4 * std::log2(least)) / 4);
-        set_row(k, axes[k], (std::floor(from / texel) - kMargin) * texel, texel * map_size);
+        const double first = std::floor(from / texel) - kMargin;
+        set_row(k, axes[k], first * texel, texel * map_size);
+        fit.grid[k] = static_cast<float>(first - kGrid * std::floor(first / kGrid));
         fit.texel = std::max(fit.texel, static_cast<float>(texel));
     }
     const double height = std::max(of_crowd[2].high - of_crowd[2].low, 1e-9 * std::max(reach, 1e-20));

@@ -9,7 +9,8 @@ namespace throng {
 struct ShadowFit {
     // rows: place in the map and height towards the sun, all 0..1
     std::array<std::array<float, 4>, 3> map_from_world{};
-    float texel = 0;  // world size of the larger side of one
+    std::array<float, 2> grid{};  // io::DrawScene::map_grid
+    float texel = 0;              // world size of the larger side of one
 };
 
 // Holds everything that the camera may see in shadow, and all that throws it: the bounds of the crowd, in all its

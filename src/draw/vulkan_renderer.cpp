@@ -67,7 +67,7 @@ RenderResult VulkanRenderer::render(Crowds crowds, const Camera& camera) {
 RenderResult VulkanRenderer::render_frame(Crowds crowds, float time_step_s, const Camera& camera) {
     Frame frame = frame_of(crowds, camera);
     std::vector<CrowdState*> native, others;
-    for (CrowdState* crowd : crowds) (crowd->is_native(options.occlusion) ? native : others).push_back(crowd);
+    for (CrowdState* crowd : crowds) (crowd->updates_natively(options.occlusion) ? native : others).push_back(crowd);
     CrowdView view = view_of(frame.bounds, camera);
     view.occlusion = makes_room_for_occlusion(others);
     targets_.make_read_back();
@@ -124,7 +124,13 @@ std::vector<const GroupBindings*> VulkanRenderer::bindings_of(const CrowdState& 
 VulkanRenderer::Frame VulkanRenderer::frame_of(Crowds crowds, const Camera& camera) {
     accept(crowds);
     Frame frame;
-    for (const CrowdState* crowd : crowds) frame.drawings.push_back(drawing_of(*crowd));
+    uint32_t first_layer = 0;
+    for (const CrowdState* crowd : crowds) {
+        CrowdDrawing& drawing = frame.drawings.emplace_back(drawing_of(*crowd));
+        drawing.first_layer = first_layer;
+        drawing.find_mirrors();
+        first_layer += crowd->instance_count;
+    }
     frame.bounds = bounds_of(crowds, Strays::kLeftOut);
     frame.scene = make_scene(frame.bounds, camera, targets_.extent(), shadow_map_.extent().width, options);
     return frame;

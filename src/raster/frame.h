@@ -83,6 +83,7 @@ struct Draw {
     uint32_t first_id = 0;
     uint32_t layer = 0;          // coverage_layer() of draw/coverage.glsl
     bool is_mirrored = false;    // by its placement: front faces wind the other way
+    float size = 1;              // of the character, in the world
     float color[3] = {1, 1, 1};  // times the base colour, where Frame::has_colors
     // Written by skin: a box around all vertices, in pixels of the picture and texels of the map
     float picture_box[4] = {};  // x, y of the least corner, of the greatest
@@ -102,7 +103,7 @@ struct Line {
 // io::DrawScene, number by number.
 struct Scene {
     float clip_from_world[4][4], map_from_world[3][4];
-    float eye[4], forward[4], right[4], down[4], to_sun[4], ground[4], fog[4], picture[4], shadow[4];
+    float eye[4], forward[4], right[4], down[4], to_sun[4], ground[4], fog[4], picture[4], shadow[4], map_grid[4];
     float sun_light[4], sky_light[4], bounce_light[4], horizon[4], zenith[4], ground_albedo[4];
 };
 

@@ -119,6 +119,7 @@ INLINE Real length(const vec3& v) { return sqrt(dot(v, v)); }
 INLINE vec3 normalize(const vec3& v) { return v * inversesqrt(dot(v, v)); }
 INLINE vec3 reflect(const vec3& way, const vec3& normal) { return way - normal * (2 * dot(normal, way)); }
 INLINE vec2 abs(const vec2& v) { return {abs(v.x), abs(v.y)}; }
+INLINE vec3 max(const vec3& a, const vec3& b) { return {max(a.x, b.x), max(a.y, b.y), max(a.z, b.z)}; }
 template <Vector V>
 INLINE V mix(const V& a, const V& b, Real part) {
     return a + (b - a) * part;

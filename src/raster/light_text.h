@@ -16,7 +16,7 @@ namespace {
 // io::DrawScene once more: the numbers of raster::Scene by the names that the shaders use.
 struct TextScene {
     Numbers clip_from_world[4], map_from_world[3];
-    Numbers eye, forward, right, down, to_sun, ground, fog, picture, shadow;
+    Numbers eye, forward, right, down, to_sun, ground, fog, picture, shadow, map_grid;
     Numbers sun_light, sky_light, bounce_light, horizon, zenith, ground_albedo;
 };
 static_assert(sizeof(TextScene) == sizeof(Scene));

@@ -20,6 +20,7 @@ struct ShadeInput {
     Corner corners[3];
     alignas(64) Numbers side;  // -1 where front faces wind the other way
     alignas(64) Numbers column;
+    alignas(64) Numbers size;              // of the character
     alignas(64) Numbers red, green, blue;  // of the draw, where Frame::has_colors
 
     // Fills a lane; texture coordinates and the draw's colour only where they are read.
@@ -41,6 +42,7 @@ struct ShadeInput {
         }
         side[lane] = draw.is_mirrored ? -1 : 1;
         column[lane] = static_cast<float>(pixel_column);
+        size[lane] = draw.size;
         if (!has_colors) return;
         red[lane] = draw.color[0];
         green[lane] = draw.color[1];
@@ -59,6 +61,7 @@ struct ShadeInput {
         }
         side[lane] = side[from];
         column[lane] = column[from];
+        size[lane] = size[from];
         red[lane] = red[from];
         green[lane] = green[from];
         blue[lane] = blue[from];
@@ -97,8 +100,10 @@ INLINE vec3 unpacked_normal(Whole packed) {
     const vec3 world = point.at(places), normal = normalize(point.at(normals));
     const vec3 base_color(material.base_color[0], material.base_color[1], material.base_color[2]),
         emissive(material.emissive[0], material.emissive[1], material.emissive[2]);
-    LightText::Surface surface = text.plain_surface(base_color * point.at(colors), material.metallic,
-                                                    material.roughness, emissive, world, normal);
+    // Not below 0, as in character.glsl
+    const vec3 color = base_color * max(point.at(colors), vec3(0));
+    LightText::Surface surface = text.plain_surface(color, material.metallic, material.roughness, emissive, world,
+                                                    normal, load(input.size));
     if (frame.has_colors) surface.albedo = surface.albedo * vec3(load(input.red), load(input.green), load(input.blue));
     if (is_textured(material)) {
         const vec2 texcoord = point.at(texcoords);

@@ -56,6 +56,8 @@ TEST(Light, ColoursStayWhatTheyAreUntilTheyAreBright) {
     EXPECT_NEAR(same.x, 0.46, 1e-12);
     EXPECT_NEAR(same.y, 0.26, 1e-12);
     EXPECT_NEAR(same.z, 0.16, 1e-12);
+    const Vec3<double> dark = pictured(-0.3, -0.3, -0.1);
+    EXPECT_EQ(length(dark), 0) << "of rounding, or of colours that were extrapolated";
     double last = 0;
     for (double red = 0; red < 100; red = 1.1 * red + 0.01) {
         const double seen = pictured(red, red / 2, red / 4).x;

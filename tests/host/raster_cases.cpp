@@ -224,12 +224,14 @@ Vec3<double> RasterPicture::shaded(const Shown& shown, uint32_t x, uint32_t y) c
         return Vec3<double>{a.x * b[0], a.y * b[1], a.z * b[2]};
     };
     const auto first_three = [](const std::array<double, 4>& v) { return Vec3<double>{v[0], v[1], v[2]}; };
+    const Vec3<double> color{std::max(at.color.x, 0.0), std::max(at.color.y, 0.0), std::max(at.color.z, 0.0)};
     const LitSurface surface{.place = at.place,
                              .normal = at.normal,
-                             .albedo = product(product(at.color, material.base_color), texel(material.base_color_map)),
+                             .albedo = product(product(color, material.base_color), texel(material.base_color_map)),
                              .metallic = material.metallic,
                              .roughness = material.roughness,
-                             .emissive = {material.emissive[0], material.emissive[1], material.emissive[2]}};
+                             .emissive = {material.emissive[0], material.emissive[1], material.emissive[2]},
+                             .size = draws_.size(shown.of_draw)};
     return character_reference(scene, heights, surface, at.is_front,
                                {.metallic = texel(material.metallic_roughness_map)[2],
                                 .roughness = texel(material.metallic_roughness_map)[1],

@@ -35,7 +35,8 @@ void RasterDraws::add(const raster::Material& material, std::span<const RasterVe
                       .material = &material,
                       .vertices = reinterpret_cast<float*>(mesh.kept.get()),
                       .first_id = static_cast<uint32_t>(draw_of_ids_.size()) * raster::kIdBlock,
-                      .is_mirrored = is_mirrored});
+                      .is_mirrored = is_mirrored,
+                      .size = 1 + 0.4f * static_cast<float>(draws_.size() % 5)});
     draw_of_ids_.insert(draw_of_ids_.end(), (triangle_count + raster::kIdBlock - 1) / raster::kIdBlock,
                         static_cast<uint32_t>(draws_.size() - 1));
 }

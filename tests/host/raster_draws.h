@@ -28,6 +28,7 @@ public:
 
     size_t count() const { return draws_.size(); }
     uint32_t first_id(size_t draw) const { return draws_[draw].first_id; }
+    double size(size_t draw) const { return draws_[draw].size; }
     uint32_t draw_of(uint32_t id) const { return draw_of_ids_[id / raster::kIdBlock]; }
     // As set() has kept it.
     Vec3<double> place(size_t draw, size_t vertex) const;

@@ -94,5 +94,35 @@ TEST(RasterMask, ShadowsHaveWhatPasses) {
     }
 }
 
+// Whatever the map begins at, a texel of its grid is covered alike: shadows do not shimmer while the map moves.
+TEST(RasterMask, WhatIsBlendedIsCoveredByTheGridOfTheMap) {
+    constexpr uint32_t kMoved[2]{5, 3};
+    const auto map_of = [&](NativeIsa isa, bool is_moved) {
+        Square square(1, true);
+        square.material.is_blended = true;
+        raster::Frame& frame = square.picture.frame;
+        for (size_t k = 0; k < 2; ++k) {
+            frame.scene.map_grid[k] = 100;
+            if (!is_moved) continue;
+            frame.scene.map_grid[k] += static_cast<float>(kMoved[k]);
+            frame.scene.map_from_world[k][3] -= static_cast<float>(kMoved[k]) / static_cast<float>(frame.map_size);
+        }
+        return square.picture.drawn_map(isa);
+    };
+    const uint32_t size = Square(1, true).picture.frame.map_size;
+    for (const NativeIsa isa : native_isas()) {
+        const std::vector<float> before = map_of(isa, false), after = map_of(isa, true);
+        uint32_t covered = 0, bare = 0;
+        for (uint32_t y = kMoved[1]; y < size; ++y)
+            for (uint32_t x = kMoved[0]; x < size; ++x) {
+                const bool is_covered = before[size_t{y} * size + x] > 0;
+                ASSERT_EQ(after[size_t{y - kMoved[1]} * size + x - kMoved[0]] > 0, is_covered) << x << ", " << y;
+                (is_covered ? covered : bare) += 1;
+            }
+        EXPECT_GT(covered, 20u) << name_of(isa);
+        EXPECT_GT(bare, 20u);
+    }
+}
+
 }  // namespace
 }  // namespace throng::test

@@ -102,6 +102,23 @@ TEST(RasterResolve, PlainMaterials) {
         }
 }
 
+// A pixel of which a triangle covers a sample, but not the middle: colours are extrapolated there, but not below 0.
+TEST(RasterResolve, ColoursBesideATriangle) {
+    RasterPicture picture(37, 37, 4, 4);
+    raster::Material& material = picture.add_material();
+    Random random(3);
+    RasterTriangle triangle = wide_triangle(picture.scene, random);
+    const Vec3<double> middle = (triangle[0].place + triangle[1].place + triangle[2].place) * (1.0 / 3);
+    for (size_t k = 0; k < 3; ++k) {
+        triangle[k].place = middle + (triangle[k].place - middle) * 0.3;
+        for (size_t channel = 0; channel < 3; ++channel) triangle[k].color[channel] = channel == k ? 255 : 2;
+    }
+    const std::vector<Shown> of{{picture.add_draw(material, std::vector{triangle}, false), 0}};
+    picture.finish();
+    show_any(picture, random, of);
+    picture.expect_resolved();
+}
+
 TEST(RasterResolve, TexturesNearAndFar) {
     // From texels of many pixels to many texels a pixel
     for (const double extent : {0.05, 1.0, 20.0, 400.0}) {
