@@ -43,15 +43,17 @@ inline constexpr uint32_t kTrackStep = 0x40000000u;
 inline constexpr uint32_t kTrackPosition = 0x3FFFFFFFu;
 
 // How a track of a packed character is decoded: two float4s of Character::keys; the second is left out if all bits are
-// 0. Component c (0, 1, 2, in full rotations 3) of row r lies in bits_c bits of Character::words, behind those of
-// component c - 1, the first at bit first_bit of the row, least significant bit of a word first; rows begin at word
-// Clip::first_row + r * Clip::row_stride. Its value is minimum[c] + step[c] * bits; without bits, minimum[c]. A
-// component has at most kPackedComponentBits bits, and all lie within 96 bits of the start of the word in which the
-// first lies. Translations and scales are x, y, z. For a rotation (unit quaternion) the component `left_out` is not
-// stored: it is the non-negative root of 1 - the others' squares, and component c is the quaternion's (left_out + 1 +
-// c) % 4. A full rotation stores all four, each in kPackedFullBits with minimum -1 and step kPackedFullStep, the fourth
-// being quaternion component `left_out`; as with exact keys, neighbouring rows must then lie in the same hemisphere.
-// Between rows: lerp; rotations are normalised afterwards.
+// 0.
+// - Where: row r begins at word Clip::first_row + r * Clip::row_stride of Character::words, least significant bit of a
+//   word first. Its component 0 begins at bit first_bit of the row, the others follow one another. Component c has
+//   bits_c bits, at most kPackedComponentBits; all lie within 96 bits of the start of the word in which the first lies.
+// - Values: component c (0, 1, 2; in full rotations also 3) is minimum[c] + step[c] * bits; without bits, minimum[c].
+// - Translations and scales are x, y, z.
+// - Rotations are unit quaternions. The quaternion's component `left_out` is not stored: it is the non-negative root of
+//   1 - the others' squares. Component c is the quaternion's (left_out + 1 + c) % 4.
+// - Full rotations store all four, each in kPackedFullBits with minimum -1 and step kPackedFullStep; the fourth is the
+//   quaternion's component `left_out`. As with exact keys, neighbouring rows must then lie in the same hemisphere.
+// - Between rows: lerp; rotations are normalised afterwards.
 struct PackedTrack {
     std::array<float, 3> minimum{};
     // Bits of component 0, 1, 2: 5 bits each from bit 0; left_out: kPackedLeftOutShift; and the flags below
@@ -157,7 +159,7 @@ struct Influences {
 };
 static_assert(sizeof(Influences) == 24);
 
-// A primitive of the file, as one draw.
+// A primitive of the file that has triangles, as one draw.
 struct MeshSection {
     uint32_t node = 0, mesh = 0, primitive = 0;   // of the file
     uint32_t skin = kNone;                        // kNone: rigid

@@ -1,6 +1,6 @@
 // For an application's compute shader: writes commands for the instances of an OutputBlock (throng/commands.h), which
-// the next update obeys. If several commands set the same of an instance, the last in the buffer counts; which of two
-// invocations that is, nobody knows. Before this file is included, THRONG_COMMAND_SET and THRONG_COMMAND_BINDING say
+// the next update obeys. If several commands set the same thing of one instance, the last in the buffer counts; which
+// invocation writes last is undefined. Before this file is included, THRONG_COMMAND_SET and THRONG_COMMAND_BINDING say
 // where OutputBlock::command is bound.
 #ifndef THRONG_COMMANDS_GLSL
 #define THRONG_COMMANDS_GLSL

@@ -1,6 +1,7 @@
 // What an application's shaders can tell instances to do, without the CPU: they write commands into a buffer
 // (OutputBlock::command), and the next update obeys them, those that spawn and despawn first, then the others. If
-// several set the same of an instance, the last one counts. throng/commands.glsl has functions for such shaders.
+// several set the same thing of one instance, the last one in the buffer counts. throng/commands.glsl has functions for
+// such shaders.
 #pragma once
 
 #include <throng/character.h>

@@ -103,16 +103,18 @@ struct CrowdGroup {
     std::vector<Outfit> outfits{};
 };
 
-// How an update gets from clips to skin matrices. kStaged: sample, blend, scan and bind run one after another, each
-// through memory; any character. kFused: all four in one kernel, intermediates in registers and shared memory, 4 to 5
-// times as fast on a software device; not for characters too large for that. kNative: by this machine's processor, in
-// one pass where that applies, without the device. On a software device, Crowd::update() and Renderer::render_frame()
-// do this, after waiting for its queue; updates that are recorded into a command buffer, or for a view with occlusion,
-// still run on the device. kDevice: on the device, fused where that applies, otherwise staged. kAuto: natively on
-// software devices unless CrowdSettings::scan asks for a method, otherwise as kDevice. On a native device all of them
-// are native. Elsewhere kNative is kUnsupported on a GPU, and on a software device if CrowdSettings::scan asks for a
-// method.
-enum class UpdatePath { kAuto, kFused, kStaged, kNative, kDevice };
+// How an update gets from clips to skin matrices. On a native device all of these are native.
+enum class UpdatePath {
+    kAuto,    // as kNative on software devices, unless CrowdSettings::scan asks for a method; otherwise as kDevice
+    kFused,   // sample, blend, scan and bind in one kernel, with what lies between them in registers and shared memory;
+              // 4 to 5 times as fast as kStaged on a software device. Not for characters too large for that
+    kStaged,  // sample, blend, scan and bind one after another, through memory; for any character
+    kNative,  // by this machine's processor, in one pass where that applies: Crowd::update() and
+              // Renderer::render_frame(), after waiting for the device's queue. Updates that are recorded into a
+              // command buffer, or are for a view with occlusion, still run on the device. kUnsupported on a GPU, and
+              // where CrowdSettings::scan asks for a method
+    kDevice,  // on the device: fused where that applies, otherwise staged
+};
 
 // How a group is updated.
 struct GroupPath {
@@ -183,8 +185,8 @@ public:
     // the device; tables of a character that another crowd of the device uses by then are shared with it. Errors:
     // kInvalidArgument (unknown scan, no instances, a character that has been changed and is not as character.h says),
     // kUnsupported (the scan method, the fused path, the skin format, the skin blend or the skin pool does not apply to
-    // a character), what is wrong with controllers, sockets and procedural rules, kLimit (names what exceeds which
-    // limit of the device), kOutOfMemory.
+    // a character), either of them for a controller, sockets or procedural rules that do not fit, kLimit (names what
+    // exceeds which limit of the device), kOutOfMemory.
     static Result<Crowd> create(const Device& device, const CrowdSettings& settings);
     // No crowd yet, for example a member that is filled in later. Call nothing on it until another crowd is assigned to
     // it.
@@ -234,7 +236,7 @@ public:
     // twice), kLimit (more than there is room for).
     Result<std::vector<InstanceHandle>> spawn(uint32_t group, std::span<const Affine> world_from_model);
     Result<void> despawn(std::span<const InstanceHandle> instances);
-    // The same for one instance. They are templates so that an argument in braces still is a span.
+    // The same for one instance. Templates, so that spawn(group, {a, b}) still means the calls above.
     template <std::same_as<Affine> One>
     Result<InstanceHandle> spawn(uint32_t group, const One& world_from_model) {
         const Result<std::vector<InstanceHandle>> spawned = spawn(group, std::span<const Affine>(&world_from_model, 1));
@@ -296,10 +298,10 @@ public:
     // no such state, phase outside 0..1).
     Result<void> play(const Instances& instances, uint32_t layer, const LayerPlayback& playback);
     Result<void> play(const Instances& instances, uint32_t layer, std::span<const LayerPlayback> playback);
-    // Puts a layer with states into one of them, whatever its transitions, as the first of WatchedInstance::layers has
-    // told of it: for what another machine, a saved game or a script knows. The state replaces within `fade_s` what is
-    // shown (0: at once, but an inertial transition under way dies away as before; PlayedMotion::fade is not used), and
-    // transitions go on from it in the same update (while it fades in, only those that may interrupt).
+    // Puts a layer with states into one of them, whatever its transitions: what another machine, a saved game or a
+    // script knows, or the first motion of the layer in WatchedInstance::layers. The state replaces within `fade_s`
+    // what is shown (0: at once, but an inertial transition under way dies away as before; PlayedMotion::fade is not
+    // used), and transitions go on from it in the same update (while it fades in, only those that may interrupt).
     Result<void> set_state(const Instances& instances, uint32_t layer, const PlayedMotion& motion, float fade_s = 0);
     Result<void> set_state(const Instances& instances, uint32_t layer, std::span<const PlayedMotion> motion,
                            float fade_s = 0);
@@ -352,8 +354,9 @@ public:
     Result<void> request_poses(const Instances& instances);
 
     // What the updates that have finished since the last call reported, oldest first; does not wait. An update's
-    // feedback is kept until the fourth record() after it: with fewer than four updates in flight, one call between two
-    // record()s misses nothing. Empty if no group has a controller, sockets or steering, and no pose can be requested.
+    // feedback is kept until the fourth record() after it: call this between any two record()s, with fewer than four
+    // updates in flight, to miss nothing. Empty if no group has a controller, sockets or steering, and no pose can be
+    // requested.
     Result<std::vector<Feedback>> feedback();
 
     // Records the upload of what the crowd's buffers begin with, so that the first update need not: into commands for
@@ -397,10 +400,10 @@ public:
     // recorded: time has not advanced, and the next record() takes up what was set before, together with what has been
     // set since. outputs() change back too. Not after groups have been added or removed since. (A pose whose fade ended
     // in that update does not come back if CrowdGroup::pose_capacity was exhausted and its room has been given to
-    // another.) If an update is dropped without this call, its changes are lost (with the first update also what the
-    // buffers begin with), and after four in a row record() fails if there is feedback(). Errors: kInvalidArgument
-    // (nothing has been recorded since the last discard or update(), its commands have run, or the last record()
-    // failed).
+    // another.) If an update is dropped without this call, its changes are lost, and after four in a row record() fails
+    // if there is feedback(). If the first update is dropped so, the initial contents of the buffers are lost as well.
+    // Errors: kInvalidArgument (nothing has been recorded since the last discard or update(), its commands have run, or
+    // the last record() failed).
     Result<void> discard_last_record();
     // record(), submit to the device's queue, and wait; a native device computes here. Commands of record() that have
     // not been submitted are assumed to be dropped. After an error other than those of record() half of an update may

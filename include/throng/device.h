@@ -26,7 +26,7 @@ struct DeviceInfo {
     bool compiles_only = false;  // the driver stands in for hardware that is not there: nothing runs on it
 };
 
-// What the Khronos validation layer looks at. Needs the layer; a device with more than kOff is for tests.
+// What the Khronos validation layer looks at. Values other than kOff need the layer to be installed, and are for tests.
 enum class Validation { kOff, kStandard, kSynchronization, kGpuAssisted };
 
 struct DeviceSettings {

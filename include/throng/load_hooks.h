@@ -11,7 +11,7 @@ struct LoadHooks {
     // The part of the work that is done: 0..1, never less than before; 1 only at the end of a call that succeeds.
     std::function<void(double part_done)> progress{};
     // Asked very often, so it should be no more than a look at a flag. Once it says true, the call ends with
-    // kCancelled, most often within 50 ms; but a mesh is decompressed, and its vertices are sorted, without looking up,
+    // kCancelled, most often within 50 ms; but nobody asks while a mesh is decompressed or its vertices are sorted,
     // which takes a second for a million triangles.
     std::function<bool()> is_cancelled{};
 };

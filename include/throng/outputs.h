@@ -61,17 +61,22 @@ struct HostOutputs {
 // Results of consecutive instances of one group. The views stay the same as long as the crowd lives, and those that the
 // crowd does not have are empty. Each can be bound as storage buffer or vertex buffer and copied from; `draw` is for
 // indirect draws too. (For another usage, such as building acceleration structures, copy them first.) Offsets are
-// multiples of all alignments that the device asks for. Written by compute shaders, and made visible by record() to
-// later compute, vertex, indirect and transfer reads on the same queue. They are valid once the recorded commands have
-// run, until those of a later record() that writes to the same frame slot run. That is the next record(), which waits
-// for what reads them in compute and vertex shaders, indirect draws and transfers (for other stages, such as fragment
-// shaders, the application puts a barrier before it). With CrowdSettings::frames_in_flight above 1 it is the one that
-// many later, and the application has to make sure that the reading has finished by then. What the application writes
-// (parameter, target, destination, command) is the same in all slots: with several, drawing must not read it.
+// multiples of all alignments that the device asks for.
+//
+// They are written by compute shaders, and made visible by record() to later compute, vertex, indirect and transfer
+// reads on the same queue. They are valid from when the recorded commands have run until those of a later record() to
+// the same frame slot run:
+// - With one slot (CrowdSettings::frames_in_flight), that is the next record(). Its commands wait for what reads the
+//   results in compute and vertex shaders, indirect draws and transfers. For other stages, such as fragment shaders,
+//   the application puts a barrier before it.
+// - With several slots it is the record() that many later. The application has to make sure that the reading has
+//   finished by then. What the application itself writes (parameter, target, destination, command) is the same in all
+//   slots, and must not be read by drawing.
 //
 // With CrowdSettings::culling and without a skin pool, instances that are not listed have the matrices of an earlier
-// update that drew them. In an update that draws them again, their previous matrices are those of the same update: it
-// writes them, even if the slot of the update before, which did not list these instances, is in flight.
+// update that listed them. An instance that the update before did not list has no previous matrices of its own: an
+// update that lists it writes its current ones there too, also where they lie in a slot that is in flight, whose update
+// did not list it.
 struct OutputBlock {
     uint32_t group = 0;
     uint32_t first_instance = 0;  // of the crowd

@@ -18,8 +18,8 @@ enum class ErrorCode {
     kNoDevice,         // no Vulkan device fits the request
     kOutOfMemory,
     kVulkan,      // a Vulkan call failed; the message names the call and its result
-    kCancelled,   // LoadHooks::is_cancelled wanted it
-    kDeviceLost,  // destroy renderers, crowds and the Device, and begin anew: what needs it fails from now on
+    kCancelled,   // LoadHooks::is_cancelled returned true
+    kDeviceLost,  // all later calls fail that need the device: destroy renderers, crowds and the Device, and begin anew
 };
 
 // What went wrong and where: `place` is a path into the input ("fox.glb: animations[2].channels[5]"), or empty.

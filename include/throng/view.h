@@ -12,7 +12,8 @@ namespace throng {
 // What a camera sees: with CrowdSettings::culling, an update for a view animates only what the view shows, and lists it
 // for drawing. For several cameras, give one that sees what all of them do, and choose from the list for each.
 struct CrowdView {
-    // Rows; a world point is seen where -w <= x, y <= w and 0 <= z <= w
+    // [row][column]. A world point p is seen if -w <= x, y <= w and 0 <= z <= w, where (x, y, z, w) is this matrix
+    // times (p, 1)
     std::array<std::array<float, 4>, 4> clip_from_world{};
     Vec3<float> eye{};  // world space
     // How many pixels a length of 1 takes at a distance of 1: the picture's height / (2 tan(half the vertical field of

@@ -10,10 +10,10 @@ namespace throng {
 // None where the matrix flattens space.
 std::optional<AffineT<double>> inverse(const AffineT<double>& m);
 
-// The nearest that translation, rotation and scale come to a matrix.
+// The translation, rotation and scale nearest to a matrix.
 struct Decomposed {
     Trs<double> trs;   // where the matrix mirrors, the scale of x is negative, as in three.js
-    double shear = 0;  // that is left out: the largest cosine between two axes, 0..1
+    double shear = 0;  // what they leave out: the largest cosine between two axes, 0..1
 };
 Decomposed decomposed(const AffineT<double>& m);
 

@@ -10,7 +10,7 @@
 
 namespace throng {
 
-// The index of the first item that has this name, or is it, or kNone.
+// The index of the first item with this name, or kNone. Items may be the names themselves.
 template <class T>
 uint32_t find_name(const std::vector<T>& items, std::string_view name) {
     for (size_t i = 0; i < items.size(); ++i)

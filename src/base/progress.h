@@ -11,7 +11,7 @@ namespace throng {
 // Can be copied, and used by any thread: those that the calling thread has started learn from it that they are to end.
 class Progress {
 public:
-    Progress() = default;  // nobody asks
+    Progress() = default;  // reports to nobody, and is never cancelled
     // The whole of a call that begins on this thread, the only one on which the hooks are called. Keeps a reference.
     explicit Progress(const LoadHooks& hooks);
 

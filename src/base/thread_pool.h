@@ -36,7 +36,7 @@ private:
     void work();
     void take_part(const Loop& loop);
 
-    std::mutex callers_;  // held by the one whose loop it is
+    std::mutex callers_;  // held by the caller whose loop is running
     std::mutex mutex_;    // guards what follows, except next_
     std::condition_variable begun_, done_;
     Loop loop_;

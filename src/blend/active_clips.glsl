@@ -1,6 +1,6 @@
 // The active clips of an instance -> the pose of one joint. Included by the staged kernel and by the fused one; defined
 // by active_clips_reference.h. The includer declares what sample/clip_pose.glsl needs, or defines the two functions of
-// that file itself; the tables `active_clips` (TABLE_OF_ROWS, two rows a ActiveClip:
+// that file itself; the tables `active_clips` (TABLE_OF_ROWS, two rows an ActiveClip:
 // [instance][push.active_clip_limit]) and `masks` (TABLE_OF_WORDS, floats: [mask][rig_joint_count()]), `push` and the
 // constant kPacked.
 //

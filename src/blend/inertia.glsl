@@ -11,7 +11,7 @@
 float decayed(float x, float v, float elapsed_s, float duration_s) {
     const float end_s = v < 0 ? min(duration_s, -5 * x / v) : duration_s;
     if (elapsed_s >= end_s) return 0;
-    // U, a: speed and acceleration in units of end_s
+    // u, a: speed and acceleration in units of end_s
     const float s = elapsed_s / end_s, u = v * end_s, a = max(-8 * u - 20 * x, 0);
     return ((((-0.5 * (a + 6 * u + 12 * x) * s + 0.5 * (3 * a + 16 * u + 30 * x)) * s -
               0.5 * (3 * a + 12 * u + 20 * x)) *

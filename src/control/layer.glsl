@@ -136,7 +136,7 @@ void reset_triggers() {
         const uint taken = has_taken ? layers[instance * layout_of_group.layer_count + index].taken : kNone;
         if (taken == kNone) continue;
         const ControlTransition transition = load_transition(taken);
-        for (uint k = 0; k < transition.condition_count; ++k) {  // seldom
+        for (uint k = 0; k < transition.condition_count; ++k) {  // only where a transition is taken
             const ControlCondition condition = load_condition(transition.first_condition + k);
             if (condition.test == kTestTriggered) parameters[first_parameter + condition.parameter] = 0;
         }

@@ -91,7 +91,7 @@ struct PhaseStep {
     uint before, after;
     int crossed;       // ends of the clip, positive forwards; 0 if it does not loop
     bool reached_end;  // only if it does not loop
-    float cycles;      // x
+    float cycles;      // by which the phase advances; x in docs/controller.md
 };
 
 PhaseStep step_phase(INOUT(LayerPlay) play, float rate, bool loop, bool backwards, float time_step_s) {

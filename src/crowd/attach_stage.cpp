@@ -82,17 +82,17 @@ io::InstanceAttachment AttachStage::to_io(uint32_t instance, const Attachment& a
 
 void AttachStage::attach(const Instances& instances, const Each<Attachment>& attachment) {
     std::vector<io::InstanceAttachment> all, before;
-    bool are_in_rows = false;  // whether a carrier may be carried itself
+    bool may_chain = false;  // whether a carrier may be carried itself
     for (uint32_t i = 0; i < instances.size(); ++i) {
         all.push_back(to_io(instances.number(i), attachment[i]));
-        are_in_rows = are_in_rows || group_at(instances.number(i)).sockets ||
-                      group_of(batches_[all.back().carrier_batch]).is_carried;
+        may_chain = may_chain || group_at(instances.number(i)).sockets ||
+                    group_of(batches_[all.back().carrier_batch]).is_carried;
     }
     for (uint32_t i = 0; i < instances.size(); ++i) {
         before.push_back(attachments_[instances.number(i)]);
         set(instances.number(i), all[i]);
     }
-    if (!are_in_rows) return;
+    if (!may_chain) return;
     try {
         if (const std::string mistake = set_levels(); !mistake.empty()) refuse("attachment", mistake);
     } catch (...) {
@@ -224,11 +224,11 @@ void AttachStage::exchange_group(StateArchive& archive, uint32_t group) {
                 continue;
             }
             const Batch* const carrier = batch_at(batches_, one.carrier);
-            StateArchive::require(carrier, "somebody hangs where nothing is");
+            StateArchive::require(carrier, "an instance hangs on a socket that does not exist");
             one.carrier_batch = static_cast<uint32_t>(carrier - batches_.data());
             one.carrier -= carrier->first_instance;
             one.level = 1;
-            StateArchive::require(is_possible(one), "somebody hangs where nothing is");
+            StateArchive::require(is_possible(one), "an instance hangs on a socket that does not exist");
             set(batch.first_instance + i, one);
         }
         const std::string mistake = set_levels();

@@ -16,8 +16,8 @@ struct Batch {
     // The value in `births` of instances born in that update; 0: all instances are always there
     uint32_t birth = 0;
     bool blends = false;      // whether two clips have weight in any instance, in the update that is under way
-    bool is_moved = false;    // whether placements have been set for that update
-    uint32_t move_count = 0;  // how many updates that has held for
+    bool is_moved = false;    // whether placements have been set for the update that is under way
+    uint32_t move_count = 0;  // in how many updates so far placements had been set
     Buffers buffers;          // those that its settings ask for
     // Outputs of updates for their readers, in frame slots used in turn: skin matrices and, if
     // CrowdSettings::frames_in_flight is above 1, the skinned vertices and copies of other outputs (kShownBuffers).
@@ -27,9 +27,9 @@ struct Batch {
     // What inertial transitions keep between native updates (NativeRig::inertia_floats())
     native::AlignedBytes inertia_states;
     uint64_t inertia_bytes = 0;
-    bool has_updated = false, had_updated = false;  // whether ever updated; the same before the last record()
-    // Whether an update has written these buffers; the same before the last record(). Restoring a state sets
-    // has_updated as it was in the saved crowd, but brings no outputs
+    bool has_updated = false, had_updated = false;  // whether an update has run; had_: before the last record()
+    // Whether an update has written these buffers; had_: before the last record(). Restoring a state sets has_updated
+    // as it was in the saved crowd, but brings no outputs
     bool has_outputs = false, had_outputs = false;
 
     Buffer& operator[](uint32_t number) { return buffers[number]; }

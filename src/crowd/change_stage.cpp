@@ -13,10 +13,10 @@
 namespace throng {
 namespace {
 
-constexpr size_t kFew = 16;                  // up to so many ranges are commands of their own
+constexpr size_t kFew = 16;                  // at most this many ranges are recorded one by one
 constexpr size_t kLong_bytes = 4096;         // from this size on, a range is always its own command
 constexpr size_t kRoundWords = 1 << 16;      // 256 KiB
-constexpr size_t kMostWordsAnInstance = 80;  // that can change, about; more take a further round
+constexpr size_t kMostWordsAnInstance = 80;  // about as many as can change in one update; more take another round
 
 }  // namespace
 

@@ -33,7 +33,7 @@ void ControlStage::plan(BatchPlan& plan) {
     plan.add_filled(io::kCursorsBuffer, std::vector<io::InstanceCursor>{{rest, rest, 1}});
 }
 
-ControlStage::ControlStage(const StageContext& context) : Stage(context), member_of_batch_(batches_.size(), kNone) {
+ControlStage::ControlStage(const StageContext& context) : Stage(context), served_of_batch_(batches_.size(), kNone) {
     playbacks_.resize(context.instance_count);
     for (uint32_t i = 0; i < batches_.size(); ++i) {
         const Batch& batch = batches_[i];
@@ -41,10 +41,10 @@ ControlStage::ControlStage(const StageContext& context) : Stage(context), member
         std::ranges::fill(std::span(playbacks_).subspan(batch.first_instance, batch.instance_count), rest_of(group));
         if (group.controller) continue;
         if (!kernel_) kernel_ = control_kernel(gpu_);
-        member_of_batch_[i] = static_cast<uint32_t>(members_.size());
-        members_.push_back({.batch = i,
-                            .blending_count = 0,
-                            .bindings = kernel_->bind(batch.table(group, batch[io::kCursorsBuffer]))});
+        served_of_batch_[i] = static_cast<uint32_t>(served_.size());
+        served_.push_back({.batch = i,
+                           .blending_count = 0,
+                           .bindings = kernel_->bind(batch.table(group, batch[io::kCursorsBuffer]))});
     }
     dirty_.add(0, context.instance_count);
 }
@@ -75,7 +75,7 @@ void ControlStage::set(const Instances& instances, const Each<Playback>& playbac
         const uint32_t instance = instances.number(i);
         io::InstancePlayback& known = playbacks_[instance];
         if (const bool before = blends(known), after = blends(all[i]); before != after)
-            members_[member_of_batch_[batch_index_of(batches_, instance)]].blending_count += after ? 1u : ~0u;
+            served_[served_of_batch_[batch_index_of(batches_, instance)]].blending_count += after ? 1u : ~0u;
         known = all[i];
         dirty_.add(instance, 1);
     }
@@ -83,13 +83,13 @@ void ControlStage::set(const Instances& instances, const Each<Playback>& playbac
 
 void ControlStage::despawn(std::span<const InstanceHandle> gone) {
     for (const InstanceHandle& one : gone)
-        if (member_of_batch_[batch_index_of(batches_, one.instance)] != kNone) set(one, Each(Playback()));
+        if (served_of_batch_[batch_index_of(batches_, one.instance)] != kNone) set(one, Each(Playback()));
 }
 
 void ControlStage::begin(const Update& update) {
-    for (const Member& member : members_) {
-        Batch& batch = batches_[member.batch];
-        batch.blends = member.blending_count > 0 || group_of(batch).command_capacity > 0;  // shaders may blend as well
+    for (const ServedBatch& served : served_) {
+        Batch& batch = batches_[served.batch];
+        batch.blends = served.blending_count > 0 || group_of(batch).command_capacity > 0;  // shaders may blend as well
     }
     const std::span<const DirtyRanges::Range> ranges = dirty_.take();
     for_each_part(batches_, ranges, [&](const Batch& batch, uint32_t first, uint32_t count) {
@@ -100,11 +100,11 @@ void ControlStage::begin(const Update& update) {
 }
 
 void ControlStage::record(const Update& update) {
-    if (members_.empty()) return;
-    for (const Member& member : members_) {
-        const Batch& batch = batches_[member.batch];
+    if (served_.empty()) return;
+    for (const ServedBatch& served : served_) {
+        const Batch& batch = batches_[served.batch];
         kernel_->dispatch_invocations(
-            update.commands, member.bindings,
+            update.commands, served.bindings,
             io::ControlPush{batch.used_count, group_of(batch).joint_count, update.time_step_s, batch.birth},
             batch.used_count);
     }
@@ -119,8 +119,8 @@ void ControlStage::exchange_group(StateArchive& archive, uint32_t group) {
         archive.changes(dirty_, batch.first_instance, batch.instance_count);
         if (!archive.reads()) return;
         check_playbacks(playbacks, group_of(batch));
-        if (const uint32_t member = member_of_batch_[index]; member != kNone)
-            members_[member].blending_count = static_cast<uint32_t>(std::ranges::count_if(playbacks, blends));
+        if (const uint32_t served = served_of_batch_[index]; served != kNone)
+            served_[served].blending_count = static_cast<uint32_t>(std::ranges::count_if(playbacks, blends));
     });
 }
 

@@ -25,7 +25,7 @@ public:
     void exchange_group(StateArchive& archive, uint32_t group) override;
 
 private:
-    struct Member {
+    struct ServedBatch {
         uint32_t batch = 0;
         uint32_t blending_count = 0;  // instances in which both clips have weight, as last set
         Bindings bindings;
@@ -33,8 +33,8 @@ private:
     io::InstancePlayback checked(uint32_t instance, const Playback& playback) const;
 
     std::optional<Kernel> kernel_;
-    std::vector<Member> members_;
-    std::vector<uint32_t> member_of_batch_;
+    std::vector<ServedBatch> served_;
+    std::vector<uint32_t> served_of_batch_;
     std::vector<io::InstancePlayback> playbacks_;  // [instance_count], as last set
     DirtyRanges dirty_;
 };

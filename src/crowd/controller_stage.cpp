@@ -15,7 +15,7 @@ namespace {
 
 constexpr size_t kRound = 16384;  // commands of a batch that are applied by one dispatch
 
-// For the same reason as the cursors in control_stage.cpp.
+// The staged update animates all instances, also those that have never been there.
 void add_resting_clips(BatchPlan& plan) {
     std::vector<io::ActiveClip> of_instance(plan.group().controller->active_clip_limit);
     of_instance[0] = {.first_track = rest_track_of(plan.group()),
@@ -54,63 +54,63 @@ void ControllerStage::plan(BatchPlan& plan) {
                          uint64_t{group.joint_count} * controller.model_layer_count * sizeof(io::ModelRotations));
     if (!group.has_root_motion()) return;
     plan.add_filled(io::kRootsBuffer, std::vector{standing_at(Affine{})});
-    if (controller.moves_placements) plan.add_zeros(io::kRootRemaindersBuffer, sizeof(io::vec2));
+    if (controller.applies_root_motion) plan.add_zeros(io::kRootRemaindersBuffer, sizeof(io::vec2));
 }
 
 ControllerStage::ControllerStage(const StageContext& context)
-    : Stage(context), member_of_batch_(batches_.size(), kNone), feedback_(context.feedback) {
+    : Stage(context), served_of_batch_(batches_.size(), kNone), feedback_(context.feedback) {
     for (uint32_t i = 0; i < batches_.size(); ++i) {
         const Batch& batch = batches_[i];
         const Group& group = group_of(batch);
         if (!group.controller) continue;
-        if (members_.empty()) {
+        if (served_.empty()) {
             command_kernel_ = command_kernel(gpu_);
             controller_kernel_ = controller_kernel(gpu_);
         }
-        member_of_batch_[i] = static_cast<uint32_t>(members_.size());
-        Member& member = members_.emplace_back(
-            Member{.batch = i, .pending = {}, .recorded = {}, .uploaded = {}, .commands = {}, .controller = {}});
-        member.controller = controller_kernel_.bind(
+        served_of_batch_[i] = static_cast<uint32_t>(served_.size());
+        ServedBatch& served = served_.emplace_back(
+            ServedBatch{.batch = i, .pending = {}, .recorded = {}, .uploaded = {}, .commands = {}, .controller = {}});
+        served.controller = controller_kernel_.bind(
             batch.table(group, batch[io::kLayersBuffer]).set({{io::kEventsBuffer, feedback_->events()}}));
-        if (group.varies) make_uploads(member);  // each birth is a command
+        if (group.varies) make_uploads(served);  // each birth is a command
     }
 }
 
 void ControllerStage::add(uint32_t batch, const io::ControlCommand& command) {
-    Member& member = members_[member_of_batch_[batch]];
-    if (!member.uploaded) make_uploads(member);  // here, since it may fail: an update that has begun may not
-    member.pending.push_back(command);
+    ServedBatch& served = served_[served_of_batch_[batch]];
+    if (!served.uploaded) make_uploads(served);  // here, since it may fail: an update that has begun may not
+    served.pending.push_back(command);
 }
 
-void ControllerStage::make_uploads(Member& member) {
-    const Batch& batch = batches_[member.batch];
-    member.uploaded = Buffer(gpu_, group_of(batch).name + ": commands", kRound * sizeof(io::ControlCommand),
+void ControllerStage::make_uploads(ServedBatch& served) {
+    const Batch& batch = batches_[served.batch];
+    served.uploaded = Buffer(gpu_, group_of(batch).name + ": commands", kRound * sizeof(io::ControlCommand),
                              VK_BUFFER_USAGE_STORAGE_BUFFER_BIT);
-    member.commands = command_kernel_.bind(
-        batch.table(group_of(batch), batch[io::kLayersBuffer]).set({{io::kCommandsBuffer, member.uploaded}}));
+    served.commands = command_kernel_.bind(
+        batch.table(group_of(batch), batch[io::kLayersBuffer]).set({{io::kCommandsBuffer, served.uploaded}}));
 }
 
 // One dispatch per batch, of the commands after the first `first`. Returns false if there were none.
 bool ControllerStage::record_round(VkCommandBuffer commands, size_t first) {
-    const auto count_of = [&](const Member& member) {
-        return std::min(kRound, member.recorded.size() - std::min(first, member.recorded.size()));
+    const auto count_of = [&](const ServedBatch& served) {
+        return std::min(kRound, served.recorded.size() - std::min(first, served.recorded.size()));
     };
     bool any = false;
-    for (Member& member : members_) {
-        const size_t count = count_of(member);
+    for (ServedBatch& served : served_) {
+        const size_t count = count_of(served);
         if (count > 0)
-            record_update(*gpu_, commands, member.uploaded, 0,
-                          std::span<const io::ControlCommand>(member.recorded).subspan(first, count));
+            record_update(*gpu_, commands, served.uploaded, 0,
+                          std::span<const io::ControlCommand>(served.recorded).subspan(first, count));
         any = any || count > 0;
     }
     if (!any) return false;
     memory_barrier(*gpu_, commands, kTransferWrite, kShaderRead | kShaderWrite);
-    for (const Member& member : members_) {
-        const auto count = static_cast<uint32_t>(count_of(member));
-        const GroupController& controller = *group_of(batches_[member.batch]).controller;
+    for (const ServedBatch& served : served_) {
+        const auto count = static_cast<uint32_t>(count_of(served));
+        const GroupController& controller = *group_of(batches_[served.batch]).controller;
         if (count > 0)
             command_kernel_.dispatch_invocations(
-                commands, member.commands,
+                commands, served.commands,
                 io::CommandPush{count, controller.layer_count, controller.parameter_count, controller.is_inertial},
                 count);
     }
@@ -119,29 +119,29 @@ bool ControllerStage::record_round(VkCommandBuffer commands, size_t first) {
 }
 
 void ControllerStage::begin(const Update& update) {
-    if (members_.empty()) return;
-    for (Member& member : members_) {
-        member.recorded.swap(member.pending);
-        member.pending.clear();
-        std::ranges::stable_sort(member.recorded, {}, &io::ControlCommand::instance);
+    if (served_.empty()) return;
+    for (ServedBatch& served : served_) {
+        served.recorded.swap(served.pending);
+        served.pending.clear();
+        std::ranges::stable_sort(served.recorded, {}, &io::ControlCommand::instance);
     }
     for (size_t first = 0; record_round(update.commands, first); first += kRound) {}
     memory_barrier(*gpu_, update.commands, kTransferWrite, kShaderRead | kShaderWrite);
 }
 
 void ControllerStage::record(const Update& update) {
-    if (members_.empty()) return;
-    for (const Member& member : members_) {
-        const Batch& batch = batches_[member.batch];
+    if (served_.empty()) return;
+    for (const ServedBatch& served : served_) {
+        const Batch& batch = batches_[served.batch];
         const Group& group = group_of(batch);
         const uint32_t inertia_flags = group.controller->is_inertial ? io::kPushIsInertial : 0;
         const uint32_t morph_flags = batch[io::kActiveClipTimesBuffer] ? io::kPushTellsTimes : 0;
         const uint32_t root_flags = batch[io::kRootsBuffer]
                                         ? io::kPushHasRootMotion |
-                                              (group.controller->moves_placements ? io::kPushMovesPlacements : 0)
+                                              (group.controller->applies_root_motion ? io::kPushMovesPlacements : 0)
                                         : 0;
         controller_kernel_.dispatch_invocations(
-            update.commands, member.controller,
+            update.commands, served.controller,
             io::ControllerPush{.instance_count = batch.used_count,
                                .first_instance = batch.first_instance,
                                .joint_count = group.joint_count,
@@ -157,27 +157,27 @@ void ControllerStage::record(const Update& update) {
 }
 
 void ControllerStage::discard() {
-    for (Member& member : members_) {
-        member.pending.insert(member.pending.begin(), member.recorded.begin(), member.recorded.end());
-        member.recorded.clear();
+    for (ServedBatch& served : served_) {
+        served.pending.insert(served.pending.begin(), served.recorded.begin(), served.recorded.end());
+        served.recorded.clear();
     }
 }
 
 uint64_t ControllerStage::size_bytes() const {
     uint64_t sum = 0;
-    for (const Member& member : members_) sum += member.uploaded.size_bytes();
+    for (const ServedBatch& served : served_) sum += served.uploaded.size_bytes();
     return sum;
 }
 
 void ControllerStage::exchange_group(StateArchive& archive, uint32_t group) {
-    for (Member& member : members_) {
-        const Batch& batch = batches_[member.batch];
+    for (ServedBatch& served : served_) {
+        const Batch& batch = batches_[served.batch];
         if (batch.group != group) continue;
-        archive.list(member.pending, UINT32_MAX);
+        archive.list(served.pending, UINT32_MAX);
         if (!archive.reads()) continue;
-        check_commands(member.pending, batch.instance_count, group_of(batch));
-        member.recorded.clear();
-        if (!member.pending.empty() && !member.uploaded) make_uploads(member);
+        check_commands(served.pending, batch.instance_count, group_of(batch));
+        served.recorded.clear();
+        if (!served.pending.empty() && !served.uploaded) make_uploads(served);
     }
 }
 

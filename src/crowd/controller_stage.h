@@ -28,18 +28,18 @@ public:
     uint64_t size_bytes() const override;
 
 private:
-    struct Member {
+    struct ServedBatch {
         uint32_t batch = 0;
         std::vector<io::ControlCommand> pending, recorded;  // for the next update; of the last one
         Buffer uploaded;                                    // kRound commands at a time; made when there are any
         Bindings commands, controller;
     };
-    void make_uploads(Member& member);
+    void make_uploads(ServedBatch& served);
     bool record_round(VkCommandBuffer commands, size_t first);
 
     Kernel command_kernel_, controller_kernel_;
-    std::vector<Member> members_;
-    std::vector<uint32_t> member_of_batch_;
+    std::vector<ServedBatch> served_;
+    std::vector<uint32_t> served_of_batch_;
     const FeedbackRing* feedback_;
 };
 

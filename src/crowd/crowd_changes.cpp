@@ -38,7 +38,7 @@ void CrowdState::check_there(const Instances& instances, const char* what) const
         check_handle(handle, what);
         if (!batch || !batch->has(handle.instance)) batch = batch_at(batches, handle.instance);
         if (batch) refuse_if_shaders_populate(groups[batch->group], what);
-        if (!batch || !population->is_there(*batch, handle))
+        if (!batch || !population->is_alive(*batch, handle))
             throw Failure(ErrorCode::kInvalidArgument, what, name_of(handle), " is not there");
     }
 }
@@ -56,7 +56,7 @@ void CrowdState::check_there(uint32_t first_instance, uint32_t count, const char
         const uint32_t end_of_part = std::min(end, batch->first_instance + batch->instance_count);
         if (!group.varies) instance = end_of_part;
         for (; instance < end_of_part; ++instance)
-            if (!population->is_alive(instance))
+            if (!population->has_instance(instance))
                 throw Failure(ErrorCode::kInvalidArgument, what, "instance ", instance,
                               " is not there: it has not been spawned, or has gone");
     }

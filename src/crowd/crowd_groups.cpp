@@ -104,26 +104,26 @@ CrowdState::Move CrowdState::plan_move(const CrowdState& from, uint32_t group, s
     return move;
 }
 
-CrowdState::Part CrowdState::take_out(uint32_t group) {
-    Part part{.group = std::exchange(groups[group], Group()),
-              .settings = std::exchange(settings_.groups[group], CrowdGroup()),
-              .batches = {}};
+CrowdState::GroupInTransit CrowdState::take_out(uint32_t group) {
+    GroupInTransit moving{.group = std::exchange(groups[group], Group()),
+                          .settings = std::exchange(settings_.groups[group], CrowdGroup()),
+                          .batches = {}};
     std::vector<Batch> staying;
-    for (Batch& batch : batches) (batch.group == group ? part.batches : staying).push_back(std::move(batch));
+    for (Batch& batch : batches) (batch.group == group ? moving.batches : staying).push_back(std::move(batch));
     batches = std::move(staying);
     count_instances();
-    return part;
+    return moving;
 }
 
-void CrowdState::put_in(Part part, uint32_t group, uint32_t first_instance) {
+void CrowdState::put_in(GroupInTransit moving, uint32_t group, uint32_t first_instance) {
     if (group >= groups.size()) {
         groups.resize(group + 1);
         settings_.groups.resize(group + 1);
     }
-    groups[group] = std::move(part.group);
-    settings_.groups[group] = std::move(part.settings);
+    groups[group] = std::move(moving.group);
+    settings_.groups[group] = std::move(moving.settings);
     uint32_t next_instance = first_instance;
-    for (Batch& batch : part.batches) {
+    for (Batch& batch : moving.batches) {
         batch.group = group;
         batch.first_instance = std::exchange(next_instance, next_instance + batch.instance_count);
         batch.slot = slot;
@@ -219,15 +219,15 @@ void CrowdState::remove_group(uint32_t group) {
     const std::vector<StageState> before = stage_states();
     const Instances gone = instances(group);
     const Move move{.from = group, .to = kNone, .first_from = gone.first(), .first_to = kNone, .count = gone.size()};
-    Part part = take_out(group);
+    GroupInTransit moving = take_out(group);
     Remade made;
     try {
         made = remake(before, {}, std::span(&move, 1));
     } catch (...) {
-        put_in(std::move(part), group, move.first_from);
+        put_in(std::move(moving), group, move.first_from);
         throw;
     }
-    go_on_with(std::move(made), {.batches = std::move(part.batches), .group = std::move(part.group)});
+    go_on_with(std::move(made), {.batches = std::move(moving.batches), .group = std::move(moving.group)});
 }
 
 // `gone`: what updates under way may use besides the old stages.

@@ -55,13 +55,13 @@ void CrowdState::despawn(std::span<const InstanceHandle> instances) {
         throw Failure(ErrorCode::kInvalidArgument, "despawn", "instance " + std::to_string(*twice) + " is given twice");
     for (const auto& stage : stages) stage->despawn(instances);
     for (std::vector<uint32_t>* requests : {&pose_requests_, &recorded_pose_requests_})
-        std::erase_if(*requests, [&](uint32_t instance) { return !is_there(instance); });
-    std::erase_if(watched_, [&](const Watched& watched) { return !is_there(watched.instance); });
+        std::erase_if(*requests, [&](uint32_t instance) { return !has_instance(instance); });
+    std::erase_if(watched_, [&](const Watched& watched) { return !has_instance(watched.instance); });
 }
 
 bool CrowdState::is_alive(const InstanceHandle& instance) const {
     const Batch* const batch = batch_at(batches, instance.instance);
-    return batch && population->is_there(*batch, instance);
+    return batch && population->is_alive(*batch, instance);
 }
 
 InstanceHandle CrowdState::handle(uint32_t instance) const {

@@ -1,5 +1,6 @@
 // What comes back from the device.
 #include "crowd/crowd_state.h"
+#include "crowd/skin_stage.h"
 
 #include "base/failure.h"
 #include "bind/skin_format.h"

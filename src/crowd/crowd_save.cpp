@@ -160,12 +160,13 @@ void CrowdState::exchange(StateArchive& archive) {
     recorded_pose_requests_.clear();
     std::vector<InstanceHandle> handles;
     for (const uint32_t instance : watched) {
-        StateArchive::require(instance < instance_count && is_there(instance), "somebody is watched who is not there");
+        StateArchive::require(instance < instance_count && has_instance(instance),
+                              "an instance that is not there is watched");
         handles.push_back(handle(instance));
     }
     if (feedback) watch(handles);
     for (const uint32_t instance : pose_requests_)
-        StateArchive::require(instance < instance_count && is_there(instance) && group_of(instance).pose_of_skin,
+        StateArchive::require(instance < instance_count && has_instance(instance) && group_of(instance).pose_of_skin,
                               "a pose is requested of an instance that has none");
 }
 

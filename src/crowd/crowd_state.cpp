@@ -2,7 +2,11 @@
 
 #include "base/failure.h"
 #include "crowd/change_stage.h"
+#include "crowd/fused_update.h"
+#include "crowd/morph_stage.h"
+#include "crowd/skin_stage.h"
 #include "crowd/terrain_stage.h"
+#include "crowd/update_rate_stage.h"
 #include "gpu/barrier.h"
 
 #include <algorithm>
@@ -164,10 +168,10 @@ Update CrowdState::update_of(VkCommandBuffer commands, float time_step_s, const 
     return {.commands = commands, .changes = changes, .time_step_s = time_step_s, .view = view, .timer = timer.get()};
 }
 
-bool CrowdState::is_native(bool occlusion) const { return gpu->is_native() || (natively_ && !occlusion); }
+bool CrowdState::updates_natively(bool occlusion) const { return gpu->is_native() || (natively_ && !occlusion); }
 
 void CrowdState::update(float time_step_s, const CrowdView* view) {
-    if (!is_native(view && view->occlusion)) {
+    if (!updates_natively(view && view->occlusion)) {
         gpu->submit_and_wait([&](VkCommandBuffer commands) { record(commands, time_step_s, view); });
         can_discard_ = false;
         free_what_may_go();

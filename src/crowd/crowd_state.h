@@ -9,18 +9,14 @@
 #include "crowd/controller_stage.h"
 #include "crowd/cull_stage.h"
 #include "crowd/first_uploads.h"
-#include "crowd/fused_update.h"
 #include "crowd/instance_command_stage.h"
 #include "crowd/look_stage.h"
-#include "crowd/morph_stage.h"
-#include "crowd/update_rate_stage.h"
 #include "crowd/placement_stage.h"
 #include "crowd/population_stage.h"
 #include "crowd/pose_stage.h"
 #include "crowd/procedural_stage.h"
 #include "crowd/recorded_updates.h"
 #include "crowd/retired.h"
-#include "crowd/skin_stage.h"
 #include "crowd/staged_update.h"
 #include "crowd/steer_stage.h"
 
@@ -47,7 +43,9 @@ struct CrowdState {
     std::vector<InstanceHandle> spawn(uint32_t group, std::span<const Affine> world_from_model);
     void despawn(std::span<const InstanceHandle> instances);
     bool is_alive(const InstanceHandle& instance) const;
-    bool is_there(uint32_t instance) const { return batch_at(batches, instance) && population->is_alive(instance); }
+    bool has_instance(uint32_t instance) const {
+        return batch_at(batches, instance) && population->has_instance(instance);
+    }
     InstanceHandle handle(uint32_t instance) const;
     uint32_t alive_count(uint32_t group) const;
     Instances instances(uint32_t group) const;
@@ -69,12 +67,12 @@ struct CrowdState {
     void request_poses(const Instances& instances);
     std::vector<Feedback> take_feedback();
     // Whether update() computes natively; on a software device not with occlusion, which a native device refuses.
-    bool is_native(bool occlusion) const;
+    bool updates_natively(bool occlusion) const;
     // Upload the first contents of the buffers, unless an update or either of these calls has done so. The second
     // waits for the upload.
     void record_uploads(VkCommandBuffer commands);
     void finish_uploads();
-    void discard_uploads();  // of the last update, if it was the first
+    void discard_uploads();  // the update that has been discarded may have been the first
     // Throws kInvalidArgument where the last record() was not discarded and its commands have not run. May wait for the
     // device's queue.
     void check_last_has_run(const char* what) const;
@@ -194,7 +192,7 @@ private:
         uint32_t from = 0, to = 0;                         // groups; `to` is kNone if it leaves
         uint32_t first_from = 0, first_to = 0, count = 0;  // its instances
     };
-    struct Part {
+    struct GroupInTransit {
         Group group;
         CrowdGroup settings;
         std::vector<Batch> batches;
@@ -210,8 +208,8 @@ private:
     void check_goes_with(const CrowdState& other) const;
     std::vector<StageState> stage_states() const;
     Move plan_move(const CrowdState& from, uint32_t group, std::span<const Move> others) const;
-    Part take_out(uint32_t group);
-    void put_in(Part part, uint32_t group, uint32_t first_instance);
+    GroupInTransit take_out(uint32_t group);
+    void put_in(GroupInTransit moving, uint32_t group, uint32_t first_instance);
     void count_instances();
     Remade remake(std::span<const StageState> before, std::span<const StageState> joining, std::span<const Move> moves);
     void go_on_with(Remade made, Retired::Things gone);
@@ -228,12 +226,12 @@ private:
     bool is_in_flight_ = false;          // drawing may read the outputs of one update while the next one runs
     std::optional<Kernel> skin_kernel_;  // made when positions are first read back
     bool has_updated_ = false;
-    bool was_native_ = false;        // the last record()
-    bool had_native_ = false;        // the one before it
-    bool had_updated_ = false;       // before the last record()
-    bool awaits_commands_ = false;   // the last update has been recorded, discarded or not
+    bool was_native_ = false;  // whether the last update was computed natively
+    bool had_native_ = false;  // `was_native_` and `has_updated_` before the last record(), for discard
+    bool had_updated_ = false;
+    bool awaits_commands_ = false;   // the last update is in commands of the application's, which may not have run
     bool can_discard_ = false;       // the last record() has not been discarded
-    bool is_half_recorded_ = false;  // the last one failed on the way
+    bool is_half_recorded_ = false;  // the last record() failed on its way
     float full_rate_factor_ = 1;     // the budget's factor on CrowdView::full_rate_pixels
     std::vector<Watched> watched_;
     uint32_t watch_capacity_ = 0;

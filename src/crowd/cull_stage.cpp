@@ -99,11 +99,11 @@ CullStage::CullStage(const StageContext& context)
       kernels_(gpu_),
       view_(upload_table(context.uploads, "view", std::vector{cull_view_of(nullptr, 0)})) {
     for (size_t i = 0; i < batches_.size(); ++i) {
-        Member& member = members_.emplace_back();
-        member.cells = kernels_.cells.bind(table_of(i));
-        member.cull = kernels_.cull.bind(table_of(i));
-        member.offsets = kernels_.offsets.bind(table_of(i));
-        member.list = kernels_.list.bind(table_of(i));
+        ServedBatch& served = served_.emplace_back();
+        served.cells = kernels_.cells.bind(table_of(i));
+        served.cull = kernels_.cull.bind(table_of(i));
+        served.offsets = kernels_.offsets.bind(table_of(i));
+        served.list = kernels_.list.bind(table_of(i));
     }
 }
 
@@ -123,14 +123,14 @@ void CullStage::begin(const Update& update) {
 void CullStage::discard() {
     --update_number_;
     is_half_done_ = was_half_done_;
-    for (Member& member : members_) member.has_cells = false;
+    for (ServedBatch& served : served_) served.has_cells = false;
 }
 
 void CullStage::exchange(StateArchive& archive) {
     archive.value(update_number_);
     if (!archive.reads()) return;
     is_half_done_ = false;
-    for (Member& member : members_) member.has_cells = false;
+    for (ServedBatch& served : served_) served.has_cells = false;
 }
 
 // Stays below 2^24, so that a float holds it exactly. It may wrap: by then no cell is left from so long ago.
@@ -169,7 +169,7 @@ io::CullPush CullStage::push_of(const Batch& batch) const {
 
 template <class Dispatch>
 void CullStage::for_each_batch(VkCommandBuffer commands, const Dispatch& dispatch) const {
-    for (size_t i = 0; i < members_.size(); ++i) dispatch(i);
+    for (size_t i = 0; i < served_.size(); ++i) dispatch(i);
     memory_barrier(*gpu_, commands, kShaderRead | kShaderWrite, kShaderRead | kShaderWrite | kIndirectRead);
 }
 
@@ -177,12 +177,12 @@ void CullStage::for_each_batch(VkCommandBuffer commands, const Dispatch& dispatc
 // that would never be used again.
 void CullStage::record_cells(const Update& update) {
     bool any = false;
-    for (size_t i = 0; i < members_.size(); ++i) {
+    for (size_t i = 0; i < served_.size(); ++i) {
         const Batch& batch = batches_[i];
-        const bool had_cells = members_[i].has_cells;
-        members_[i].has_cells = !batch.is_moved && !group_of(batch).moves_placements();
-        if (had_cells || !members_[i].has_cells) continue;
-        kernels_.cells.dispatch_invocations(update.commands, members_[i].cells, push_of(batch),
+        const bool had_cells = served_[i].has_cells;
+        served_[i].has_cells = !batch.is_moved && !group_of(batch).moves_placements();
+        if (had_cells || !served_[i].has_cells) continue;
+        kernels_.cells.dispatch_invocations(update.commands, served_[i].cells, push_of(batch),
                                             cell_count(batch.used_count));
         any = true;
     }
@@ -192,7 +192,7 @@ void CullStage::record_cells(const Update& update) {
 void CullStage::record(const Update& update) {
     record_cells(update);
     for_each_batch(update.commands, [&](size_t i) {
-        kernels_.cull.dispatch_workgroups(update.commands, members_[i].cull, push_of(batches_[i]),
+        kernels_.cull.dispatch_workgroups(update.commands, served_[i].cull, push_of(batches_[i]),
                                           cull_workgroups_of(batches_[i].used_count));
     });
     record_lists(update, false);
@@ -210,10 +210,10 @@ void CullStage::record_lists(const Update& update, bool is_second_half) const {
         const std::array of_sets{&io::uvec4::x, &io::uvec4::y, &io::uvec4::z, &io::uvec4::w};
         for (size_t set = 0; set < group.fused.size(); ++set)
             push.instances_of_workgroup.*of_sets[set] = group.fused[set].plan.scan.instances_per_workgroup;
-        kernels_.offsets.dispatch_workgroups(update.commands, members_[i].offsets, push, 1);
+        kernels_.offsets.dispatch_workgroups(update.commands, served_[i].offsets, push, 1);
     });
     for_each_batch(update.commands, [&](size_t i) {
-        kernels_.list.dispatch_workgroups(update.commands, members_[i].list, push_of(batches_[i]),
+        kernels_.list.dispatch_workgroups(update.commands, served_[i].list, push_of(batches_[i]),
                                           cull_workgroups_of(batches_[i].used_count));
     });
     update.end_stage("cull");
@@ -234,7 +234,7 @@ void CullStage::record_disoccluded(const Update& update, const DepthImage& depth
                                   .width = depths.width,
                                   .height = depths.height,
                                   .sign = depths.reversed ? 1.0f : -1.0f};
-        kernels_.reveal.dispatch_workgroups(update.commands, reveal.members[i], push,
+        kernels_.reveal.dispatch_workgroups(update.commands, reveal.bindings[i], push,
                                             cull_workgroups_of(batches_[i].used_count));
     });
     record_lists(update, true);
@@ -247,8 +247,8 @@ const CullStage::Reveal& CullStage::reveal_for(const DepthImage& depths) {
     Reveal made{
         DepthPyramid(gpu_, kernels_.pyramid, depths.width, (!reveals_.empty() && may_double ? 2 : 1) * depths.height),
         {}};
-    for (size_t i = 0; i < members_.size(); ++i)
-        made.members.push_back(
+    for (size_t i = 0; i < served_.size(); ++i)
+        made.bindings.push_back(
             kernels_.reveal.bind(table_of(i).set({{io::kCoarserDepthsBuffer, made.pyramid.levels()}})));
     reveals_.push_back(std::move(made));
     return reveals_.back();

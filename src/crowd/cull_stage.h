@@ -39,13 +39,13 @@ public:
     uint64_t size_bytes() const override;
 
 private:
-    struct Member {
+    struct ServedBatch {
         Bindings cells, cull, offsets, list;
         bool has_cells = false;  // that match the current placements
     };
     struct Reveal {
         DepthPyramid pyramid;
-        std::vector<Bindings> members;  // [batch]
+        std::vector<Bindings> bindings;  // [batch]
     };
     float version_of(const Batch& batch) const;
     io::CullPush push_of(const Batch& batch) const;
@@ -65,7 +65,7 @@ private:
     // Made when needed, for the largest picture so far. Smaller ones are kept with their bindings, since updates
     // under way may use them. Each has twice the room of the one before, if the device can bind that.
     std::vector<Reveal> reveals_;
-    std::vector<Member> members_;  // [batch]
+    std::vector<ServedBatch> served_;  // [batch]
 };
 
 }  // namespace throng

@@ -52,12 +52,12 @@ void FeedbackRing::begin(VkCommandBuffer commands) {
         const std::string count = std::to_string(slots_.size());
         throw Failure(ErrorCode::kInvalidArgument, "crowd",
                       "the update recorded " + count + " record()s ago has not finished: at most " + count +
-                          " may be in flight; of one that will never be submitted, tell by discard_last_record()");
+                          " may be in flight; call discard_last_record() for one that will never be submitted");
     }
     if (!slot.done.is_set()) slot.update.is_read = true;  // it was dropped: there is nothing to read
     if (slot.copy.size_bytes() < events_.size_bytes() + instance_bytes_) {
         slot.copy = make_copy();
-        slot.update.is_read = true;  // what it told has gone
+        slot.update.is_read = true;  // its content is lost
     }
     slot.done.reset();
     slot.before = std::exchange(slot.update, {.number = ++update_count_, .is_read = false, .watched = {}, .poses = {}});

@@ -19,8 +19,9 @@ void FirstUploads::begin_update(VkCommandBuffer commands) {
     has_event_ = has_event_ || recorded_event_;
 }
 
-// What was recorded before the first update may have been dropped together with it. So it goes with the next one too.
-// Before any update has run, it writes what is there already, or over what shaders have written (OutputBlock::command).
+// The commands of record_uploads() may have been dropped together with the first update, so the next update uploads
+// again. If they have run, that writes the same values once more, and over what shaders have written since
+// (OutputBlock::command).
 void FirstUploads::discard_update() {
     if (!std::exchange(recorded_event_, false)) return;
     state_ = State::kPending;

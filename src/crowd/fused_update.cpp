@@ -56,11 +56,11 @@ FusedUpdate::FusedUpdate(const StageContext& context)
         const Batch& batch = batches_[i];
         const Group& group = group_of(batch);
         if (group.fused.empty()) continue;
-        Member& member = members_.emplace_back(Member{.batch = i, .sets = {}, .sockets = {}});
-        if (!gpu_->is_native()) bind(member);
+        ServedBatch& served = served_.emplace_back(ServedBatch{.batch = i, .sets = {}, .sockets = {}});
+        if (!gpu_->is_native()) bind(served);
         if (!group.sockets || group.socket_flags() == 0) continue;
         if (!sockets_) sockets_ = socket_kernel(gpu_);
-        member.sockets = sockets_->bind(batch.table(group, batch[io::kSocketsBuffer]));
+        served.sockets = sockets_->bind(batch.table(group, batch[io::kSocketsBuffer]));
     }
 }
 
@@ -76,7 +76,7 @@ FusedUpdate::Kernels FusedUpdate::make_kernels(const Group& group, size_t set, c
                              .inertial = group.controller && group.controller->is_inertial,
                              .pose_overrides = group.pose_capacity > 0,
                              .listed = is_listed(group),
-                             .some_joints = set > 0 || group.rows,
+                             .maps_joints = set > 0 || group.rows,
                              .skin_pool = group.skin_pool.has_value(),
                              .rows = group.rows ? group.rows->of_set(static_cast<uint32_t>(set)) : FusedRows()});
     };
@@ -85,11 +85,11 @@ FusedUpdate::Kernels FusedUpdate::make_kernels(const Group& group, size_t set, c
     return kernels;
 }
 
-void FusedUpdate::bind(Member& member) const {
-    const Batch& batch = batches_[member.batch];
+void FusedUpdate::bind(ServedBatch& served) const {
+    const Batch& batch = batches_[served.batch];
     const Group& group = group_of(batch);
     for (size_t set = 0; set < group.fused.size(); ++set) {
-        SetBindings& bindings = member.sets.emplace_back();
+        SetBindings& bindings = served.sets.emplace_back();
         // For what the character does not have, the dispatch's own output is bound, so that two dispatches never share
         // it.
         const auto bound = [&](const Buffer& skin) {
@@ -102,14 +102,14 @@ void FusedUpdate::bind(Member& member) const {
 }
 
 void FusedUpdate::record(const Update& update) {
-    if (members_.empty()) return;
+    if (served_.empty()) return;
     record_sets(update.commands, [](const Group&) { return true; });
     if (sockets_) record_sockets(update.commands);
     update.end_stage("fused");
 }
 
 void FusedUpdate::record_disoccluded(const Update& update, const DepthImage&) {
-    if (members_.empty()) return;
+    if (served_.empty()) return;
     record_sets(update.commands, [&](const Group& group) { return animates_drawn_only(group); });
     update.end_stage("fused");
 }
@@ -121,21 +121,21 @@ void FusedUpdate::record_sets(VkCommandBuffer commands, const Applies& applies) 
     size_t most = 0;
     for (const Group& group : groups_) most = std::max(most, group.fused.size());
     for (uint32_t set = 0; set < most; ++set) {
-        for (const Member& member : members_) {
-            const Group& group = group_of(batches_[member.batch]);
-            if (set < group.fused.size() && applies(group)) record_set(commands, member, set);
+        for (const ServedBatch& served : served_) {
+            const Group& group = group_of(batches_[served.batch]);
+            if (set < group.fused.size() && applies(group)) record_set(commands, served, set);
         }
         separate_kernels(commands);
     }
 }
 
-void FusedUpdate::record_set(VkCommandBuffer commands, const Member& member, uint32_t set) const {
-    if (!commands) return update_natively(member, set);
-    const Batch& batch = batches_[member.batch];
+void FusedUpdate::record_set(VkCommandBuffer commands, const ServedBatch& served, uint32_t set) const {
+    if (!commands) return update_natively(served, set);
+    const Batch& batch = batches_[served.batch];
     const Group& group = group_of(batch);
     const Kernels& kernels = kernels_[batch.group][set];
     const FusedJoints& joints = group.fused[set];
-    const SetBindings& bindings = member.sets[set];
+    const SetBindings& bindings = served.sets[set];
     const Kernel& kernel = group.controller || batch.blends ? kernels.blending : kernels.single;
     io::FusedPush push{.joint_count = joints.joint_count,
                        .rig_joint_count = group.joint_count,
@@ -151,15 +151,15 @@ void FusedUpdate::record_set(VkCommandBuffer commands, const Member& member, uin
     kernel.dispatch_indirect(commands, bindings.target, push, batch[io::kDispatchesBuffer], push.section);
 }
 
-void FusedUpdate::update_natively(const Member& member, uint32_t set) const {
-    const Batch& batch = batches_[member.batch];
-    update_natively(member, set, batch.skin(), io::kAnimated + set);
+void FusedUpdate::update_natively(const ServedBatch& served, uint32_t set) const {
+    const Batch& batch = batches_[served.batch];
+    update_natively(served, set, batch.skin(), io::kAnimated + set);
     if (is_listed(group_of(batch)) && batch[io::kSkinTargetBuffer])
-        update_natively(member, set, batch[io::kSkinTargetBuffer], io::kAnimatedAhead + set);
+        update_natively(served, set, batch[io::kSkinTargetBuffer], io::kAnimatedAhead + set);
 }
 
-void FusedUpdate::update_natively(const Member& member, uint32_t set, const Buffer& skin, uint32_t section) const {
-    const Batch& batch = batches_[member.batch];
+void FusedUpdate::update_natively(const ServedBatch& served, uint32_t set, const Buffer& skin, uint32_t section) const {
+    const Batch& batch = batches_[served.batch];
     const Group& group = group_of(batch);
     const FusedJoints& joints = group.fused[set];
     NativeUpdate natively{.cursors = in_memory<const io::InstanceCursor>(batch[io::kCursorsBuffer]),
@@ -188,11 +188,11 @@ void FusedUpdate::update_natively(const Member& member, uint32_t set, const Buff
 
 // From model to world space, in place.
 void FusedUpdate::record_sockets(VkCommandBuffer commands) const {
-    for (const Member& member : members_) {
-        const Batch& batch = batches_[member.batch];
+    for (const ServedBatch& served : served_) {
+        const Batch& batch = batches_[served.batch];
         const Group& group = group_of(batch);
         if (!group.sockets || group.socket_flags() == 0) continue;
-        sockets_->dispatch_invocations(commands, member.sockets,
+        sockets_->dispatch_invocations(commands, served.sockets,
                                        io::SocketPush{batch.used_count, group.joint_count, group.socket_count(),
                                                       group.socket_flags(), batch.birth},
                                        batch.used_count * group.socket_count());

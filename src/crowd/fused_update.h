@@ -29,18 +29,18 @@ private:
         std::vector<Bindings> skins;  // [frame slot]
         Bindings target;              // where instances are animated ahead
     };
-    struct Member {
+    struct ServedBatch {
         uint32_t batch = 0;
         std::vector<SetBindings> sets;  // of joints
         Bindings sockets;               // where they go to world space
     };
     Kernels make_kernels(const Group& group, size_t set, const CrowdSettings& settings) const;
-    void bind(Member& member) const;
+    void bind(ServedBatch& served) const;
     template <class Applies>
     void record_sets(VkCommandBuffer commands, const Applies& applies) const;
-    void record_set(VkCommandBuffer commands, const Member& member, uint32_t set) const;
-    void update_natively(const Member& member, uint32_t set) const;
-    void update_natively(const Member& member, uint32_t set, const Buffer& skin, uint32_t section) const;
+    void record_set(VkCommandBuffer commands, const ServedBatch& served, uint32_t set) const;
+    void update_natively(const ServedBatch& served, uint32_t set) const;
+    void update_natively(const ServedBatch& served, uint32_t set, const Buffer& skin, uint32_t section) const;
     bool is_listed(const Group& group) const { return group.varies || animates_drawn_only(group); }
     bool animates_drawn_only(const Group& group) const { return culls_ && group.animates_drawn_only(); }
 
@@ -51,7 +51,7 @@ private:
     SkinFormat skin_format_;
     std::vector<std::vector<Kernels>> kernels_;  // [group][set of joints]; none on a native device
     std::optional<Kernel> sockets_;
-    std::vector<Member> members_;
+    std::vector<ServedBatch> served_;
 };
 
 }  // namespace throng

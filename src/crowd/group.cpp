@@ -81,7 +81,7 @@ GroupController::GroupController(Uploads& uploads, const Controller& controller,
     : layer_count(static_cast<uint32_t>(controller.layers.size())),
       parameter_count(static_cast<uint32_t>(controller.parameters.size())),
       mask_count(static_cast<uint32_t>(controller.masks.size())),
-      moves_placements(moves) {
+      applies_root_motion(moves) {
     const ControllerTables made = make_controller_tables(controller, character);
     active_clip_limit = made.active_clip_limit;
     initial_layers = made.initial_layers;

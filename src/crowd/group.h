@@ -34,11 +34,11 @@ struct FusedJoints {
 
 // What a group that is driven by a controller has.
 struct GroupController {
-    GroupController(Uploads& uploads, const Controller& controller, const Character& character, bool moves_placements,
-                    Buffers& buffers);
+    GroupController(Uploads& uploads, const Controller& controller, const Character& character,
+                    bool applies_root_motion, Buffers& buffers);
 
     uint32_t layer_count = 0, parameter_count = 0, mask_count = 0, active_clip_limit = 0;
-    bool moves_placements = false;
+    bool applies_root_motion = false;
     bool is_inertial = false;            // has inertial transitions or plays
     uint32_t model_layer_count = 0;      // layers that blend rotations in model space
     std::vector<LayerKind> layer_kinds;  // [layer_count]
@@ -92,19 +92,19 @@ struct Group {
     uint32_t joint_count = 0;
     uint32_t palette_count = 0;
     uint32_t vertex_count = 0;
-    std::vector<uint32_t> parents;  // draw: of joints, or kNone
+    std::vector<uint32_t> parents;  // [joint_count], joints or kNone
     uint32_t level_count = 0;
     std::vector<float> clip_durations_s;
     std::vector<MeshSection> sections;
     std::vector<AssetMaterial> materials;
     SharedImages images;
-    Vec3<float> shown_min, shown_max;  // draw: what pictures are fitted to
-    Vec3<float> posed_min, posed_max;  // cull: of all poses
+    Vec3<float> shown_min, shown_max;  // what pictures are fitted to
+    Vec3<float> posed_min, posed_max;  // of all poses
     std::vector<Lod> lods;
     std::vector<IndexRange> lod_ranges;  // [1 + lods][sections], of indices
 
     Buffers buffers;  // what kernels read of the character, and of what the group's settings ask for
-    Buffer indices;   // draw: of all levels of detail
+    Buffer indices;   // of all levels of detail
     std::optional<GroupController> controller;
     std::optional<GroupSockets> sockets;
     SocketSpace socket_space = SocketSpace::kWorld;
@@ -161,7 +161,7 @@ struct Group {
     // Whether updates themselves change placements.
     bool moves_placements() const {
         return steering || on_terrain || is_carried || command_capacity > 0 ||
-               (has_root_motion() && controller->moves_placements);
+               (has_root_motion() && controller->applies_root_motion);
     }
     // Updates leave sockets of carried groups in model space, since only the attach stage knows their placements; it
     // takes them to world space.

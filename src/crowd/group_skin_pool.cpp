@@ -23,8 +23,7 @@ std::string unsupported_reason(const Group& group, const Character& character, c
     if (settings.culling->skips_updates) return "Culling::skips_updates is set";
     if (settings.skins_once) return "CrowdSettings::skins_once is set";
     if (character.vertices.empty()) return "without a mesh nobody can say how far off a shared pose is";
-    if (const std::string reason = native_unsupported(character, {.skin_format = settings.skin_format});
-        !reason.empty())
+    if (const std::string reason = native_unsupported_reason(character, settings.skin_format); !reason.empty())
         return "its shared poses are computed natively, and " + reason;
     return {};
 }
@@ -52,7 +51,7 @@ GroupSkinPool make_skin_pool(Uploads& uploads, SharedRigs& rigs, Group& group, c
     if (rows > most_rows)
         throw Failure(ErrorCode::kLimit, place,
                       std::to_string(rows) + " rows, those of shared poses among them; at most " +
-                          std::to_string(most_rows) + " fit a buffer, here and of 256 MiB anywhere");
+                          std::to_string(most_rows) + " fit one buffer (of this device, and of at most 256 MiB)");
     if (const uint32_t most = uploads.gpu()->properties.limits.maxComputeWorkGroupCount[0];
         std::min(pool.capacity, made_of.instance_count) > most)
         throw Failure(ErrorCode::kLimit, place,

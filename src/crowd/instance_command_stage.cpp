@@ -83,10 +83,10 @@ InstanceCommandStage::InstanceCommandStage(const StageContext& context)
         const Batch& batch = batches_[i];
         if (group_of(batch).command_capacity == 0) continue;
         const BufferTable table = batch.table(group_of(batch), batch[io::kClaimsBuffer]);
-        members_.push_back({.batch = i,
-                            .claim = claim_.bind(table),
-                            .populate = group_of(batch).shaders_populate ? populate_.bind(table) : Bindings(),
-                            .obey = obey_.bind(table)});
+        served_.push_back({.batch = i,
+                           .claim = claim_.bind(table),
+                           .populate = group_of(batch).shaders_populate ? populate_.bind(table) : Bindings(),
+                           .obey = obey_.bind(table)});
     }
 }
 
@@ -94,21 +94,21 @@ InstanceCommandStage::InstanceCommandStage(const StageContext& context)
 void InstanceCommandStage::begin(const Update& update) {
     constexpr std::array<uint32_t, 2> kNoneYet{};
     constexpr uint64_t kLost = offsetof(CommandHead, lost) / sizeof(uint32_t);
-    for (const Member& member : members_) {
-        record_update(*gpu_, update.commands, batches_[member.batch][io::kInstanceCommandsBuffer], kLost,
+    for (const ServedBatch& served : served_) {
+        record_update(*gpu_, update.commands, batches_[served.batch][io::kInstanceCommandsBuffer], kLost,
                       std::span<const uint32_t>(kNoneYet));
     }
 }
 
-void InstanceCommandStage::dispatch(const Update& update, const Kernel& kernel, Bindings Member::*bindings,
+void InstanceCommandStage::dispatch(const Update& update, const Kernel& kernel, Bindings ServedBatch::*bindings,
                                     bool of_all) const {
-    for (const Member& member : members_) {
-        const Batch& batch = batches_[member.batch];
+    for (const ServedBatch& served : served_) {
+        const Batch& batch = batches_[served.batch];
         const Group& group = group_of(batch);
         if (!of_all && !group.shaders_populate) continue;
         const bool has_controller = group.controller.has_value();
         kernel.dispatch_invocations(
-            update.commands, member.*bindings,
+            update.commands, served.*bindings,
             io::InstanceCommandPush{.capacity = group.command_capacity,
                                     .instance_count = batch.instance_count,
                                     .clip_count = static_cast<uint32_t>(group.clip_durations_s.size()),
@@ -125,13 +125,13 @@ void InstanceCommandStage::dispatch(const Update& update, const Kernel& kernel, 
 }
 
 void InstanceCommandStage::record(const Update& update) {
-    dispatch(update, claim_, &Member::claim, true);
-    dispatch(update, populate_, &Member::populate, false);
-    dispatch(update, obey_, &Member::obey, true);
+    dispatch(update, claim_, &ServedBatch::claim, true);
+    dispatch(update, populate_, &ServedBatch::populate, false);
+    dispatch(update, obey_, &ServedBatch::obey, true);
     memory_barrier(*gpu_, update.commands, kShaderRead | kShaderWrite, kTransferWrite);
-    for (const Member& member : members_)
+    for (const ServedBatch& served : served_)
         record_fill(*gpu_, update.commands,
-                    BufferRange(batches_[member.batch][io::kInstanceCommandsBuffer], 0, sizeof(uint32_t)), 0);
+                    BufferRange(batches_[served.batch][io::kInstanceCommandsBuffer], 0, sizeof(uint32_t)), 0);
     memory_barrier(*gpu_, update.commands, kTransferWrite, kShaderRead | kShaderWrite);
     update.end_stage("commands");
 }

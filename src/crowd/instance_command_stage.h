@@ -21,14 +21,14 @@ public:
     void record(const Update& update) override;
 
 private:
-    struct Member {
+    struct ServedBatch {
         uint32_t batch = 0;
         Bindings claim, populate, obey;
     };
-    void dispatch(const Update& update, const Kernel& kernel, Bindings Member::*bindings, bool of_all) const;
+    void dispatch(const Update& update, const Kernel& kernel, Bindings ServedBatch::*bindings, bool of_all) const;
 
     Kernel claim_, populate_, obey_;
-    std::vector<Member> members_;
+    std::vector<ServedBatch> served_;
 };
 
 }  // namespace throng

@@ -14,18 +14,18 @@ MorphStage::MorphStage(const StageContext& context) : Stage(context) {
         if (group.morph_count == 0) continue;
         std::optional<Kernel>& kernel = kernels_[group.controller.has_value()];
         if (!kernel) kernel = morph_kernel(gpu_, group.controller.has_value());
-        members_.push_back({i, kernel->bind(batch.table(group, batch[io::kActiveMorphsBuffer]))});
+        served_.push_back({i, kernel->bind(batch.table(group, batch[io::kActiveMorphsBuffer]))});
     }
 }
 
 void MorphStage::record(const Update& update) {
-    if (members_.empty()) return;
-    for (const Member& member : members_) {
-        const Batch& batch = batches_[member.batch];
+    if (served_.empty()) return;
+    for (const ServedBatch& served : served_) {
+        const Batch& batch = batches_[served.batch];
         const Group& group = group_of(batch);
         const io::MorphPush push{batch.used_count, group.morph_count, group.joint_count,
                                  group.controller ? group.controller->active_clip_limit : 0, group.active_morph_limit};
-        kernel_of(group).dispatch_invocations(update.commands, member.bindings, push, batch.used_count);
+        kernel_of(group).dispatch_invocations(update.commands, served.bindings, push, batch.used_count);
     }
     update.end_stage("blend");
 }

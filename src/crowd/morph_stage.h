@@ -18,14 +18,14 @@ public:
     void record(const Update& update) override;
 
 private:
-    struct Member {
+    struct ServedBatch {
         uint32_t batch = 0;
         Bindings bindings;
     };
     const Kernel& kernel_of(const Group& group) const { return *kernels_[group.controller.has_value()]; }
 
     std::array<std::optional<Kernel>, 2> kernels_;  // of two clips, of layers
-    std::vector<Member> members_;
+    std::vector<ServedBatch> served_;
 };
 
 }  // namespace throng

@@ -36,7 +36,7 @@ std::string staged_only(const CrowdGroup& group) {
 // As staged_only(), for updates in one pass on this machine's processor.
 std::string natively_staged_only(const CrowdSettings& settings, const CrowdGroup& group) {
     if (std::string reason = staged_only(group); !reason.empty()) return reason;
-    return native_unsupported(*group.character, {.skin_format = settings.skin_format});
+    return native_unsupported_reason(*group.character, settings.skin_format);
 }
 
 // Why a software device's work cannot be done natively; empty if it can.
@@ -126,7 +126,7 @@ PathChoice vulkan_path(const Gpu& gpu, const CrowdSettings& settings, const Crow
         if (plan_scan(*serial.method, ScanRig(rig.parents, rig.uniform_scale), scan_limits(gpu), serial.threads)
                 .unsupported_reason.empty()) {
             choice.scan = serial;
-            choice.scan_reason = "what is native too";
+            choice.scan_reason = "the one that also runs natively";
         }
     }
     const std::string reason = natively_unsupported_reason(choice, settings, group);
@@ -157,7 +157,7 @@ ExplainedChoice choose_scan(const Gpu& gpu, const std::string& wanted, const Rig
     ExplainedChoice chosen = choose_scan(is_first_native ? "serial" : wanted, ScanRig(rig.parents, rig.uniform_scale),
                                          instance_count, scan_limits(gpu), scan_costs(gpu));
     if (gpu.is_native())  // costs are those of GPUs
-        chosen.reason = is_first_native ? "what is fastest on one thread a character" : "asked for";
+        chosen.reason = is_first_native ? "the fastest on one thread a character" : "asked for";
     return chosen;
 }
 

@@ -18,7 +18,7 @@ struct PathChoice {
     std::string scan_reason, path_reason;
 };
 
-// As applications and people are told.
+// The reason as GroupPath::reason gives it.
 inline std::string shown_reason(bool is_native, const std::string& path_reason) {
     return (is_native ? "native, " : "") + path_reason;
 }

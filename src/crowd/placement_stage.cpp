@@ -27,7 +27,7 @@ PlacementStage::PlacementStage(const StageContext& context)
     : Stage(context),
       placements_(context.instance_count),
       set_for_(context.instance_count),
-      population_(find_stage<PopulationStage>(context.before)) {
+      population_(*find_stage<PopulationStage>(context.before)) {
     dirty_.add(0, context.instance_count);
 }
 
@@ -70,7 +70,7 @@ const std::vector<Affine>& PlacementStage::known() {
 
 void PlacementStage::take_over(const Batch& batch, std::span<const Affine> moved, std::span<const uint32_t> births,
                                uint64_t update) {
-    if (!births.empty()) population_->take_over(batch, births);
+    if (!births.empty()) population_.take_over(batch, births);
     for (uint32_t i = 0; i < moved.size(); ++i)
         if (const uint32_t instance = batch.first_instance + i; set_for_[instance] <= update)
             placements_[instance] = moved[i];

@@ -48,7 +48,7 @@ private:
     DirtyRanges dirty_;
     uint32_t update_count_ = 0;
     std::optional<FollowedPlacements> followed_;
-    PopulationStage* population_;  // or null
+    PopulationStage& population_;
 };
 
 }  // namespace throng

@@ -127,7 +127,7 @@ void PopulationStage::despawn(std::span<const InstanceHandle> gone) {
     }
 }
 
-bool PopulationStage::is_there(const Batch& batch, const InstanceHandle& handle) const {
+bool PopulationStage::is_alive(const Batch& batch, const InstanceHandle& handle) const {
     const Population& population = populations_[batch.group];
     if (population.births.empty()) return handle.generation == population.generation;
     const uint32_t number = handle.instance - population.first_instance;
@@ -135,7 +135,7 @@ bool PopulationStage::is_there(const Batch& batch, const InstanceHandle& handle)
            population.generations[number] == handle.generation;
 }
 
-bool PopulationStage::is_alive(uint32_t instance) const {
+bool PopulationStage::has_instance(uint32_t instance) const {
     const Population& population = population_of(instance);
     return population.births.empty() || population.births[instance - population.first_instance] != 0;
 }

@@ -37,9 +37,9 @@ public:
     void despawn(std::span<const InstanceHandle> gone) override;
 
     // Whether the handle, whose number is in this batch, is of an instance that is there, as far as the CPU knows.
-    bool is_there(const Batch& batch, const InstanceHandle& handle) const;
+    bool is_alive(const Batch& batch, const InstanceHandle& handle) const;
     // `instance` must belong to a group.
-    bool is_alive(uint32_t instance) const;
+    bool has_instance(uint32_t instance) const;
     uint32_t generation(uint32_t instance) const;
     // The generation of the instance that had the number in one of the last few updates; updates are counted from 1.
     uint32_t generation_at(uint32_t instance, uint64_t update) const;
@@ -57,7 +57,7 @@ public:
 private:
     struct Population {
         uint32_t first_instance = 0;
-        uint32_t generation = 0;  // of the first that have a number
+        uint32_t generation = 0;  // that instances begin with, and keep if the group has no capacity
         // If instances come and go
         InstanceNumbers numbers;
         // For each number, the number of the update that its instance was born in, as kernels know it; 0 if it is free
@@ -65,8 +65,8 @@ private:
         std::vector<uint32_t> generations;
         bool is_of_shaders = false;  // CrowdGroup::shaders_populate: `births` are those read back last
     };
-    // Instances removed after this update and before the next: the first of each number, since later ones were in no
-    // update.
+    // Instances removed after this update and before the next. Of several with one number the first: the others were
+    // in no update.
     struct Deaths {
         uint64_t update = 0;
         std::unordered_map<uint32_t, uint32_t> generations;  // by their numbers in the crowd

@@ -34,25 +34,25 @@ SkinStage::SkinStage(const StageContext& context)
       kernel_(skin_kernel(gpu_, context.settings.skin_format, context.settings.skin_blend,
                           context.settings.culling.has_value())) {
     for (uint32_t i = 0; i < batches_.size(); ++i) {
-        std::vector<Bindings>& member = members_.emplace_back();
+        std::vector<Bindings>& of_slots = bindings_.emplace_back();
         const Batch& batch = batches_[i];
         const Group& group = group_of(batch);
         if (!skins(group)) continue;
         for (uint32_t slot = 0; slot < batch.skins.size(); ++slot)
-            member.push_back(
+            of_slots.push_back(
                 kernel_.bind(skin_buffers(group, batch, batch.skins[slot], batch.shown_in(slot, io::kSkinnedBuffer))));
     }
 }
 
 void SkinStage::record(const Update& update, bool only_animated) const {
     separate_kernels(update.commands);
-    for (size_t i = 0; i < members_.size(); ++i) {
+    for (size_t i = 0; i < bindings_.size(); ++i) {
         const Batch& batch = batches_[i];
         const Group& group = group_of(batch);
         if (!skins(group)) continue;
         io::SkinPush push = skin_push(group);
         push.only_animated = only_animated;
-        const Bindings& bindings = members_[i][batch.slot];
+        const Bindings& bindings = bindings_[i][batch.slot];
         if (batch[io::kListBuffer])
             kernel_.dispatch_indirect(update.commands, bindings, push, batch[io::kDispatchesBuffer], io::kWorkSections);
         else

@@ -22,7 +22,7 @@ private:
     void record(const Update& update, bool only_animated) const;
 
     Kernel kernel_;
-    std::vector<std::vector<Bindings>> members_;  // [batch][frame slot]
+    std::vector<std::vector<Bindings>> bindings_;  // [batch][frame slot]
 };
 
 // For one batch. `skin_matrices`: those that are current; `skinned`: where its vertices go.

@@ -16,7 +16,7 @@ public:
     void begin(VkCommandBuffer commands);
     // `name`: one of stage_names().
     void end_stage(VkCommandBuffer commands, std::string_view name);
-    // The time since the last stage counts for none: the application was drawing.
+    // The time since the last stage, in which the application was drawing, counts for no stage.
     void leave_out(VkCommandBuffer commands) { end(commands, kStageLimit); }
     void publish(VkCommandBuffer commands) { stamps_.publish(commands); }
 

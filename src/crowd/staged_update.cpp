@@ -32,8 +32,8 @@ void StagedUpdate::plan(BatchPlan& plan) {
 StagedUpdate::StagedUpdate(const StageContext& context)
     : Stage(context), procedural_(*find_stage<ProceduralStage>(context.before)) {
     for (uint32_t i = 0; i < batches_.size(); ++i)
-        if (group_of(batches_[i]).fused.empty()) members_.push_back({.batch = i});
-    if (members_.empty()) return;
+        if (group_of(batches_[i]).fused.empty()) served_.push_back({.batch = i});
+    if (served_.empty()) return;
     for (const Group& group : groups_) {
         if (!group.fused.empty() || group.is_gone()) continue;
         const BlendOutput output = group.takes_similarities() ? BlendOutput::kSimilarity : BlendOutput::kAffine;
@@ -49,22 +49,22 @@ StagedUpdate::StagedUpdate(const StageContext& context)
     }
     bind_ = bind_kernel(gpu_, context.settings.skin_format);
     make_waves();
-    for (Member& member : members_) bind_member(member);
+    for (ServedBatch& served : served_) bind_batch(served);
 }
 
 void StagedUpdate::make_waves() {
     const uint64_t limit_bytes = arena_limit_bytes(*gpu_),
                    alignment = gpu_->properties.limits.minStorageBufferOffsetAlignment;
     uint64_t used_bytes = 0, largest_bytes = 0;
-    for (uint32_t i = 0; i < members_.size(); ++i) {
-        const Batch& batch = batches_[members_[i].batch];
+    for (uint32_t i = 0; i < served_.size(); ++i) {
+        const Batch& batch = batches_[served_[i].batch];
         const uint64_t needs_bytes = batch.instance_count * uint64_t{group_of(batch).joint_count} * sizeof(Affine);
         if (waves_.empty() || used_bytes + needs_bytes > limit_bytes) {
-            waves_.push_back({.first_member = i});
+            waves_.push_back({.first_served = i});
             used_bytes = 0;
         }
-        ++waves_.back().member_count;
-        members_[i].arena_offset_bytes = used_bytes;
+        ++waves_.back().served_count;
+        served_[i].arena_offset_bytes = used_bytes;
         largest_bytes = std::max(largest_bytes, used_bytes + needs_bytes);
         used_bytes = align_up(used_bytes + needs_bytes, alignment);
     }
@@ -77,11 +77,11 @@ void StagedUpdate::make_waves() {
     model_ = storage("model matrices");
 }
 
-void StagedUpdate::bind_member(Member& member) {
-    const Batch& batch = batches_[member.batch];
+void StagedUpdate::bind_batch(ServedBatch& served) {
+    const Batch& batch = batches_[served.batch];
     const Group& group = group_of(batch);
     const uint64_t size_bytes = batch.instance_count * uint64_t{group.joint_count} * sizeof(Affine);
-    const auto slice = [&](const Buffer& buffer) { return BufferRange(buffer, member.arena_offset_bytes, size_bytes); };
+    const auto slice = [&](const Buffer& buffer) { return BufferRange(buffer, served.arena_offset_bytes, size_bytes); };
     const BufferRange first = slice(first_poses_), second = slice(second_poses_), local = slice(local_);
     const BufferRange model = batch[io::kModelBuffer] ? BufferRange(batch[io::kModelBuffer]) : slice(model_);
     const BufferTable table = batch
@@ -93,21 +93,21 @@ void StagedUpdate::bind_member(Member& member) {
                                         {io::kModelBuffer, model},
                                         {io::kScratchBuffer, second},
                                         {io::kScanLinksBuffer, group.scan->links()}});
-    if (group.procedural) member.procedural = procedural_.bind(member.batch, local);
-    member.scan = group.scan->bind(table);
-    for (const Buffer& skin : batch.skins) member.bind.push_back(bind_->bind(table.with({{io::kSkinBuffer, skin}})));
+    if (group.procedural) served.procedural = procedural_.bind(served.batch, local);
+    served.scan = group.scan->bind(table);
+    for (const Buffer& skin : batch.skins) served.bind.push_back(bind_->bind(table.with({{io::kSkinBuffer, skin}})));
     if (group.sockets) {
         if (!sockets_) sockets_ = socket_kernel(gpu_);
-        member.sockets = sockets_->bind(table);
+        served.sockets = sockets_->bind(table);
     }
     if (group.controller) {
-        member.layered = layered_of(group).bind(table);
+        served.layered = layered_of(group).bind(table);
         return;
     }
     const Kernel& sample = sample_of(group);
-    member.sample_first = sample.bind(table.with({{io::kSampledPosesBuffer, first}}));
-    member.sample_second = sample.bind(table.with({{io::kSampledPosesBuffer, second}}));
-    member.blend = blend_of(group).bind(table);
+    served.sample_first = sample.bind(table.with({{io::kSampledPosesBuffer, first}}));
+    served.sample_second = sample.bind(table.with({{io::kSampledPosesBuffer, second}}));
+    served.blend = blend_of(group).bind(table);
 }
 
 LayeredSettings StagedUpdate::layered_settings(const Group& group) {
@@ -118,17 +118,17 @@ LayeredSettings StagedUpdate::layered_settings(const Group& group) {
             .in_order = group.controller->model_layer_count > 0};
 }
 
-void StagedUpdate::record_layered(VkCommandBuffer commands, const Member& member, uint32_t instance_count,
+void StagedUpdate::record_layered(VkCommandBuffer commands, const ServedBatch& served, uint32_t instance_count,
                                   const Group& group) const {
     const uint32_t active_clip_limit = group.controller->active_clip_limit;
     if (group.controller->model_layer_count > 0)
-        record_layered_in_order(*gpu_, commands, layered_of(group), member.layered,
+        record_layered_in_order(*gpu_, commands, layered_of(group), served.layered,
                                 {.instance_count = instance_count,
                                  .joint_count = group.joint_count,
                                  .active_clip_limit = active_clip_limit},
                                 scan_limits(*gpu_).loop_iterations);
     else
-        layered_of(group).dispatch_workgroups(commands, member.layered,
+        layered_of(group).dispatch_workgroups(commands, served.layered,
                                               io::LayeredPush{group.joint_count, active_clip_limit}, instance_count);
 }
 
@@ -143,53 +143,53 @@ uint32_t StagedUpdate::end_count() const {
 
 void StagedUpdate::record_wave(const Update& update, const Wave& wave) const {
     const VkCommandBuffer commands = update.commands;
-    const std::span<const Member> members = std::span(members_).subspan(wave.first_member, wave.member_count);
-    const auto stage = [&](const char* name, const auto& record_member) {
-        for (const Member& member : members)
-            record_member(member, batches_[member.batch].used_count, group_of(batches_[member.batch]));
+    const std::span<const ServedBatch> of_wave = std::span(served_).subspan(wave.first_served, wave.served_count);
+    const auto stage = [&](const char* name, const auto& record_batch) {
+        for (const ServedBatch& served : of_wave)
+            record_batch(served, batches_[served.batch].used_count, group_of(batches_[served.batch]));
         separate_kernels(commands);
         update.end_stage(name);
     };
-    stage("sample", [&](const Member& member, uint32_t instance_count, const Group& group) {
+    stage("sample", [&](const ServedBatch& served, uint32_t instance_count, const Group& group) {
         if (group.controller) {
-            record_layered(commands, member, instance_count, group);
+            record_layered(commands, served, instance_count, group);
             return;
         }
-        sample_of(group).dispatch_workgroups(commands, member.sample_first, io::SamplePush{group.joint_count, 0},
+        sample_of(group).dispatch_workgroups(commands, served.sample_first, io::SamplePush{group.joint_count, 0},
                                              instance_count);
-        sample_of(group).dispatch_workgroups(commands, member.sample_second, io::SamplePush{group.joint_count, 1},
+        sample_of(group).dispatch_workgroups(commands, served.sample_second, io::SamplePush{group.joint_count, 1},
                                              instance_count);
     });
-    stage("blend", [&](const Member& member, uint32_t instance_count, const Group& group) {
+    stage("blend", [&](const ServedBatch& served, uint32_t instance_count, const Group& group) {
         if (!group.controller)
-            blend_of(group).dispatch_workgroups(commands, member.blend, io::BlendPush{group.joint_count},
+            blend_of(group).dispatch_workgroups(commands, served.blend, io::BlendPush{group.joint_count},
                                                 instance_count);
     });
-    record_procedural(update, members);
-    stage("scan", [&](const Member& member, uint32_t instance_count, const Group& group) {
-        group.scan->record(commands, member.scan, instance_count);
+    record_procedural(update, of_wave);
+    stage("scan", [&](const ServedBatch& served, uint32_t instance_count, const Group& group) {
+        group.scan->record(commands, served.scan, instance_count);
     });
-    stage("bind", [&](const Member& member, uint32_t instance_count, const Group& group) {
+    stage("bind", [&](const ServedBatch& served, uint32_t instance_count, const Group& group) {
         if (group.sockets)
             sockets_->dispatch_invocations(
-                commands, member.sockets,
+                commands, served.sockets,
                 io::SocketPush{instance_count, group.joint_count, group.socket_count(),
-                               io::kSocketsGather | group.socket_flags(), batches_[member.batch].birth},
+                               io::kSocketsGather | group.socket_flags(), batches_[served.batch].birth},
                 instance_count * group.socket_count());
-        bind_->dispatch_workgroups(commands, member.bind[batches_[member.batch].slot],
+        bind_->dispatch_workgroups(commands, served.bind[batches_[served.batch].slot],
                                    io::BindPush{group.joint_count, group.palette_count}, instance_count);
     });
 }
 
 // Rank by rank; the batches run side by side in each.
-void StagedUpdate::record_procedural(const Update& update, std::span<const Member> members) const {
+void StagedUpdate::record_procedural(const Update& update, std::span<const ServedBatch> of_wave) const {
     uint32_t rank_count = 0;
-    for (const Member& member : members) rank_count = std::max(rank_count, procedural_.rank_count(member.batch));
+    for (const ServedBatch& served : of_wave) rank_count = std::max(rank_count, procedural_.rank_count(served.batch));
     if (rank_count == 0) return;
     for (uint32_t rank = 0; rank < rank_count; ++rank) {
-        for (const Member& member : members)
-            if (rank < procedural_.rank_count(member.batch))
-                procedural_.record_rank(update.commands, member.procedural, member.batch, rank);
+        for (const ServedBatch& served : of_wave)
+            if (rank < procedural_.rank_count(served.batch))
+                procedural_.record_rank(update.commands, served.procedural, served.batch, rank);
         separate_kernels(update.commands);
     }
     update.end_stage("procedural");

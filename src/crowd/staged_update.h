@@ -30,7 +30,7 @@ public:
     uint64_t size_bytes() const override;
 
 private:
-    struct Member {
+    struct ServedBatch {
         uint32_t batch = 0;
         uint64_t arena_offset_bytes = 0;
         Bindings sample_first, sample_second, blend;  // of two clips
@@ -40,24 +40,24 @@ private:
         std::vector<Bindings> bind;  // [frame slot]
     };
     struct Wave {
-        uint32_t first_member = 0, member_count = 0;
+        uint32_t first_served = 0, served_count = 0;
     };
 
     void make_waves();
-    void bind_member(Member& member);
+    void bind_batch(ServedBatch& served);
     void record_wave(const Update& update, const Wave& wave) const;
-    void record_procedural(const Update& update, std::span<const Member> members) const;
+    void record_procedural(const Update& update, std::span<const ServedBatch> of_wave) const;
     const Kernel& sample_of(const Group& group) const { return *(group.packed ? sample_packed_ : sample_exact_); }
     static LayeredSettings layered_settings(const Group& group);
     const Kernel& layered_of(const Group& group) const { return layered_.at(layered_settings(group)); }
-    void record_layered(VkCommandBuffer commands, const Member& member, uint32_t instance_count,
+    void record_layered(VkCommandBuffer commands, const ServedBatch& served, uint32_t instance_count,
                         const Group& group) const;
     const Kernel& blend_of(const Group& group) const {
         return *blend_[group.takes_similarities()][group.pose_capacity > 0];
     }
 
     const ProceduralStage& procedural_;
-    std::vector<Member> members_;
+    std::vector<ServedBatch> served_;
     std::vector<Wave> waves_;
     std::optional<Kernel> sample_exact_, sample_packed_;  // those that the groups need
     std::optional<Kernel> blend_[2][2];                   // [similarities][pose_overrides]

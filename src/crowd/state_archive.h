@@ -68,7 +68,7 @@ public:
     void value(bool& one) {
         auto byte = static_cast<uint8_t>(one);
         value(byte);
-        require(byte <= 1, "what is true or false is neither");
+        require(byte <= 1, "a truth value is neither 0 nor 1");
         one = byte != 0;
     }
     // Stores their number too, which is at most `most`.

@@ -29,9 +29,9 @@ void check_layer(const io::LayerState& layer, const LayerKind& kind, uint32_t ma
     StateArchive::require(layer.play_count <= io::kStackSize, "a layer that plays too much at once");
     for (uint32_t i = 0; i < layer.play_count; ++i)
         StateArchive::require(layer.plays[i].motion < motion_count && layer.plays[i].loops <= io::kMostLoops,
-                              "a state or clip that there is not, or too many loops of it");
+                              "a state or clip that does not exist, or too many loops of it");
     StateArchive::require(layer.mode <= io::kModeAdditive, "an unknown mode of a layer");
-    StateArchive::require(layer.mask == kNone || layer.mask < mask_count, "a mask that there is not");
+    StateArchive::require(layer.mask == kNone || layer.mask < mask_count, "a mask that does not exist");
 }
 
 }  // namespace
@@ -58,7 +58,7 @@ void check_commands(std::span<const io::ControlCommand> commands, uint32_t insta
         StateArchive::require(command.kind <= io::kCommandState && command.instance < instance_count,
                               "an unknown command, or one for nobody");
         if (is_of_parameter)
-            StateArchive::require(command.target < controller.parameter_count, "a parameter that there is not");
+            StateArchive::require(command.target < controller.parameter_count, "a parameter that does not exist");
         if (!is_of_layer) continue;
         const bool is_of_state = command.kind == io::kCommandState;
         const uint32_t state_count = command.target < controller.layer_count
@@ -70,7 +70,7 @@ void check_commands(std::span<const io::ControlCommand> commands, uint32_t insta
                               : is_of_clip ? command.motion <= clip_count_of(group)
                                            : (command.motion == kNone || command.motion < controller.mask_count) &&
                                                  command.phase <= io::kModeAdditive,
-                              "a clip, state or mask that there is not");
+                              "a clip, state or mask that does not exist");
     }
 }
 
@@ -84,7 +84,7 @@ void check_cull_states(std::span<const uint32_t> states, const Group& group) {
     const auto set_count = static_cast<uint32_t>(std::max<size_t>(group.fused.size(), 1));
     StateArchive::require(
         std::ranges::all_of(states, [&](uint32_t state) { return state >> io::kStateSetShift < set_count; }),
-        "a set of joints that there is not");
+        "a set of joints that does not exist");
 }
 
 void check_contents(uint32_t buffer, std::span<const std::byte> contents, const Group& group) {

@@ -37,7 +37,7 @@ void SteerStage::plan(BatchPlan& plan) {
     plan.add_filled(io::kAgentsBuffer, std::vector<io::AgentState>{{.speed = 0, .patience = 1, .stands = 0}});
 }
 
-SteerStage::SteerStage(const StageContext& context) : Stage(context), member_of_batch_(batches_.size(), kNone) {
+SteerStage::SteerStage(const StageContext& context) : Stage(context), served_of_batch_(batches_.size(), kNone) {
     uint64_t agent_count = 0;
     std::vector<float> radii;
     for (const Batch& batch : batches_) {
@@ -50,82 +50,82 @@ SteerStage::SteerStage(const StageContext& context) : Stage(context), member_of_
     const uint64_t bucket_count = std::bit_ceil(2 * agent_count);
     kernels_.emplace(gpu_);
     places_ = make_table<io::AgentPlace>(gpu_, "places of agents", agent_count);
-    heads_ = make_table<uint32_t>(gpu_, "buckets of agents", bucket_count);
+    buckets_ = make_table<uint32_t>(gpu_, "buckets of agents", bucket_count);
     bucket_mask_ = static_cast<uint32_t>(bucket_count - 1);
     uint32_t first_agent = 0;
     for (uint32_t i = 0; i < batches_.size(); ++i) {
         const Batch& batch = batches_[i];
         if (!group_of(batch).steering) continue;
-        member_of_batch_[i] = static_cast<uint32_t>(members_.size());
+        served_of_batch_[i] = static_cast<uint32_t>(served_.size());
         const BufferTable table = batch.table(group_of(batch), batch[io::kAgentsBuffer])
-                                      .set({{io::kAgentPlacesBuffer, places_}, {io::kAgentBucketsBuffer, heads_}});
-        members_.push_back({.batch = i,
-                            .first_agent = first_agent,
-                            .destinations = std::vector<io::vec4>(batch.instance_count),
-                            .dirty = {},
-                            .places = kernels_->places.bind(table),
-                            .steer = kernels_->steer.bind(table)});
+                                      .set({{io::kAgentPlacesBuffer, places_}, {io::kAgentBucketsBuffer, buckets_}});
+        served_.push_back({.batch = i,
+                           .first_agent = first_agent,
+                           .destinations = std::vector<io::vec4>(batch.instance_count),
+                           .dirty = {},
+                           .places = kernels_->places.bind(table),
+                           .steer = kernels_->steer.bind(table)});
         first_agent += batch.instance_count;
     }
 }
 
 void SteerStage::set_destination(const InBatch& at, const io::vec4& place_and_whether) {
-    Member& member = members_[member_of_batch_[at.batch]];
-    member.destinations[at.instance] = place_and_whether;
-    member.dirty.add(at.instance, 1);
+    ServedBatch& served = served_[served_of_batch_[at.batch]];
+    served.destinations[at.instance] = place_and_whether;
+    served.dirty.add(at.instance, 1);
 }
 
 void SteerStage::despawn(std::span<const InstanceHandle> gone) {
     for (const InstanceHandle& one : gone)
-        if (const InBatch at = in_batch(batches_, one.instance); member_of_batch_[at.batch] != kNone)
+        if (const InBatch at = in_batch(batches_, one.instance); served_of_batch_[at.batch] != kNone)
             set_destination(at, {});
 }
 
 void SteerStage::begin(const Update& update) {
-    if (members_.empty()) return;
-    for (Member& member : members_) {
-        const std::span<const DirtyRanges::Range> ranges = member.dirty.take();
+    if (served_.empty()) return;
+    for (ServedBatch& served : served_) {
+        const std::span<const DirtyRanges::Range> ranges = served.dirty.take();
         for (const auto& [first, count] : ranges)
-            update.changes->write(update, ranges.size(), batches_[member.batch], io::kDestinationsBuffer, first,
-                                  std::span<const io::vec4>(member.destinations).subspan(first, count));
+            update.changes->write(update, ranges.size(), batches_[served.batch], io::kDestinationsBuffer, first,
+                                  std::span<const io::vec4>(served.destinations).subspan(first, count));
     }
-    record_fill(*gpu_, update.commands, heads_, kNone);
+    record_fill(*gpu_, update.commands, buckets_, kNone);
 }
 
 void SteerStage::discard() {
-    for (Member& member : members_) member.dirty.put_back();
+    for (ServedBatch& served : served_) served.dirty.put_back();
 }
 
 void SteerStage::record(const Update& update) {
-    if (members_.empty() || !(update.time_step_s > 0)) return;
-    for (const Member& member : members_) record_places(update.commands, member);
+    if (served_.empty() || !(update.time_step_s > 0)) return;
+    for (const ServedBatch& served : served_) record_places(update.commands, served);
     separate_kernels(update.commands);
-    for (const Member& member : members_) record_steps(update.commands, member, update.time_step_s);
+    for (const ServedBatch& served : served_) record_steps(update.commands, served, update.time_step_s);
     separate_kernels(update.commands);
     update.end_stage("steer");
 }
 
-void SteerStage::record_places(VkCommandBuffer commands, const Member& member) const {
-    const Batch& batch = batches_[member.batch];
+void SteerStage::record_places(VkCommandBuffer commands, const ServedBatch& served) const {
+    const Batch& batch = batches_[served.batch];
     const float radius = group_of(batch).steering->radius;
     const uint32_t grid = grid_of(grids_, radius);
-    const io::PlacesPush push{batch.used_count,          member.first_agent, radius,     grid,
+    const io::PlacesPush push{batch.used_count,          served.first_agent, radius,     grid,
                               grids_[grid].inverse_cell, bucket_mask_,       batch.birth};
-    kernels_->places.dispatch_invocations(commands, member.places, push, batch.used_count);
+    kernels_->places.dispatch_invocations(commands, served.places, push, batch.used_count);
 }
 
-void SteerStage::record_steps(VkCommandBuffer commands, const Member& member, float time_step_s) const {
-    const Batch& batch = batches_[member.batch];
+void SteerStage::record_steps(VkCommandBuffer commands, const ServedBatch& served, float time_step_s) const {
+    const Batch& batch = batches_[served.batch];
     const Group& group = group_of(batch);
     const double turn_rad = std::min(double{group.steering->turn} * double{time_step_s}, std::numbers::pi);
     io::SteerPush push{.instance_count = batch.used_count,
-                       .first_agent = member.first_agent,
+                       .first_agent = served.first_agent,
                        .bucket_mask = bucket_mask_,
                        .speed = group.steering->speed,
                        .turn_cos = static_cast<float>(std::cos(turn_rad)),
                        .turn_sin = static_cast<float>(std::sin(turn_rad)),
                        .time_step_s = time_step_s,
-                       .is_carried = batch[io::kRootsBuffer] && group.controller->moves_placements,
+                       .is_carried = batch[io::kRootsBuffer] && group.controller->applies_root_motion,
                        .parameter_count = group.controller ? group.controller->parameter_count : 0,
                        .speed_parameter = group.steering->speed_parameter,
                        .birth = batch.birth,
@@ -136,14 +136,14 @@ void SteerStage::record_steps(VkCommandBuffer commands, const Member& member, fl
         push.largest[i] = grids_[i].largest;
         push.inverse_cells[i] = grids_[i].inverse_cell;
     }
-    kernels_->steer.dispatch_invocations(commands, member.steer, push, batch.used_count);
+    kernels_->steer.dispatch_invocations(commands, served.steer, push, batch.used_count);
 }
 
 void SteerStage::exchange_group(StateArchive& archive, uint32_t group) {
-    for (Member& member : members_) {
-        if (batches_[member.batch].group != group) continue;
-        archive.values(std::span(member.destinations));
-        archive.changes(member.dirty, 0, static_cast<uint32_t>(member.destinations.size()));
+    for (ServedBatch& served : served_) {
+        if (batches_[served.batch].group != group) continue;
+        archive.values(std::span(served.destinations));
+        archive.changes(served.dirty, 0, static_cast<uint32_t>(served.destinations.size()));
     }
 }
 

@@ -30,23 +30,23 @@ public:
     void exchange_group(StateArchive& archive, uint32_t group) override;
     // Runs after control; later stages see where agents stand.
     void record(const Update& update) override;
-    uint64_t size_bytes() const override { return places_.size_bytes() + heads_.size_bytes(); }
+    uint64_t size_bytes() const override { return places_.size_bytes() + buckets_.size_bytes(); }
 
 private:
-    struct Member {
+    struct ServedBatch {
         uint32_t batch = 0;
         uint32_t first_agent = 0;
         std::vector<io::vec4> destinations;  // as set
         DirtyRanges dirty;
         Bindings places, steer;
     };
-    void record_places(VkCommandBuffer commands, const Member& member) const;
-    void record_steps(VkCommandBuffer commands, const Member& member, float time_step_s) const;
+    void record_places(VkCommandBuffer commands, const ServedBatch& served) const;
+    void record_steps(VkCommandBuffer commands, const ServedBatch& served, float time_step_s) const;
 
     std::optional<SteerKernels> kernels_;
-    std::vector<Member> members_;
-    std::vector<uint32_t> member_of_batch_;
-    Buffer places_, heads_;  // of all agents
+    std::vector<ServedBatch> served_;
+    std::vector<uint32_t> served_of_batch_;
+    Buffer places_, buckets_;  // of all agents
     uint32_t bucket_mask_ = 0;
     std::vector<AgentGrid> grids_;
 };

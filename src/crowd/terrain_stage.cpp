@@ -38,17 +38,17 @@ TerrainStage::TerrainStage(const StageContext& context) : Stage(context) {
              .inverse_spacing = 1 / terrain.spacing};
     for (uint32_t i = 0; i < batches_.size(); ++i)
         if (const Batch& batch = batches_[i]; group_of(batch).on_terrain)
-            members_.push_back(
+            served_.push_back(
                 {i,
                  kernel_.bind(batch.table(group_of(batch), {}).set({{io::kHeightsBuffer, context.terrain_heights}}))});
 }
 
 void TerrainStage::record(const Update& update) {
-    if (members_.empty()) return;
-    for (const Member& member : members_) {
+    if (served_.empty()) return;
+    for (const ServedBatch& served : served_) {
         io::TerrainPush push = push_;
-        push.instance_count = batches_[member.batch].used_count;
-        kernel_.dispatch_invocations(update.commands, member.bindings, push, push.instance_count);
+        push.instance_count = batches_[served.batch].used_count;
+        kernel_.dispatch_invocations(update.commands, served.bindings, push, push.instance_count);
     }
     separate_kernels(update.commands);
     update.end_stage("terrain");

@@ -22,14 +22,14 @@ public:
     void record(const Update& update) override;
 
 private:
-    struct Member {
+    struct ServedBatch {
         uint32_t batch = 0;
         Bindings bindings;
     };
 
     Kernel kernel_;
     io::TerrainPush push_{};
-    std::vector<Member> members_;
+    std::vector<ServedBatch> served_;
 };
 
 }  // namespace throng

@@ -11,26 +11,26 @@ UpdateRateStage::UpdateRateStage(const StageContext& context)
         const Batch& batch = batches_[i];
         if (!group_of(batch).skips_updates(context.settings)) continue;
         if (!kernel_) kernel_ = update_rate_kernel(gpu_, context.settings.skin_format);
-        Member& member = members_.emplace_back(Member{.batch = i, .to_current = {}, .to_previous = {}});
+        ServedBatch& served = served_.emplace_back(ServedBatch{.batch = i, .to_current = {}, .to_previous = {}});
         for (uint32_t slot = 0; slot < batch.skins.size(); ++slot) {
             const Buffer &current = batch.skins[slot], &previous = batch.skins[batch.slot_before(slot)];
             const BufferTable table = batch.table(group_of(batch), {})
                                           .set(
                                               {{io::kSkinTargetBuffer, batch[io::kSkinTargetBuffer].or_else(current)}});
-            member.to_current.push_back(
+            served.to_current.push_back(
                 kernel_->bind(table.with({{io::kPreviousSkinBuffer, previous}, {io::kSkinBuffer, current}})));
             if (keeps_previous_)
-                member.to_previous.push_back(
+                served.to_previous.push_back(
                     kernel_->bind(table.with({{io::kPreviousSkinBuffer, current}, {io::kSkinBuffer, previous}})));
         }
     }
 }
 
 void UpdateRateStage::record(const Update& update) {
-    if (members_.empty()) return;
-    const auto record_section = [&](uint32_t section, std::vector<Bindings> Member::*bindings) {
-        for (const Member& member : members_) {
-            const Batch& batch = batches_[member.batch];
+    if (served_.empty()) return;
+    const auto record_section = [&](uint32_t section, std::vector<Bindings> ServedBatch::*bindings) {
+        for (const ServedBatch& served : served_) {
+            const Batch& batch = batches_[served.batch];
             const Group& group = group_of(batch);
             const auto [set0, set1, set2, set3] = group.set_entry_counts;
             const io::UpdateRatePush push{.section = section,
@@ -38,13 +38,13 @@ void UpdateRateStage::record(const Update& update) {
                                           .unused0 = 0,
                                           .unused1 = 0,
                                           .entry_counts = {set0, set1, set2, set3}};
-            kernel_->dispatch_indirect(update.commands, (member.*bindings)[batch.slot], push,
+            kernel_->dispatch_indirect(update.commands, (served.*bindings)[batch.slot], push,
                                        batch[io::kDispatchesBuffer], section);
         }
         separate_kernels(update.commands);
     };
-    record_section(io::kGoingOn, &Member::to_current);
-    if (keeps_previous_) record_section(io::kAppearing, &Member::to_previous);
+    record_section(io::kGoingOn, &ServedBatch::to_current);
+    if (keeps_previous_) record_section(io::kAppearing, &ServedBatch::to_previous);
     update.end_stage("update_rate");
 }
 

@@ -18,7 +18,7 @@ public:
     uint32_t end_count() const override { return 2; }
 
 private:
-    struct Member {
+    struct ServedBatch {
         uint32_t batch = 0;
         std::vector<Bindings> to_current;   // [frame slot]
         std::vector<Bindings> to_previous;  // the same, with CrowdSettings::keep_previous_matrices
@@ -26,7 +26,7 @@ private:
 
     bool keeps_previous_;
     std::optional<Kernel> kernel_;
-    std::vector<Member> members_;
+    std::vector<ServedBatch> served_;
 };
 
 }  // namespace throng

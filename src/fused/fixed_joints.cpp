@@ -1,4 +1,4 @@
-#include "scan/fixed_joints.h"
+#include "fused/fixed_joints.h"
 
 #include <bit>
 

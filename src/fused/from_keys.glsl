@@ -40,7 +40,7 @@ JointPose animated_pose(uint instance, uint joint) {
     return blend_joint(first, second, cursor.weight);
 }
 
-// The pose of a joint whose translation and scale are the rest pose's in every clip (scan/fixed_joints.h).
+// The pose of a joint whose translation and scale are the rest pose's in every clip (fused/fixed_joints.h).
 JointPose animated_pose_of_fixed(uint instance, uint joint) {
     if (kInertial) return animated_pose(instance, joint);
     const uvec4 rest = ROW_AT(tracks, push.rest_track + joint) & kTrackPositionMask;

@@ -1,8 +1,8 @@
 #include "fused/fused.h"
 
 #include "fused/rows_io.h"
-#include "scan/fixed_joints.h"
-#include "scan/serial_plan.h"
+#include "fused/fixed_joints.h"
+#include "fused/serial_plan.h"
 #include "scan/scan_shaders.h"
 #include "scan/stream_plan.h"
 
@@ -173,7 +173,7 @@ Kernel fused_kernel(const std::shared_ptr<Gpu>& gpu, const FusedPlan& plan, cons
              {io::kInertialId, settings.inertial},
              {io::kPoseOverridesId, settings.pose_overrides},
              {io::kListedId, settings.listed},
-             {io::kSomeJointsId, settings.some_joints},
+             {io::kMapsJointsId, settings.maps_joints},
              {io::kRowJointsId, rows.joint_count},
              {io::kOtherColumnsId, rows.other_columns},
              {io::kFineRotationsId, rows.fine_rotation_count},

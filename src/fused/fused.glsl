@@ -44,7 +44,7 @@ CONSTANT(kLayeredId, bool, kLayered, false);            // instances play active
 CONSTANT(kSocketCountId, uint, kSocketCount, 0);
 CONSTANT(kInertialId, bool, kInertial, false);      // of layers
 CONSTANT(kListedId, bool, kListed, false);          // only listed instances are animated
-CONSTANT(kSomeJointsId, bool, kSomeJoints, false);  // only some joints are animated
+CONSTANT(kMapsJointsId, bool, kMapsJoints, false);  // only some joints are animated
 CONSTANT(kSkinPoolId, bool, kSkinPool, false);      // skin matrices lie in a pool, not in the order of the instances
 PUSH(FusedPush);
 
@@ -58,7 +58,7 @@ uint instance_at(uint index) { return kListed ? WORD_AT(work, WORD_AT(work, 2 * 
 uint instance_count() { return kListed ? WORD_AT(work, 2 * push.section + 1) : push.instance_count; }
 
 // Scan methods number only the joints that are animated; clips, masks and poses number all joints of the rig.
-uint rig_joint(uint joint) { return kSomeJoints ? WORD_AT(rig_joints, joint) : joint; }
+uint rig_joint(uint joint) { return kMapsJoints ? WORD_AT(rig_joints, joint) : joint; }
 // Where an instance's skin matrices begin.
 uint palette_of(uint instance) { return (kSkinPool ? WORD_AT(skin_rows, instance) : instance) * push.palette_count; }
 uint at(uint instance, uint joint) { return instance * push.rig_joint_count + joint; }

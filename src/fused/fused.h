@@ -36,7 +36,7 @@ struct FusedSettings {
     bool inertial = false;        // layered, with inertial transitions
     bool pose_overrides = false;  // poses may be set
     bool listed = false;          // only instances of a section of the work are animated
-    bool some_joints = false;     // only some joints are animated, or in another order
+    bool maps_joints = false;     // only some joints are animated, or in another order
     bool skin_pool = false;       // skin matrices lie where kSkinRowsBuffer says
     FusedRows rows{};
 };
@@ -44,20 +44,20 @@ struct FusedSettings {
 // What decides how a character is fused: with all its joints, or with those of a coarser level of detail.
 struct FusedRig {
     explicit FusedRig(const Character& character, uint32_t lod = 0);
-    // In the order of `stream`, so that what the lanes of a chunk read lies side by side, unless this order gets
-    // another plan: among equals a plan takes the first.
+    // With joints in the order of `stream`'s chunks, so that what the lanes of a chunk read lies side by side. (Where
+    // joints are equally urgent a plan takes the first, so a plan of the new order may form other chunks.)
     FusedRig in_stream_order(uint32_t lanes) const;
 
     ScanRig rig;
     std::vector<uint32_t> rig_joints;  // [joint_count], numbers in the character
-    std::vector<bool> fixed;           // [joint_count], scan/fixed_joints.h
+    std::vector<bool> fixed;           // [joint_count], fused/fixed_joints.h
     uint32_t palette_count = 0;
     uint32_t most_binds = 0;  // palette entries of one joint
 };
 
-// How a scan method goes about a character in one pass.
+// How a scan method is applied to a character in one pass.
 struct FusedPlan {
-    std::string unsupported_reason;  // why it does not; empty where it does
+    std::string unsupported_reason;  // why the method does not apply; empty if it does
     ScanChoice choice;
     ScanPlan scan;
     uint32_t tile_transforms = 0;  // local transforms that pass through shared memory together; 0: none do

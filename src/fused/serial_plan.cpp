@@ -1,4 +1,4 @@
-#include "scan/serial_plan.h"
+#include "fused/serial_plan.h"
 
 #include "fused/fused_io.h"
 #include "scan/pieces.h"

@@ -7,7 +7,7 @@
 
 namespace throng {
 
-// `fixed`: [joint_count], scan/fixed_joints.h.
+// `fixed`: [joint_count], fused/fixed_joints.h.
 ScanPlan plan_fused_serial(const ScanRig& rig, const std::vector<bool>& fixed, const ScanLimits& limits);
 
 }  // namespace throng

@@ -76,7 +76,7 @@ struct BufferRange {
     std::byte* mapped = nullptr;  // of the whole buffer, as Buffer has it
     VkDeviceSize offset_bytes = 0;
     VkDeviceSize size_bytes = 0;
-    uint32_t texel_bytes = 0;  // as Buffer has it
+    uint32_t texel_bytes = 0;  // as Buffer has it; 0 for a part of a buffer, which cannot be read as texels
 
     BufferRange() = default;
     BufferRange(const Buffer& whole)

@@ -80,7 +80,7 @@ Gpu::Gpu(bool owns_device)
       submissions_(*this, owns_device) {}
 
 std::vector<DeviceInfo> Gpu::list() {
-    // Before the lock: its destructor takes the lock, also where something below throws
+    // Made before the lock is taken: ~Gpu(), which runs where something below throws, takes it too
     const std::shared_ptr<Gpu> gpu(new Gpu(true));
     const std::lock_guard lock(instance_level_mutex());
     try {
@@ -96,7 +96,7 @@ std::vector<DeviceInfo> Gpu::list() {
 std::shared_ptr<Gpu> Gpu::create(const DeviceSettings& settings) {
     check_threads("device", settings.threads);
     std::shared_ptr<Gpu> gpu(new Gpu(true));  // before the lock, as in list()
-    if (is_native_name(settings.select)) {    // and Vulkan is not even loaded
+    if (is_native_name(settings.select)) {    // does not load Vulkan
         gpu->make_native(settings, NativeDevice::info(0));
         return gpu;
     }
@@ -332,7 +332,7 @@ Gpu::~Gpu() {
     memory.clear();
     submissions_.clear();
     own_cache_.reset();
-    if (!instance_ && !device) return;  // and Vulkan may not even be there
+    if (!instance_ && !device) return;  // a native device: Vulkan may not be installed
     const std::lock_guard lock(instance_level_mutex());
     if (owns_device_ && device) {
         if (!compiles_only()) vk.vkDeviceWaitIdle(device);

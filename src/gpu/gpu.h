@@ -26,10 +26,10 @@ struct GpuCounts {
     std::atomic<uint64_t> allocations{0};       // of memory for buffers
     std::atomic<uint64_t> submissions{0};       // that throng waits for
     std::atomic<uint64_t> pipelines{0};         // made, of any kind
-    std::atomic<uint64_t> cached_pipelines{0};  // of these, without compiling: says the driver
+    std::atomic<uint64_t> cached_pipelines{0};  // of these, found in the pipeline cache, as the driver says
 };
 
-// A pipeline that a device that compiles only has made.
+// A pipeline of a device that only compiles.
 struct MadePipeline {
     std::string_view name;
     uint32_t workgroup_size = 0;  // 0: a graphics pipeline

@@ -48,10 +48,10 @@ using OwnedMemory = Owned<VkDeviceMemory, &VolkDeviceTable::vkFreeMemory>;
 using OwnedSampler = Owned<VkSampler, &VolkDeviceTable::vkDestroySampler>;
 using OwnedShader = Owned<VkShaderModule, &VolkDeviceTable::vkDestroyShaderModule>;
 using OwnedSetLayout = Owned<VkDescriptorSetLayout, &VolkDeviceTable::vkDestroyDescriptorSetLayout>;
-using OwnedPool = Owned<VkDescriptorPool, &VolkDeviceTable::vkDestroyDescriptorPool>;
+using OwnedDescriptorPool = Owned<VkDescriptorPool, &VolkDeviceTable::vkDestroyDescriptorPool>;
 using OwnedPipelineLayout = Owned<VkPipelineLayout, &VolkDeviceTable::vkDestroyPipelineLayout>;
 using OwnedPipeline = Owned<VkPipeline, &VolkDeviceTable::vkDestroyPipeline>;
-using OwnedQueries = Owned<VkQueryPool, &VolkDeviceTable::vkDestroyQueryPool>;
+using OwnedQueryPool = Owned<VkQueryPool, &VolkDeviceTable::vkDestroyQueryPool>;
 using OwnedEvent = Owned<VkEvent, &VolkDeviceTable::vkDestroyEvent>;
 
 }  // namespace throng

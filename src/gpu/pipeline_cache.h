@@ -24,7 +24,6 @@ public:
     PipelineCache& operator=(const PipelineCache&) = delete;
 
     VkPipelineCache handle() const { return cache_; }
-    size_t loaded_bytes() const { return loaded_.size(); }
 
 private:
     bool create();  // with what was loaded

@@ -27,7 +27,8 @@ BufferRange buffer_of(const BufferTable& buffers, const BindingInfo& binding, st
                        before + std::string(name_of_buffer(binding.binding)) + after);
     };
     if (!range.buffer) throw refuse("there is no buffer of ", "");
-    if (is_table && range.texel_bytes == 0) throw refuse("the buffer of ", " is read as texels, and is no table");
+    if (is_table && range.texel_bytes == 0)
+        throw refuse("the buffer of ", " is read as a table, but was not made as one");
     return range;
 }
 

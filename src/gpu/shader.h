@@ -74,7 +74,7 @@ public:
 
 private:
     std::unique_ptr<const std::array<std::byte*, io::kBufferCount>> native_;
-    OwnedPool pool_;
+    OwnedDescriptorPool pool_;
     std::vector<OwnedBufferView> views_;
     VkDescriptorSet set_ = VK_NULL_HANDLE;
 };

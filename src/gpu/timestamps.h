@@ -37,7 +37,7 @@ public:
 
 private:
     struct Slot {
-        OwnedQueries queries;
+        OwnedQueryPool queries;
         Buffer copy;                // uint64_t[1 + stamps_per_frame]: which publication this is, then the stamps
         uint64_t frame_number = 0;  // 0: none
         uint64_t publication = 0;   // that the frame has recorded last

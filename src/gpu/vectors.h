@@ -149,7 +149,6 @@ using ivec2 = Vector2<int>;
 using uvec2 = Vector2<uint>;
 using uvec3 = Vector3<uint>;
 using uvec4 = Vector4<uint>;
-using bvec2 = Vector2<bool>;
 using bvec4 = Vector4<bool>;
 
 }  // namespace throng::io

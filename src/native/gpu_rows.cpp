@@ -12,9 +12,9 @@ namespace {
 
 using namespace native;
 
-// Parts of the character's size; half of what rows.cpp allows, since a further column costs little
+// Parts of the character's size, as in rows.cpp
 constexpr double kGpuStill = 1e-7;
-constexpr double kGpuFineError = 1e-6;
+constexpr double kGpuFineError = 1e-6;      // half of what is allowed there: a further column costs little
 constexpr double kFiner = 65536;            // a finer word counts parts of a word
 constexpr double kLeastStep = 1.0 / 16384;  // of a rotation's range, the least normal half float
 
@@ -68,7 +68,7 @@ std::array<uint32_t, 2> packed(const std::array<int64_t, 4>& words) {
 class GpuRowMaker {
 public:
     GpuRowMaker(const Character& character, std::span<const RowJoint> joints)
-        : character_(character), joints_(joints), values_(character, true, row_times(character, joints)) {}
+        : character_(character), joints_(joints), values_(character, true, row_cursors(character, joints)) {}
 
     std::optional<GpuRows> make(uint64_t most_bytes) {
         if (uint64_t{values_.row_count()} * joints_.size() * sizeof out_.rows[0] > most_bytes) return std::nullopt;
@@ -182,7 +182,7 @@ private:
     }
 
     void write_places() {
-        const std::vector<ClipRowTimes>& times = values_.times();
+        const std::vector<ClipRowCursors>& times = values_.times();
         auto span_word = static_cast<uint32_t>(times.size() * io::kRowClipWords);
         std::vector<uint32_t> spans;
         for (size_t c = 0; c < times.size(); ++c) {

@@ -45,7 +45,7 @@ Result<JointSampler> JointSampler::create(const Character& character, std::span<
             if (joint >= character.rig.joint_count())
                 throw Failure(ErrorCode::kInvalidArgument, place, numbered("joint", joint), " of a character that has ",
                               character.rig.joint_count());
-        if (const std::string reason = native_unsupported(character, {}); !reason.empty())
+        if (const std::string reason = native_unsupported_reason(character, SkinFormat::kAffine); !reason.empty())
             throw Failure(ErrorCode::kUnsupported, place, reason);
         return JointSampler(std::make_shared<const NativeJoints>(character, joints));
     });

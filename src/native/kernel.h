@@ -1,7 +1,7 @@
 // Samples, blends, scans and binds as many characters as there are lanes, in one pass over the joints of the walk, 16
-// at a time. They are decoded with joints as lanes, which then share a character's clips; turned; and walked with
-// characters as lanes, which then share parents and constants. Include a <native/lanes_*.h> first. Bytes for each joint
-// and character with two clips: 4 rows of 8 read, from caches; 48 written, past them.
+// at a time. They are decoded with joints as lanes, which then share a character's clips; transposed; and walked with
+// characters as lanes, which then share parents and constants. Include a <native/lanes_*.h> first. With two clips, each
+// joint of a character reads four rows of 8 bytes, from the caches, and writes 48 bytes, past them.
 #pragma once
 
 #include "native/kernel_emit.h"
@@ -9,27 +9,28 @@
 
 namespace {
 
-struct Group {
+struct Packet {
     Played all[Lanes::kCount];
     uint32_t count;
-    Part* parts;  // [character][active_clip_limit] of layers
-    uint32_t part_count[Lanes::kCount];
+    ActiveClipRows* active_clips;  // [character][active_clip_limit] of layers
+    uint32_t active_clip_count[Lanes::kCount];
 };
 
 template <Decoded kWhat>
-INLINE void decode_layers(const KernelRig& rig, const KernelUpdate& update, const Group& group, uint32_t block,
+INLINE void decode_layers(const KernelRig& rig, const KernelUpdate& update, const Packet& packet, uint32_t block,
                           DecodedBlock& out) {
-    for (uint32_t c = 0; c < group.count; ++c)
-        mix_parts<kWhat>(rig, group.parts + c * update.active_clip_limit, group.part_count[c], block, out, c);
+    for (uint32_t c = 0; c < packet.count; ++c)
+        mix_active_clips<kWhat>(rig, packet.active_clips + c * update.active_clip_limit, packet.active_clip_count[c],
+                                block, out, c);
 }
 
 // Applies what comes on top of the animated poses: inertial offsets and pose overrides.
 template <Decoded kWhat>
-[[gnu::noinline]] void adjust(const KernelRig& rig, const KernelUpdate& update, const Group& group, uint32_t block,
+[[gnu::noinline]] void adjust(const KernelRig& rig, const KernelUpdate& update, const Packet& packet, uint32_t block,
                               DecodedBlock& decoded) {
     const size_t block_count = rig.place_count / kBlockJoints;
-    for (uint32_t c = 0; c < group.count; ++c) {
-        const uint32_t instance = group.all[c].instance;
+    for (uint32_t c = 0; c < packet.count; ++c) {
+        const uint32_t instance = packet.all[c].instance;
         const io::InstancePose set = update.pose_overrides ? update.pose_overrides[instance] : io::InstancePose{0, 0};
         if (!update.inertias && !(set.weight > 0)) continue;
         for (uint32_t lane = 0; lane < kBlockJoints; lane += Lanes::kCount) {
@@ -48,50 +49,52 @@ template <Decoded kWhat>
 }
 
 template <Decoded kWhat>
-[[gnu::noinline]] void decode(const KernelRig& rig, const KernelUpdate& update, const Group& group, uint32_t block,
-                              TurnedBlock& turned) {
+[[gnu::noinline]] void decode(const KernelRig& rig, const KernelUpdate& update, const Packet& packet, uint32_t block,
+                              TransposedBlock& transposed) {
     DecodedBlock decoded;
-    if (group.count < Lanes::kCount) __builtin_memset(&decoded, 0, sizeof decoded);
+    if (packet.count < Lanes::kCount) __builtin_memset(&decoded, 0, sizeof decoded);
     if (update.active_clips)
-        decode_layers<kWhat>(rig, update, group, block, decoded);
+        decode_layers<kWhat>(rig, update, packet, block, decoded);
     else
-        decode_two_clips<kWhat>(rig, group.all, group.count, block, decoded);
-    if (update.inertias || update.pose_overrides) adjust<kWhat>(rig, update, group, block, decoded);
-    turn(decoded, turned);
+        decode_two_clips<kWhat>(rig, packet.all, packet.count, block, decoded);
+    if (update.inertias || update.pose_overrides) adjust<kWhat>(rig, update, packet, block, decoded);
+    transpose(decoded, transposed);
 }
 
-void begin(const KernelRig& rig, const KernelUpdate& update, const uint32_t* instances, uint32_t count, Group& group,
+void begin(const KernelRig& rig, const KernelUpdate& update, const uint32_t* instances, uint32_t count, Packet& packet,
            SkinTarget& target) {
     constexpr uint32_t kWords[] = {12, 6, 8};
     const size_t stride = size_t{rig.palette_count} * kWords[update.skin_format];
     const auto skin_of = [&](uint32_t instance) {
         return update.skin + (update.skin_rows ? update.skin_rows[instance] : instance) * stride * 4;
     };
-    group.count = target.count = count;
+    packet.count = target.count = count;
     target.begin = static_cast<uint32_t>(reinterpret_cast<uintptr_t>(skin_of(instances[0])) / 4 % kLine);
     target.position = target.begin;
     target.written = 0;
-    group.parts = reinterpret_cast<Part*>(update.scratch + (size_t{rig.slot_count} + 1) * sizeof(Matrix));
+    packet.active_clips = reinterpret_cast<ActiveClipRows*>(update.scratch +
+                                                            (size_t{rig.slot_count} + 1) * sizeof(Matrix));
     for (uint32_t c = 0; c < count; ++c) {
         if (update.active_clips) {
-            group.all[c].instance = instances[c];
-            group.part_count[c] = find_parts(rig, update, instances[c], group.parts + c * update.active_clip_limit);
+            packet.all[c].instance = instances[c];
+            packet.active_clip_count[c] = find_active_clips(rig, update, instances[c],
+                                                            packet.active_clips + c * update.active_clip_limit);
         } else {
-            group.all[c] = played(rig, update, instances[c]);
+            packet.all[c] = played(rig, update, instances[c]);
             if (rig.prefetches) {
-                prefetch(group.all[c].first, 0);
-                if (group.all[c].weight < 1) prefetch(group.all[c].second, 0);
+                prefetch(packet.all[c].first, 0);
+                if (packet.all[c].weight < 1) prefetch(packet.all[c].second, 0);
             }
         }
         target.line[c] = skin_of(instances[c]) - target.begin * 4;
     }
 }
 
-void update_group(const KernelRig& rig, const KernelUpdate& update, const uint32_t* instances, uint32_t count) {
-    Group group;
+void update_packet(const KernelRig& rig, const KernelUpdate& update, const uint32_t* instances, uint32_t count) {
+    Packet packet;
     Outputs out;
-    begin(rig, update, instances, count, group, out.target);
-    TurnedBlock rotations, motions, scales;
+    begin(rig, update, instances, count, packet, out.target);
+    TransposedBlock rotations, motions, scales;
     float* slots = reinterpret_cast<float*>(update.scratch);
     const auto slot_of = [&](uint32_t slot) { return slots + size_t{slot} * 12 * Lanes::kCount; };
     Matrix identity;
@@ -104,7 +107,7 @@ void update_group(const KernelRig& rig, const KernelUpdate& update, const uint32
     for (uint32_t joint = 0; joint < rig.joint_count; ++joint) {
         const WalkStep& step = rig.steps[joint];
         const uint32_t at = joint % kBlockJoints;
-        if (at == 0) decode<Decoded::kRotations>(rig, update, group, joint / kBlockJoints, rotations);
+        if (at == 0) decode<Decoded::kRotations>(rig, update, packet, joint / kBlockJoints, rotations);
         V centre[3], scale[3];
         for (uint32_t i = 0; i < 3; ++i) {
             centre[i] = Lanes::set(step.centre[i]);
@@ -113,14 +116,14 @@ void update_group(const KernelRig& rig, const KernelUpdate& update, const uint32
         if (step.motion != kNoIndex) {
             const uint32_t lane = step.motion % kBlockJoints;
             if (lane == 0)
-                decode<Decoded::kMotions>(rig, update, group, first_motion + step.motion / kBlockJoints, motions);
+                decode<Decoded::kMotions>(rig, update, packet, first_motion + step.motion / kBlockJoints, motions);
             for (uint32_t i = 0; i < 3; ++i) centre[i] = Lanes::load(motions.of[i][lane]);
             if (!rig.three_scales) scale[0] = scale[1] = scale[2] = Lanes::load(motions.of[3][lane]);
         }
         if (rig.three_scales && step.scales != kNoIndex) {
             const uint32_t lane = step.scales % kBlockJoints;
             if (lane == 0)
-                decode<Decoded::kScales>(rig, update, group, first_scales + step.scales / kBlockJoints, scales);
+                decode<Decoded::kScales>(rig, update, packet, first_scales + step.scales / kBlockJoints, scales);
             for (uint32_t i = 0; i < 3; ++i) scale[i] = Lanes::load(scales.of[i][lane]);
         }
         const Quad q{Lanes::load(rotations.of[0][at]), Lanes::load(rotations.of[1][at]),
@@ -138,7 +141,7 @@ void update_group(const KernelRig& rig, const KernelUpdate& update, const uint32
             if (is_plain)
                 put_affine(out.ring, out.target, load_matrix(own));
             else
-                emit(rig, update, *emission, emission->source == kLast ? last : slot_of(emission->source), group.all,
+                emit(rig, update, *emission, emission->source == kLast ? last : slot_of(emission->source), packet.all,
                      out);
         }
     }
@@ -150,25 +153,25 @@ void decode_all(const KernelRig& rig, const KernelUpdate& update, const uint32_t
     const uint32_t first_scales = first_motion + (rig.motion_count + kBlockJoints - 1) / kBlockJoints;
     const uint32_t end = first_scales + (rig.scales_count + kBlockJoints - 1) / kBlockJoints;
     for (uint32_t i = 0; i < count; i += Lanes::kCount) {
-        Group group;
+        Packet packet;
         SkinTarget target;
-        begin(rig, update, instances + i, count - i < Lanes::kCount ? count - i : Lanes::kCount, group, target);
-        TurnedBlock turned;
+        begin(rig, update, instances + i, count - i < Lanes::kCount ? count - i : Lanes::kCount, packet, target);
+        TransposedBlock transposed;
         for (uint32_t block = 0; block < end; ++block) {
             if (block < first_motion)
-                decode<Decoded::kRotations>(rig, update, group, block, turned);
+                decode<Decoded::kRotations>(rig, update, packet, block, transposed);
             else if (block < first_scales)
-                decode<Decoded::kMotions>(rig, update, group, block, turned);
+                decode<Decoded::kMotions>(rig, update, packet, block, transposed);
             else
-                decode<Decoded::kScales>(rig, update, group, block, turned);
-            asm volatile("" : : "m"(turned));  // used, as far as the compiler knows
+                decode<Decoded::kScales>(rig, update, packet, block, transposed);
+            asm volatile("" : : "m"(transposed));  // used, as far as the compiler knows
         }
     }
 }
 
 size_t scratch_bytes(const KernelRig& rig, const KernelUpdate& update) {
     return (size_t{rig.slot_count} + 1) * sizeof(Matrix) +
-           size_t{Lanes::kCount} * update.active_clip_limit * sizeof(Part);
+           size_t{Lanes::kCount} * update.active_clip_limit * sizeof(ActiveClipRows);
 }
 
 void fill(std::byte* to, size_t size) {
@@ -178,7 +181,7 @@ void fill(std::byte* to, size_t size) {
 
 void update_all(const KernelRig& rig, const KernelUpdate& update, const uint32_t* instances, uint32_t count) {
     for (uint32_t i = 0; i < count; i += Lanes::kCount)
-        update_group(rig, update, instances + i, count - i < Lanes::kCount ? count - i : Lanes::kCount);
+        update_packet(rig, update, instances + i, count - i < Lanes::kCount ? count - i : Lanes::kCount);
 }
 
 }  // namespace

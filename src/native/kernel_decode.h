@@ -23,11 +23,11 @@ struct Played {
     uint32_t instance;
 };
 
-// [component][character][joint of the block], then turned: [component][joint of the block][character]
+// [component][character][joint of the block], then transposed: [component][joint of the block][character]
 struct alignas(64) DecodedBlock {
     float of[4][Lanes::kCount][kBlockJoints];
 };
-struct alignas(64) TurnedBlock {
+struct alignas(64) TransposedBlock {
     float of[4][kBlockJoints][Lanes::kCount];
 };
 
@@ -92,7 +92,7 @@ INLINE void store_quad(DecodedBlock& out, uint32_t character, uint32_t lane, con
     Lanes::store(&out.of[3][character][lane], q.w);
 }
 
-INLINE void turn(const DecodedBlock& in, TurnedBlock& out) {
+INLINE void transpose(const DecodedBlock& in, TransposedBlock& out) {
     for (uint32_t component = 0; component < 4; ++component)
         for (uint32_t joint = 0; joint < kBlockJoints; joint += 4) {
             V r[4];

@@ -28,7 +28,7 @@ struct SkinTarget {
 inline constexpr uint32_t kOfLine = kLine / Lanes::kCount;  // vectors
 
 // Transposes a line of four characters, from c on: [vector of the line][character].
-INLINE void turn_line(const Ring& ring, uint32_t word, uint32_t c, V (&r)[kOfLine][4]) {
+INLINE void transpose_line(const Ring& ring, uint32_t word, uint32_t c, V (&r)[kOfLine][4]) {
     const float* in = ring.of[word % kRing];
     for (uint32_t v = 0; v < kOfLine; ++v) {
         for (uint32_t k = 0; k < 4; ++k)
@@ -41,17 +41,17 @@ INLINE void turn_line(const Ring& ring, uint32_t word, uint32_t c, V (&r)[kOfLin
 // lanes. Words come at least in pairs.
 [[gnu::noinline]] void flush_part(const Ring& ring, const SkinTarget& target, uint32_t from, uint32_t to) {
     for (uint32_t line = from / kLine * kLine; line < to; line += kLine) {
-        alignas(64) float turned[Lanes::kCount][kLine];
+        alignas(64) float transposed[Lanes::kCount][kLine];
         for (uint32_t c = 0; c < Lanes::kCount; c += 4) {
             V r[kOfLine][4];
-            turn_line(ring, line, c, r);
+            transpose_line(ring, line, c, r);
             for (uint32_t k = 0; k < 4; ++k)
-                for (uint32_t v = 0; v < kOfLine; ++v) Lanes::store(turned[c + k] + v * Lanes::kCount, r[v][k]);
+                for (uint32_t v = 0; v < kOfLine; ++v) Lanes::store(transposed[c + k] + v * Lanes::kCount, r[v][k]);
         }
         const uint32_t begin = from > line ? from - line : 0, end = to - line < kLine ? to - line : kLine;
         for (uint32_t c = 0; c < target.count; ++c)
             for (uint32_t word = begin; word < end; word += 2)
-                __builtin_memcpy(target.line[c] + size_t{4} * (line + word), turned[c] + word, 8);
+                __builtin_memcpy(target.line[c] + size_t{4} * (line + word), transposed[c] + word, 8);
     }
 }
 
@@ -60,7 +60,7 @@ INLINE void flush_lines(const Ring& ring, const SkinTarget& target, uint32_t fro
     for (uint32_t c = 0; c < Lanes::kCount; c += 4)
         for (uint32_t line = from; line < to; line += kLine) {
             V r[kOfLine][4];
-            turn_line(ring, line, c, r);
+            transpose_line(ring, line, c, r);
             for (uint32_t k = 0; k < 4; ++k) {
                 auto* at = reinterpret_cast<float*>(target.line[c + k] + size_t{4} * line);
                 for (uint32_t v = 0; v < kOfLine; ++v) Lanes::stream(at + v * Lanes::kCount, r[v][k]);

@@ -8,7 +8,7 @@
 namespace {
 
 // An active clip.
-struct Part {
+struct ActiveClipRows {
     RowPair rows, reference;
     float weight, layer_weight;
     const float* mask;  // NativeRig::masks_in_order(), or none
@@ -18,19 +18,21 @@ struct Part {
 inline constexpr float kCancelled = 1e-12f;  // as blend/active_clips.glsl
 inline constexpr float kNoScale = 1e-8f;
 
-INLINE uint32_t find_parts(const KernelRig& rig, const KernelUpdate& update, uint32_t instance, Part* parts) {
+INLINE uint32_t find_active_clips(const KernelRig& rig, const KernelUpdate& update, uint32_t instance,
+                                  ActiveClipRows* active_clips) {
     const io::ActiveClip* clips = update.active_clips + size_t{instance} * update.active_clip_limit;
     for (uint32_t i = 0;; ++i) {
         const io::ActiveClip& clip = clips[i];
-        Part& part = parts[i];
-        part.rows = row_pair(rig, clip.first_track, clip.earlier, clip.later, clip.fraction);
-        part.flags = clip.flags;
+        ActiveClipRows& clip_rows = active_clips[i];
+        clip_rows.rows = row_pair(rig, clip.first_track, clip.earlier, clip.later, clip.fraction);
+        clip_rows.flags = clip.flags;
         if (clip.flags & io::kActiveClipAdditive)
-            part.reference = row_pair(rig, clip.first_track, clip.reference_row, clip.reference_row, 0);
-        part.weight = clip.weight;
-        part.layer_weight = clip.layer_weight;
+            clip_rows.reference = row_pair(rig, clip.first_track, clip.reference_row, clip.reference_row, 0);
+        clip_rows.weight = clip.weight;
+        clip_rows.layer_weight = clip.layer_weight;
         const bool is_masked = clip.flags & io::kActiveClipMasked;
-        part.mask = is_masked ? update.masks + (clip.flags >> io::kActiveClipMaskShift) * rig.mask_stride : nullptr;
+        clip_rows.mask = is_masked ? update.masks + (clip.flags >> io::kActiveClipMaskShift) * rig.mask_stride
+                                   : nullptr;
         if ((clip.flags & io::kActiveClipEnds) || i + 1 == update.active_clip_limit) return i + 1;
     }
 }
@@ -92,22 +94,24 @@ INLINE Quad load_quad(const float* of_first, size_t stride) {
 
 // Goes clip by clip, so that a clip's branches are taken once a block.
 template <Decoded kWhat>
-INLINE void mix_parts(const KernelRig& rig, const Part* parts, uint32_t count, uint32_t block_index, DecodedBlock& out,
-                      uint32_t character) {
+INLINE void mix_active_clips(const KernelRig& rig, const ActiveClipRows* active_clips, uint32_t count,
+                             uint32_t block_index, DecodedBlock& out, uint32_t character) {
     constexpr bool kTurns = kWhat == Decoded::kRotations;
     const RowBlock& block = rig.blocks[block_index];
     const float* range = rig.ranges + size_t{block_index} * 8 * kBlockJoints;
     alignas(64) float sums[4 * kBlockJoints];
     bool is_lowest = true, begins = true;
     for (uint32_t i = 0; i < count; ++i) {
-        const Part& part = parts[i];
-        const bool is_additive = part.flags & io::kActiveClipAdditive, ends = part.flags & io::kActiveClipEndsLayer;
-        const bool has_weight = part.layer_weight > 0 && (!part.mask || part.mask[rig.place_count + block_index] > 0);
+        const ActiveClipRows& clip_rows = active_clips[i];
+        const bool is_additive = clip_rows.flags & io::kActiveClipAdditive,
+                   ends = clip_rows.flags & io::kActiveClipEndsLayer;
+        const bool has_weight = clip_rows.layer_weight > 0 &&
+                                (!clip_rows.mask || clip_rows.mask[rig.place_count + block_index] > 0);
         for (uint32_t lane = 0; (is_lowest || has_weight) && lane < kBlockJoints; lane += Lanes::kCount) {
-            Quad pose = quad_between(part.rows, block, range, lane);
-            V square = dot(pose, pose), weight = Lanes::set(part.weight);
+            Quad pose = quad_between(clip_rows.rows, block, range, lane);
+            V square = dot(pose, pose), weight = Lanes::set(clip_rows.weight);
             if (is_additive) {
-                const Quad from = quad_between(part.reference, block, range, lane);
+                const Quad from = quad_between(clip_rows.reference, block, range, lane);
                 if (kTurns) square = square * dot(from, from);
                 pose = difference<kWhat>(pose, from);
             }
@@ -132,8 +136,9 @@ INLINE void mix_parts(const KernelRig& rig, const Part* parts, uint32_t count, u
             }
             if (kTurns && !begins) sum = mean_of(sum, pose);
             if (!is_lowest) {  // the lowest covers everything
-                V of_layer = Lanes::set(part.layer_weight);
-                if (part.mask) of_layer = of_layer * Lanes::load(part.mask + block_index * kBlockJoints + lane);
+                V of_layer = Lanes::set(clip_rows.layer_weight);
+                if (clip_rows.mask)
+                    of_layer = of_layer * Lanes::load(clip_rows.mask + block_index * kBlockJoints + lane);
                 const Quad below = load_quad(&out.of[0][character][lane], Lanes::kCount * kBlockJoints);
                 sum = apply_layer<kWhat>(sum, below, of_layer, is_additive);
             }

@@ -112,11 +112,9 @@ std::span<const NativeIsa> native_isas() {
     return isas;
 }
 
-std::string native_unsupported(const Character& character, const NativeNeeds& needs) {
+std::string native_unsupported_reason(const Character& character, SkinFormat skin_format) {
     if (native_isas().empty()) return "there is no native engine for this processor";
-    if (needs.model_rotations) return "a layer blends rotations in model space, which needs each joint's parents";
-    if (needs.procedural_rules) return "procedural rules move joints between blend and scan";
-    return skin_format_unsupported_reason(needs.skin_format, character);
+    return skin_format_unsupported_reason(skin_format, character);
 }
 
 void update(const NativeRig& rig, const NativeUpdate& update, uint32_t first, uint32_t end, NativeIsa isa) {

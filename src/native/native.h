@@ -18,14 +18,8 @@ std::string_view name_of(NativeIsa isa);
 // x86-64 and AArch64.
 std::span<const NativeIsa> native_isas();
 
-// What a group of characters asks of its updates.
-struct NativeNeeds {
-    SkinFormat skin_format = SkinFormat::kAffine;
-    bool model_rotations = false;  // a layer blends rotations in model space
-    bool procedural_rules = false;
-};
-// Why the native engine cannot update the character with these needs; empty if it can.
-std::string native_unsupported(const Character& character, const NativeNeeds& needs);
+// Why the native engine cannot update the character in this format; empty if it can.
+std::string native_unsupported_reason(const Character& character, SkinFormat skin_format);
 
 // Where an update reads and writes. docs/buffers.md describes the buffers; as there, cursors and active clips are those
 // of the control stage. Masks, inertia states and set poses begin at a multiple of 64 bytes.

@@ -39,12 +39,12 @@ NativeRig::NativeRig(const Character& character, const NativeRigSettings& settin
     rows_ = native::make_rows(character, joints_, {.uniform_scale = uniform_scale, .all_move = settings.all_move});
     steps_ = std::move(walk.steps);
     for (size_t i = 0; i < steps_.size(); ++i) {
-        const native::StillJoint& still = rows_.still[i];
-        put(steps_[i].centre, still.centre);
-        put(steps_[i].scale, still.scale);
+        const native::JointLayout& layout = rows_.layouts[i];
+        put(steps_[i].centre, layout.centre);
+        put(steps_[i].scale, layout.scale);
         put(steps_[i].pivot, joints_[i].joint_space.translation);
-        steps_[i].motion = still.motion;
-        steps_[i].scales = still.scales;
+        steps_[i].motion = layout.motion;
+        steps_[i].scales = layout.scales;
     }
     emissions_ = std::move(walk.emissions);
     for (size_t i = 0; i < emissions_.size(); ++i) {
@@ -59,10 +59,12 @@ NativeRig::NativeRig(const Character& character, const NativeRigSettings& settin
     }
     joints_of_places_.assign(rows_.place_count(), kNone);
     for (size_t i = 0; i < joints_.size(); ++i) {
-        const native::StillJoint& still = rows_.still[i];
+        const native::JointLayout& layout = rows_.layouts[i];
         joints_of_places_[i] = joints_[i].joint;
-        if (still.motion != native::kNoIndex) joints_of_places_[rows_.first_motion() + still.motion] = joints_[i].joint;
-        if (still.scales != native::kNoIndex) joints_of_places_[rows_.first_scales() + still.scales] = joints_[i].joint;
+        if (layout.motion != native::kNoIndex)
+            joints_of_places_[rows_.first_motion() + layout.motion] = joints_[i].joint;
+        if (layout.scales != native::kNoIndex)
+            joints_of_places_[rows_.first_scales() + layout.scales] = joints_[i].joint;
     }
     kernel_ = {.rows = rows_.bytes.get(),
                .row_bytes = rows_.row_bytes,
@@ -112,12 +114,12 @@ void NativeRig::put_pose(std::span<const Trs<float>> parent_from_joint, std::spa
     for (size_t place = 0; place < kernel_.place_count; ++place) put(place, {0, 0, 0, 1});  // places without a joint
     for (size_t i = 0; i < joints_.size(); ++i) {
         const Trs<double> local = parent_from_joint[joints_[i].joint].as<double>();
-        const native::StillJoint& still = rows_.still[i];
+        const native::JointLayout& layout = rows_.layouts[i];
         put(i, native::rotation_row(joints_[i], local.rotation));
-        if (still.motion != native::kNoIndex)
-            put(rows_.first_motion() + still.motion, native::motion_row(joints_[i], local, !kernel_.three_scales));
-        if (still.scales != native::kNoIndex)
-            put(rows_.first_scales() + still.scales, {local.scale.x, local.scale.y, local.scale.z, 1});
+        if (layout.motion != native::kNoIndex)
+            put(rows_.first_motion() + layout.motion, native::motion_row(joints_[i], local, !kernel_.three_scales));
+        if (layout.scales != native::kNoIndex)
+            put(rows_.first_scales() + layout.scales, {local.scale.x, local.scale.y, local.scale.z, 1});
     }
 }
 

@@ -26,8 +26,6 @@ struct NativeRigSettings {
     std::vector<uint32_t> sockets{};  // joints
     bool sockets_only = false;        // only sockets are written, and only joints that they depend on are walked
     bool all_move = false;            // pose overrides may put any joint anywhere
-
-    bool operator==(const NativeRigSettings&) const = default;
 };
 
 class NativeRig {

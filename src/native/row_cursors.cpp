@@ -1,4 +1,4 @@
-#include "native/row_times.h"
+#include "native/row_cursors.h"
 
 #include "sample/sample_reference.h"
 
@@ -56,10 +56,10 @@ std::vector<Interval> intervals_of(const Character& character, size_t clip, std:
 
 }  // namespace
 
-std::vector<ClipRowTimes> row_times(const Character& character, std::span<const RowJoint> joints) {
-    std::vector<ClipRowTimes> times;
+std::vector<ClipRowCursors> row_cursors(const Character& character, std::span<const RowJoint> joints) {
+    std::vector<ClipRowCursors> times;
     for (size_t clip = 0; clip < character.clips.size(); ++clip) {
-        ClipRowTimes& of = times.emplace_back();
+        ClipRowCursors& of = times.emplace_back();
         uint32_t key = 0;
         for (const Interval& interval : intervals_of(character, clip, joints)) {
             const auto pieces = static_cast<uint32_t>(interval.pieces);

@@ -6,12 +6,12 @@
 
 namespace throng::native {
 
-struct ClipRowTimes {
+struct ClipRowCursors {
     std::vector<RowCursor> rows;  // between which keys
     std::vector<RowSpan> spans;   // [keys]; rows count from the clip's first
 };
 
 // [clip_count + 1]; the last is the rest pose.
-std::vector<ClipRowTimes> row_times(const Character& character, std::span<const RowJoint> joints);
+std::vector<ClipRowCursors> row_cursors(const Character& character, std::span<const RowJoint> joints);
 
 }  // namespace throng::native

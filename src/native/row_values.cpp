@@ -12,9 +12,9 @@ double dot(const Four& a, const Four& b) { return a[0] * b[0] + a[1] * b[1] + a[
 
 }  // namespace
 
-RowValues::RowValues(const Character& character, bool uniform_scale, std::vector<ClipRowTimes> times)
+RowValues::RowValues(const Character& character, bool uniform_scale, std::vector<ClipRowCursors> times)
     : character_(character), uniform_scale_(uniform_scale), times_(std::move(times)) {
-    for (const ClipRowTimes& clip : times_) {
+    for (const ClipRowCursors& clip : times_) {
         first_rows_.push_back(static_cast<uint32_t>(row_count_));
         row_count_ += clip.rows.size();
     }

@@ -2,7 +2,7 @@
 // into.
 #pragma once
 
-#include "native/row_times.h"
+#include "native/row_cursors.h"
 
 #include <array>
 #include <span>
@@ -27,10 +27,10 @@ struct RowRange {
 class RowValues {
 public:
     // Keeps references.
-    RowValues(const Character& character, bool uniform_scale, std::vector<ClipRowTimes> times);
+    RowValues(const Character& character, bool uniform_scale, std::vector<ClipRowCursors> times);
 
     size_t row_count() const { return row_count_; }
-    const std::vector<ClipRowTimes>& times() const { return times_; }
+    const std::vector<ClipRowCursors>& times() const { return times_; }
     uint32_t first_row(size_t clip) const { return first_rows_[clip]; }
 
     JointValues of(const RowJoint& joint) const;
@@ -39,7 +39,7 @@ public:
 private:
     const Character& character_;
     bool uniform_scale_ = false;  // one scale a joint: the mean of x, y and z, which are nearly the same
-    std::vector<ClipRowTimes> times_;
+    std::vector<ClipRowCursors> times_;
     std::vector<uint32_t> first_rows_;  // [clip_count + 1]
     size_t row_count_ = 0;
 };

@@ -28,7 +28,7 @@ public:
         : character_(character),
           joints_(joints),
           settings_(settings),
-          values_(character, settings.uniform_scale, row_times(character, joints)) {
+          values_(character, settings.uniform_scale, row_cursors(character, joints)) {
         rows_.row_count = values_.row_count();
         check_size(rows_.row_count * Rows::rounded_up(joints.size()) * 4 * sizeof(int16_t));  // of rotations alone
     }
@@ -40,9 +40,9 @@ public:
         for (size_t j = 0; j < joints_.size(); ++j) {
             const JointValues values = values_.of(joints_[j]);
             write(values.rotation, static_cast<uint32_t>(j));
-            const StillJoint& still = rows_.still[j];
-            if (still.motion != kNoIndex) write(values.motion, rows_.first_motion() + still.motion);
-            if (still.scales != kNoIndex) write(values.scales, rows_.first_scales() + still.scales);
+            const JointLayout& layout = rows_.layouts[j];
+            if (layout.motion != kNoIndex) write(values.motion, rows_.first_motion() + layout.motion);
+            if (layout.scales != kNoIndex) write(values.scales, rows_.first_scales() + layout.scales);
         }
         return std::move(rows_);
     }
@@ -58,7 +58,7 @@ private:
 
     void add_clips() {
         size_t span_count = 0;
-        for (const ClipRowTimes& clip : values_.times()) span_count += clip.spans.size();
+        for (const ClipRowCursors& clip : values_.times()) span_count += clip.spans.size();
         rows_.spans.reserve(span_count);
         for (size_t c = 0; c < values_.times().size(); ++c) {
             rows_.clips.push_back({.spans = rows_.spans.data() + rows_.spans.size()});
@@ -84,27 +84,27 @@ private:
                            three = values_.range_of(values.scales);
             rotations.push_back(rotation);
             fine_rotations.push_back(2 * error_of(rotation, 0, 4) * joint.reach > kFineError * size);
-            StillJoint still{.centre = {motion.middle[0], motion.middle[1], motion.middle[2]}};
+            JointLayout layout{.centre = {motion.middle[0], motion.middle[1], motion.middle[2]}};
             const bool uniform = settings_.uniform_scale;
-            still.scale = uniform ? Vec3<double>{motion.middle[3], motion.middle[3], motion.middle[3]}
-                                  : Vec3<double>{three.middle[0], three.middle[1], three.middle[2]};
+            layout.scale = uniform ? Vec3<double>{motion.middle[3], motion.middle[3], motion.middle[3]}
+                                   : Vec3<double>{three.middle[0], three.middle[1], three.middle[2]};
             const auto most = [](const RowRange& range, size_t first, size_t end) {
                 return *std::max_element(range.half.begin() + static_cast<ptrdiff_t>(first),
                                          range.half.begin() + static_cast<ptrdiff_t>(end));
             };
             if (settings_.all_move || most(motion, 0, 3) > kStill * size ||
                 most(motion, 3, 4) * joint.reach > kStill * size) {
-                still.motion = rows_.motion_count++;
+                layout.motion = rows_.motion_count++;
                 motions.push_back(motion);
                 fine_motions.push_back(std::max(error_of(motion, 0, 3), error_of(motion, 3, 4) * joint.reach) >
                                        kFineError * size);
             }
             if (!uniform && (settings_.all_move || most(three, 0, 3) * joint.reach > kStill * size)) {
-                still.scales = rows_.scales_count++;
+                layout.scales = rows_.scales_count++;
                 scales.push_back(three);
                 fine_scales.push_back(error_of(three, 0, 3) * joint.reach > kFineError * size);
             }
-            rows_.still.push_back(still);
+            rows_.layouts.push_back(layout);
         }
         const auto add = [&](std::vector<RowRange>& ranges, std::vector<bool>& fine, const Four& filler) {
             ranges.resize(Rows::rounded_up(ranges.size()), {.middle = filler, .half = {}});

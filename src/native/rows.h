@@ -20,8 +20,8 @@ struct RowJoint {
     double reach = 0;  // how far from it anything that moves with it may lie, model space
 };
 
-// The constant values of a joint that stands still.
-struct StillJoint {
+// What a joint has instead of rows that do not change, and where those that do lie.
+struct JointLayout {
     Vec3<double> centre{};                          // of parent_space * parent_from_joint
     Vec3<double> scale{1, 1, 1};                    // if uniform: one scale of these spaces, three times
     uint32_t motion = kNoIndex, scales = kNoIndex;  // if it moves: its place among those that do
@@ -33,18 +33,18 @@ struct Rows {
     AlignedBytes bytes;  // [row_count][row_bytes]
     size_t row_bytes = 0;
     size_t row_count = 0;
-    std::vector<RowSpan> spans;     // of all clips and the rest pose
-    std::vector<RowClip> clips;     // [clip_count + 1]
-    std::vector<RowBlock> blocks;   // of rotations, of motions, of three scales
-    AlignedBytes ranges;            // floats: [block][8][16]
-    std::vector<StillJoint> still;  // [joint]
+    std::vector<RowSpan> spans;        // of all clips and the rest pose
+    std::vector<RowClip> clips;        // [clip_count + 1]
+    std::vector<RowBlock> blocks;      // of rotations, of motions, of three scales
+    AlignedBytes ranges;               // floats: [block][8][16]
+    std::vector<JointLayout> layouts;  // [joint]
     uint32_t motion_count = 0, scales_count = 0;
 
     // A block has 16 places. Those of rotations come first.
     static uint32_t rounded_up(size_t count) {
         return static_cast<uint32_t>((count + kBlockJoints - 1) / kBlockJoints * kBlockJoints);
     }
-    uint32_t first_motion() const { return rounded_up(still.size()); }
+    uint32_t first_motion() const { return rounded_up(layouts.size()); }
     uint32_t first_scales() const { return first_motion() + rounded_up(motion_count); }
     uint32_t place_count() const { return first_scales() + rounded_up(scales_count); }
     uint64_t size_bytes() const;

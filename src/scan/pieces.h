@@ -34,8 +34,7 @@ struct PieceTable {
     std::vector<LoopTrips> loops() const;
     uint64_t loop_iterations() const { return uint64_t{path_row_count} + round_count + walk_row_count + 3; }
     double longest_thread_rows = 0;  // that it loads and stores, as ScanCounts::issue_rows has them
-    // A software device runs both sides of a branch: a step of a walk that uses no slot costs it about a row all the
-    // same.
+    // A software device runs both sides of a branch, so a step of a walk that uses no slot costs it about a row too.
     double rows_on(const ScanLimits& limits) const {
         return longest_thread_rows + (limits.is_cpu ? walk_row_count : 0);
     }

@@ -27,9 +27,9 @@ struct ScanLimits {
     uint32_t storage_buffers = 0xFFFFFFFF;  // that one kernel can bind
 };
 
-// How a method goes about one skeleton on one device.
+// How a method is applied to one skeleton on one device.
 struct ScanPlan {
-    std::string unsupported_reason;  // why it does not apply; empty where it does
+    std::string unsupported_reason;  // why the method does not apply; empty if it does
     uint32_t workgroup_size = 0;
     uint32_t instances_per_workgroup = 1;
     std::vector<uint32_t> constants = {};  // specialization constants 1, 2, …, at most 7

@@ -203,11 +203,9 @@ TEST(Native, ALevelOfDetailHasItsJointsAlone) {
 
 TEST(Native, SaysWhatItCannotDo) {
     const Character& character = native_characters().front().character;
-    EXPECT_EQ(native_unsupported(character, {}), "");
-    EXPECT_NE(native_unsupported(character, {.model_rotations = true}), "");
-    EXPECT_NE(native_unsupported(character, {.procedural_rules = true}), "");
+    EXPECT_EQ(native_unsupported_reason(character, SkinFormat::kAffine), "");
     const Character uneven = compiled(make_asset({.scale_spread = 0.2}));
-    EXPECT_NE(native_unsupported(uneven, {.skin_format = SkinFormat::kSimilarity}), "");
+    EXPECT_NE(native_unsupported_reason(uneven, SkinFormat::kSimilarity), "");
 }
 
 }  // namespace

@@ -166,7 +166,7 @@ ScanMethod stream() {
             .summary = "joints in chunks of a subgroup's width, a lane each; parents by shuffles or from a few slots",
             .source = "warp scans (Harris and Garland 2012), list scheduling (Hu 1961)",
             .thread_choices = thread_choices,
-            .planned_choices = lane_choices,  // a stage of its own waits for memory, not for a character
+            .planned_choices = lane_choices,  // not more: a stage by itself is bound by memory
             .plan = plan_affine,
             .fused_place = fused_place<4>,  // it reads rows where a character has them
             .picture = {simulate,
@@ -183,7 +183,7 @@ ScanMethod stream_quaternion() {
             .source = "stream",
             .format = ScanFormat::kSimilarity,
             .thread_choices = thread_choices,
-            .planned_choices = lane_choices,  // a stage of its own waits for memory, not for a character
+            .planned_choices = lane_choices,  // not more: a stage by itself is bound by memory
             .plan = plan_similarity,
             .fused_place = fused_place<5>,
             .rank = 118,
