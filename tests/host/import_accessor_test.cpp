@@ -169,7 +169,7 @@ TEST(Import, AmplificationIsBounded) {
     ASSERT_FALSE(result.ok());
     EXPECT_EQ(result.error().code, ErrorCode::kLimit);
     // Nor do many sets of influences, which are refused as a whole.
-    b.json["meshes"][0]["primitives"] = {one};
+    b.json["meshes"][0]["primitives"] = GltfJson::array({one});
     b.json["accessors"].push_back({{"componentType", kUint8}, {"count", 1'000'000}, {"type", "VEC4"}});
     b.json["accessors"].push_back({{"componentType", kFloat}, {"count", 1'000'000}, {"type", "VEC4"}});
     for (int set = 0; set < 100; ++set) {
