@@ -107,13 +107,13 @@ public:
             Json& record = records.emplace_back(
                 new_record(device_, "million", million_.configuration, *million_.character));
             record["characters"] = of;
-            try {
-                record["record_ms"] = spread_json(spread_of(recording_ms(of, samples)));
-                record["samples"] = samples;
-            } catch (const Failure& failure) {  // what was timed before is kept
-                record["unsupported_reason"] = failure.error.text();
+            Result<Crowd> crowd = as_result([&] { return make(of, UpdatePath::kDevice); });
+            if (!crowd) {  // what was timed before is kept
+                record["unsupported_reason"] = crowd.error().text();
                 break;
             }
+            record["record_ms"] = spread_json(spread_of(recording_ms(*crowd, samples)));
+            record["samples"] = samples;
             if (of == count()) break;
         }
         return records;
@@ -133,8 +133,7 @@ public:
 private:
     uint32_t count() const { return static_cast<uint32_t>(million_.playback.size()); }
 
-    std::vector<double> recording_ms(uint32_t of, uint32_t samples) const {
-        Crowd crowd = make(of, UpdatePath::kDevice);
+    std::vector<double> recording_ms(Crowd& crowd, uint32_t samples) const {
         const CrowdView view = view_of_crowd(kViewpoints[1], world_bounds(crowd));
         value_of(crowd.update(0, &view));
         std::vector<double> ms;

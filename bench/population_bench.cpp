@@ -22,6 +22,7 @@ struct PopulationEntrant {
     Crowd crowd;
     std::vector<InstanceHandle> instances{};
     std::vector<uint32_t> plays{};  // for each of `instances`: the number of its playback in the case
+    size_t found_count = 0;         // where it was checked
     double max_error = 0;
     UpdateTimes times{};
 
@@ -131,7 +132,8 @@ private:
     // Updates without letting time pass. Another number of instances than there should be is an infinite error.
     void compare(PopulationEntrant& entrant) const {
         value_of(entrant.crowd.update(0));
-        if (value_of(entrant.crowd.read_drawn()).size() != entrant.count)
+        entrant.found_count = value_of(entrant.crowd.read_drawn()).size();
+        if (entrant.found_count != entrant.count)
             entrant.max_error = std::numeric_limits<double>::infinity();
         else
             entrant.max_error = largest_error_of_some(entrant.count, [&](uint32_t i) { return error_of(entrant, i); });
@@ -247,6 +249,7 @@ private:
                        {"characters", entrant.count},
                        {"max_error", entrant.max_error}});
         if (entrant.is_wrong()) record["wrong"] = true;
+        if (entrant.found_count != entrant.count) record["found"] = entrant.found_count;
         return record;
     }
 

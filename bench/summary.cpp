@@ -173,8 +173,8 @@ std::vector<MeasuredTime> measured_times(std::span<const Json> records, std::spa
     std::vector<MeasuredTime> times;
     for (const Json& record : records) {
         const std::string bench = text(record, "bench");
-        const bool is_prediction = !text(record, "machine").empty();
-        if (bench.empty() || is_prediction || (bench == "scan" && text(record, "experiment") != "levels")) continue;
+        if (bench.empty() || !is_measured(record) || (bench == "scan" && text(record, "experiment") != "levels"))
+            continue;
         MeasuredTime time{.device = text(record, "device"),
                           .bench = bench,
                           .what = what_of(record),

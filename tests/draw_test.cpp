@@ -145,6 +145,30 @@ TEST(Draw, BlendedLayersOfGroupsAndCrowdsShowThroughEachOther) {
     EXPECT_NEAR(part(1, 2), 0.75, 0.1);
 }
 
+// Small squares behind a blended one are seen through the samples that it does not cover, and only there.
+TEST(Draw, OcclusionLeavesWhatIsSeenThroughBlendedOnes) {
+    Asset red = square(), pane = square();
+    pane.materials = {{.name = "pane", .base_color = {0, 0.5f, 1, 0.99f}, .alpha_mode = AlphaMode::kBlend}};
+    const Character behind = *compile_character(red, kExact), before = *compile_character(pane, kExact);
+    constexpr uint32_t kCount = 900;
+    std::vector<Affine> places;
+    for (uint32_t i = 0; i < kCount; ++i)
+        places.push_back(placed({.translation = {0.03f * static_cast<float>(i % 30) - 0.43f,
+                                                 0.03f * static_cast<float>(i / 30) + 0.05f, -0.1f},
+                                 .scale = {0.03f, 0.03f, 0.03f}}));
+    const Camera close{.eye = {0, 0.5f, 1.4f}, .target = {0, 0.5f, 0}};
+    std::vector<Picture> pictures;
+    for (const bool occlusion : {false, true}) {
+        Crowd crowd = create({.groups = {{&before, 1}, {&behind, kCount}}, .culling = Culling{}});
+        ASSERT_TRUE(crowd.set_placement(*crowd.instances(1), places));
+        Renderer& renderer = shared_renderer(4, {.shadows = false, .occlusion = occlusion});
+        for (int frame = 0; frame < 3; ++frame) pictures.push_back(renderer.render_frame(crowd, 0, close)->picture);
+    }
+    const Picture& without = pictures[2];
+    for (size_t i = 3; i < pictures.size(); ++i) EXPECT_EQ(pictures[i].rgba, without.rgba);
+    EXPECT_NE(without.rgba, pictured(pane, {Affine{}}, close, {.shadows = false}).rgba) << "some are seen";
+}
+
 TEST(Draw, PlacesEveryInstance) {
     const Picture picture = draw(square(), {placed_at(-1.2f), placed_at(1.2f)});
     EXPECT_TRUE(is_red(at(picture, -1.2, 0.5)));

@@ -50,4 +50,6 @@ std::string text(const Json& record, const std::string& field) {
 
 bool flag(const Json& record, const std::string& field) { return value_at(record, field) == true; }
 
+bool is_measured(const Json& record) { return text(record, "family").empty(); }
+
 }  // namespace throng::bench

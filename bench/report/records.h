@@ -21,4 +21,7 @@ double number(const Json& record, const std::string& field);
 std::string text(const Json& record, const std::string& field);
 bool flag(const Json& record, const std::string& field);
 
+// Whether it was measured on the device that it names. Machine code, and what is predicted from it, has a family.
+bool is_measured(const Json& record);
+
 }  // namespace throng::bench

@@ -162,13 +162,12 @@ struct Asset {
 Result<Asset> load_asset(const std::filesystem::path& path, const LoadHooks& hooks = {});
 
 // Hands over the whole of a side file, a buffer or an image, from wherever the application has it. `path` is relative
-// to the file's folder and made normal: percent-decoded, with '/' as the only separator, without '.', empty segments
-// and
-// '..' in its middle ("parts/../skin.png" is "skin.png"); never a data: URI. It begins with '..' if the glTF file names
-// something outside of its folder: a resolver that opens files must refuse such a path, or make sure that it may be
-// read. Called on the thread that called throng, and within one call not again for a file that it has handed over. If
-// it returns kFile or kInvalidFile for an image, the image is left out with a warning; other errors, and those of
-// buffers, end the call. What it throws becomes kInvalidArgument.
+// to the file's folder and normal: percent-decoded, with '/' as the only separator, without empty segments, without '.'
+// and '..' ("parts/../skin.png" is "skin.png"); never a data: URI. Only where it leads out of the folder does it begin
+// with '..': a resolver that opens files must refuse such a path, or make sure that it may be read. Called on the
+// thread that called throng, and within one call not again for a file that it has handed over. If it returns kFile or
+// kInvalidFile for an image, the image is left out with a warning; other errors, and those of buffers, end the call.
+// What it throws becomes kInvalidArgument.
 using AssetResolver = std::function<Result<std::vector<std::byte>>(std::string_view path)>;
 
 // The same for the content of a file in memory; `name` becomes Asset::name and appears in messages. Without a resolver

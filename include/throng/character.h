@@ -163,7 +163,7 @@ static_assert(sizeof(Influences) == 24);
 struct MeshSection {
     uint32_t node = 0, mesh = 0, primitive = 0;   // of the file
     uint32_t skin = kNone;                        // kNone: rigid
-    uint32_t first_vertex = 0, vertex_count = 0;  // in the file's vertex order
+    uint32_t first_vertex = 0, vertex_count = 0;  // those of the AssetPrimitive, in its order
     uint32_t first_influences = 0;                // of Character::influences
     uint32_t influence_sets = 1;                  // Influences per vertex
     uint32_t first_index = 0, index_count = 0;

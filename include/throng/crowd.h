@@ -105,14 +105,15 @@ struct CrowdGroup {
 
 // How an update gets from clips to skin matrices. On a native device all of these are native.
 enum class UpdatePath {
-    kAuto,    // as kNative on software devices, unless CrowdSettings::scan asks for a method; otherwise as kDevice
-    kFused,   // sample, blend, scan and bind in one kernel, with what lies between them in registers and shared memory;
-              // 4 to 5 times as fast as kStaged on a software device. Not for characters too large for that
+    kAuto,   // natively on software devices where that applies, unless CrowdSettings::scan asks for a method; otherwise
+             // as kDevice
+    kFused,  // sample, blend, scan and bind in one kernel, with what lies between them in registers and shared memory;
+             // 4 to 5 times as fast as kStaged on a software device. Not for characters too large for that
     kStaged,  // sample, blend, scan and bind one after another, through memory; for any character
     kNative,  // by this machine's processor, in one pass where that applies: Crowd::update() and
               // Renderer::render_frame(), after waiting for the device's queue. Updates that are recorded into a
               // command buffer, or are for a view with occlusion, still run on the device. kUnsupported on a GPU, and
-              // where CrowdSettings::scan asks for a method
+              // on a software device where CrowdSettings::scan asks for a method
     kDevice,  // on the device: fused where that applies, otherwise staged
 };
 

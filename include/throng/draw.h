@@ -24,7 +24,7 @@ Result<void> write_png(const std::filesystem::path& path, const Picture& picture
 
 struct Camera {
     Vec3<float> eye{0, 2, 5};  // world space
-    // In the middle of the picture. Nothing is seen that is closer than a 50,000th of its distance
+    // In the middle of the picture. Nothing is seen that is closer to the eye than a 50,000th of the target's distance
     Vec3<float> target{0, 1, 0};
     float vertical_field_of_view_rad = 0.7f;
 };
@@ -34,8 +34,8 @@ struct Bounds {
 };
 
 // World bounds of the instances' rest poses at their placements. These are those that the application has set; in
-// groups whose updates move instances, those after a recent update, if a Renderer has prepared or drawn the crowd.
-// Which instances of a group that shaders populate are there is known in such crowds alone; in others there is none.
+// groups whose updates move instances, those after a recent update, if a Renderer has prepared or drawn the crowd. Of
+// groups that shaders populate, instances count in such crowds alone.
 Bounds world_bounds(const Crowd& crowd);
 // The same without strays: the few, a hundredth at most (one if there are fewer than a hundred), that stand so far away
 // that a camera fitted to them too would show nobody else.

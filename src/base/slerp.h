@@ -1,4 +1,4 @@
-// Between rotations.
+// Spherical interpolation of rotations.
 #pragma once
 
 #include <throng/transform.h>

@@ -1,9 +1,9 @@
 // What comes back from the device.
 #include "crowd/crowd_state.h"
-#include "crowd/skin_stage.h"
 
 #include "base/failure.h"
 #include "bind/skin_format.h"
+#include "crowd/skin_stage.h"
 #include "cull/cull_io.h"
 #include "gpu/barrier.h"
 

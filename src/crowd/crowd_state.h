@@ -72,7 +72,7 @@ struct CrowdState {
     // waits for the upload.
     void record_uploads(VkCommandBuffer commands);
     void finish_uploads();
-    void discard_uploads();  // the update that has been discarded may have been the first
+    void discard_uploads();  // after an update has been discarded: what it has uploaded is uploaded again
     // Throws kInvalidArgument where the last record() was not discarded and its commands have not run. May wait for the
     // device's queue.
     void check_last_has_run(const char* what) const;
@@ -229,8 +229,9 @@ private:
     bool was_native_ = false;  // whether the last update was computed natively
     bool had_native_ = false;  // `was_native_` and `has_updated_` before the last record(), for discard
     bool had_updated_ = false;
-    bool awaits_commands_ = false;   // the last update is in commands of the application's, which may not have run
-    bool can_discard_ = false;       // the last record() has not been discarded
+    bool awaits_commands_ =
+        false;                  // the last update was recorded into commands, which may have run or been dropped since
+    bool can_discard_ = false;  // the last record() has not been discarded
     bool is_half_recorded_ = false;  // the last record() failed on its way
     float full_rate_factor_ = 1;     // the budget's factor on CrowdView::full_rate_pixels
     std::vector<Watched> watched_;

@@ -76,12 +76,12 @@ PoseBox shown_box(const Character& character) {
 
 }  // namespace
 
-GroupController::GroupController(Uploads& uploads, const Controller& controller, const Character& character, bool moves,
-                                 Buffers& buffers)
+GroupController::GroupController(Uploads& uploads, const Controller& controller, const Character& character,
+                                 bool applies_root_motion_in, Buffers& buffers)
     : layer_count(static_cast<uint32_t>(controller.layers.size())),
       parameter_count(static_cast<uint32_t>(controller.parameters.size())),
       mask_count(static_cast<uint32_t>(controller.masks.size())),
-      applies_root_motion(moves) {
+      applies_root_motion(applies_root_motion_in) {
     const ControllerTables made = make_controller_tables(controller, character);
     active_clip_limit = made.active_clip_limit;
     initial_layers = made.initial_layers;

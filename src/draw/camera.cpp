@@ -74,7 +74,8 @@ CrowdView crowd_view_of(const Camera& camera, uint32_t width, uint32_t height, c
     const Vec3<float> to_sun = direction_to_sun(options);
     constexpr float kHighest = 2;      // above the ground, in heights of the crowd at rest
     constexpr float kDeepest = 0.25f;  // below it, likewise: rest poses may float above the floor that clips walk on
-    const float extent = bounds.max.y - bounds.min.y, above = std::max(kHighest * extent, highest - bounds.min.y),
+    const float extent = bounds.max.y - bounds.min.y,
+                above = std::max(kHighest * extent, highest - bounds.min.y + kDeepest * extent),
                 reach = options.shadows ? above / to_sun.y : 0;
     return {.clip_from_world = view.clip_from_world,
             .eye = camera.eye,

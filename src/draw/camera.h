@@ -18,8 +18,8 @@ struct View {
 // Throws kInvalidArgument if the camera is invalid.
 View make_view(const Camera& camera, float aspect_ratio);
 
-// As view_of() of throng/draw.h. `highest`: y of the highest that throws a shadow in a clip. Throws kInvalidArgument if
-// the camera is invalid.
+// As view_of() of throng/draw.h. `highest`: the greatest y of what throws a shadow, in any pose. Throws
+// kInvalidArgument if the camera is invalid.
 CrowdView crowd_view_of(const Camera& camera, uint32_t width, uint32_t height, const Bounds& bounds, float highest,
                         const DrawOptions& options);
 

@@ -19,7 +19,7 @@ struct DrawScene {
     vec4 picture;  // x, y: pixels
     // x: texels of the map, each way; y: world size of the larger side of one; z: 1 with shadows, 0 without
     vec4 shadow;
-    vec4 map_grid;  // x, y: where the map's first texel lies on the grid that it moves along: texels, modulo 65536
+    vec4 map_grid;  // x, y: where the map's first texel lies on the grid that it moves along; texels, 0..65535
     vec4 sun_light;
     vec4 sky_light;        // on a surface that looks up
     vec4 bounce_light;     // on one that looks down

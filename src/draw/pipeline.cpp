@@ -46,7 +46,7 @@ struct Program {
     std::string_view name;
     std::span<const uint32_t> vertex, fragment;  // no fragment shader: depth is written
     std::array<uint32_t, 6> vertex_constants{};
-    std::array<uint32_t, 3> fragment_constants{};
+    std::array<uint32_t, 4> fragment_constants{};
     Depth depth = Depth::kNone;
     bool has_depth = true;
 };
@@ -163,7 +163,7 @@ CharacterPipelines::CharacterPipelines(const PipelineSettings& settings, const C
                        .fragment = fragment,
                        .vertex_constants = {depth == Depth::kShadowMap, static_cast<uint32_t>(kind.format), kind.listed,
                                             static_cast<uint32_t>(kind.blend), kind.skinned, kind.has_looks},
-                       .fragment_constants = {discards, has_maps, samples},
+                       .fragment_constants = {discards, has_maps, samples, depth == Depth::kShadowMap},
                        .depth = depth});
     };
     struct OfMode {

@@ -44,7 +44,7 @@ CONSTANT(kLayeredId, bool, kLayered, false);            // instances play active
 CONSTANT(kSocketCountId, uint, kSocketCount, 0);
 CONSTANT(kInertialId, bool, kInertial, false);      // of layers
 CONSTANT(kListedId, bool, kListed, false);          // only listed instances are animated
-CONSTANT(kMapsJointsId, bool, kMapsJoints, false);  // only some joints are animated
+CONSTANT(kMapsJointsId, bool, kMapsJoints, false);  // rig_joints has the joints: some, or all in another order
 CONSTANT(kSkinPoolId, bool, kSkinPool, false);      // skin matrices lie in a pool, not in the order of the instances
 PUSH(FusedPush);
 

@@ -100,7 +100,7 @@ AccessorView Accessors::open(const AccessorFormat& format, Missing missing) {
     AccessorView out{.format = format, .data = kZeros.data()};
     if (json.has("bufferView")) out = in_view(json, format, missing);
     if (const auto sparse = json.optional_object("sparse")) {
-        out.owner = with_sparse(json, *sparse, out);
+        out.owner = with_sparse(json, *sparse, format.count, out);
         out.data = out.owner->data();
         out.stride_bytes = format.element_bytes();
     }
@@ -130,8 +130,8 @@ AccessorView Accessors::in_view(const JsonView& json, const AccessorFormat& form
 }
 
 std::shared_ptr<std::vector<std::byte>> Accessors::with_sparse(const JsonView& json, const JsonView& sparse,
-                                                               const AccessorView& base) {
-    const uint64_t element_bytes = base.format.element_bytes(), count = base.count();
+                                                               uint64_t count, const AccessorView& base) {
+    const uint64_t element_bytes = base.format.element_bytes();
     const uint64_t sparse_count = sparse.required_uint("count");
     if (sparse_count > count) sparse.fail("count is ", sparse_count, ", but the accessor has ", count, " elements");
 
@@ -144,13 +144,14 @@ std::shared_ptr<std::vector<std::byte>> Accessors::with_sparse(const JsonView& j
     const JsonView values_json = sparse.required_object("values");
     const AccessorView values = whole(values_json, buffers_.view_of(values_json), sparse_count, element_bytes);
 
-    auto out = charged_bytes(budget_, count, element_bytes, json.place());
+    auto out = charged_bytes(budget_, base.count(), element_bytes, json.place());
     if (base.stride_bytes > 0)
-        for (uint64_t i = 0; i < count; ++i)
+        for (uint64_t i = 0; i < base.count(); ++i)
             std::memcpy(out->data() + i * element_bytes, base.data + i * base.stride_bytes, element_bytes);
     for (uint32_t i = 0; i < sparse_count; ++i) {
         const uint32_t element = indices.integer(i, 0);
         if (element >= count) indices_json.fail("index ", element, ", but the accessor has ", count, " elements");
+        if (element >= base.count()) continue;  // left out
         std::memcpy(out->data() + element * element_bytes, values.data + i * values.stride_bytes, element_bytes);
     }
     return out;

@@ -89,7 +89,8 @@ public:
 
 private:
     AccessorView in_view(const JsonView& json, const AccessorFormat& format, Missing missing);
-    std::shared_ptr<std::vector<std::byte>> with_sparse(const JsonView& json, const JsonView& sparse,
+    // `count`: as declared; `base` may have fewer.
+    std::shared_ptr<std::vector<std::byte>> with_sparse(const JsonView& json, const JsonView& sparse, uint64_t count,
                                                         const AccessorView& base);
 
     JsonView accessors_;

@@ -18,6 +18,7 @@ void KeptVertices::keep_named(uint32_t file_count, std::span<uint32_t> indices, 
     charge_.add(count_, sizeof(uint32_t), place);
     in_file_.reserve(count_);
     for (uint32_t v = 0; v < file_count; ++v) {
+        budget_.poll_at(v);
         if (kept_index[v] == kNone) continue;
         kept_index[v] = count_of(in_file_);
         in_file_.push_back(v);

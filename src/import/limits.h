@@ -1,6 +1,6 @@
 // The limits of the importer, and how much of them a read has used. A hostile file of a few kilobytes can claim
 // gigabytes (accessors without data, many accessors over one buffer, compressed views), so whatever is decoded is
-// charged here before it is allocated. What is freed while the file is still read is given back.
+// charged here before it is allocated. Most of what is freed while the file is still read is given back.
 #pragma once
 
 #include "base/failure.h"

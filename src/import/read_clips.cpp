@@ -72,9 +72,10 @@ Sampler open_sampler(Reading& reading, const JsonView& json, const Animated& ani
 // viewer (interpolator.js) search them as if they were sorted, and what they find depends on the time shown before.
 // Where several keys have one time, the value arrives at the first and goes on from the last, as in three.js and
 // Khronos' viewer. Times before 0 stay here: what lies there is cut off with the values.
-Keys read_times(Reading& reading, const Sampler& sampler) {
+Keys read_times(Reading& reading, const Sampler& sampler, TemporaryCharge& of_kept) {
     const std::string place = sampler.json.place_of("input");
-    reading.budget.charge(sampler.key_count, sizeof(float) + sizeof(uint32_t), place);
+    reading.budget.charge(sampler.key_count, sizeof(float), place);
+    of_kept.add(sampler.key_count, sizeof(uint32_t), place);
     const auto time_of = [&](uint32_t key) { return sampler.input.number(key, 0); };
     Keys out;
     for (uint32_t key = 0; key < sampler.key_count; ++key) {
@@ -86,7 +87,8 @@ Keys read_times(Reading& reading, const Sampler& sampler) {
     out.kept.resize(sampler.key_count);
     std::iota(out.kept.begin(), out.kept.end(), 0u);
     if (out.back_count > 0) {
-        reading.budget.charge(sampler.key_count, sizeof(uint32_t), place);
+        TemporaryCharge of_sort(reading.budget);
+        of_sort.add(sampler.key_count, sizeof(uint32_t), place);
         std::stable_sort(out.kept.begin(), out.kept.end(),
                          [&](uint32_t a, uint32_t b) { return time_of(a) < time_of(b); });
     }
@@ -198,7 +200,8 @@ private:
                     const Key& key, std::map<Key, size_t>& index_of, std::vector<Track>& tracks) {
         const Sampler sampler = open_sampler(reading_, sampler_json, animated);
         track.interpolation = sampler.interpolation;
-        Keys keys = read_keys(sampler);
+        TemporaryCharge of_kept(reading_.budget);  // for keys.kept
+        Keys keys = read_keys(sampler, of_kept);
         if (!keys.times_s.empty()) clip_.duration_s = std::max(clip_.duration_s, double(keys.times_s.back()));
         if (animated.count == 0) return ignore(channel, "its node has no morph targets: the channel is ignored");
         track.values = read_values(reading_, sampler, keys, animated);
@@ -222,8 +225,8 @@ private:
     }
 
     // A sampler counts once, however many channels use it.
-    Keys read_keys(const Sampler& sampler) {
-        Keys keys = read_times(reading_, sampler);
+    Keys read_keys(const Sampler& sampler, TemporaryCharge& of_kept) {
+        Keys keys = read_times(reading_, sampler, of_kept);
         if (!counted_samplers_.insert(sampler.json.place()).second) return keys;
         key_count_ += sampler.key_count;
         before_count_ += keys.before_count;

@@ -94,17 +94,21 @@ bool leads_up(std::string_view path) { return path == ".." || path.starts_with("
     throw Failure(code, place, "'", printable(uri), "' ", why);
 }
 
-// The path in a URI, percent-decoded.
-std::string relative_path(std::string_view uri, const std::string& place) {
+// The path in a URI, percent-decoded and normal.
+struct RelativePath {
+    std::string as_written, name;  // with `\`, and with `/` for it
+};
+
+RelativePath relative_path(std::string_view uri, const std::string& place) {
     const auto fail = [&](const char* why) { refuse(ErrorCode::kInvalidFile, uri, place, why); };
     if (has_scheme(uri)) fail("is not a relative path: only data: URIs and files beside the glTF file are read");
     // Some exporters do not escape names, and `%` is a part of them.
-    std::string path = percent_decoded(uri, [] {});
-    const std::string name = normal_path(with_slashes(path));
+    const std::string path = percent_decoded(uri, [] {});
+    std::string name = normal_path(with_slashes(path));
     if (path.empty() || path.find('\0') != path.npos || name == ".") fail("is not a file name");
     // "./c:/file" begins with a drive once it is normal.
     if (is_absolute(path) || is_absolute(name)) fail("is an absolute path: side files must lie in the file's folder");
-    return path;
+    return {normal_path(path), std::move(name)};
 }
 
 }  // namespace
@@ -127,13 +131,11 @@ std::vector<std::byte> decode_data_uri(std::string_view uri, Budget& budget, con
     return {bytes, bytes + text.size()};
 }
 
-std::string side_file_name(std::string_view uri, const std::string& place) {
-    return normal_path(with_slashes(relative_path(uri, place)));
-}
+std::string side_file_name(std::string_view uri, const std::string& place) { return relative_path(uri, place).name; }
 
 fs::path resolve_side_file(std::string_view uri, const fs::path& folder, const std::string& place) {
     const auto fail = [&](ErrorCode code, const char* why) { refuse(code, uri, place, why); };
-    const std::string as_written = normal_path(relative_path(uri, place)), name = side_file_name(uri, place);
+    const auto [as_written, name] = relative_path(uri, place);
     if (leads_up(name))
         fail(ErrorCode::kInvalidFile, "leads out of the file's folder by '..': side files must lie in it or below");
     std::error_code error;

@@ -182,15 +182,15 @@ private:
     }
 
     void write_places() {
-        const std::vector<ClipRowCursors>& times = values_.times();
-        auto span_word = static_cast<uint32_t>(times.size() * io::kRowClipWords);
+        const std::vector<ClipRowCursors>& cursors = values_.cursors();
+        auto span_word = static_cast<uint32_t>(cursors.size() * io::kRowClipWords);
         std::vector<uint32_t> spans;
-        for (size_t c = 0; c < times.size(); ++c) {
+        for (size_t c = 0; c < cursors.size(); ++c) {
             const bool has_keys = c < character_.clips.size() && character_.clips[c].row_stride > 0;
             const float spans_a_key = has_keys ? 1.0f / static_cast<float>(character_.clips[c].row_stride) : 0;
             out_.places.insert(out_.places.end(), {has_keys ? character_.clips[c].first_row : 0,
                                                    std::bit_cast<uint32_t>(spans_a_key), span_word, 0});
-            for (const RowSpan& span : times[c].spans) {
+            for (const RowSpan& span : cursors[c].spans) {
                 spans.push_back(values_.first_row(c) + span.first_row);
                 spans.push_back(std::bit_cast<uint32_t>(span.piece_count));
                 span_word += io::kRowSpanWords;

@@ -7,7 +7,7 @@
 
 namespace {
 
-// An active clip.
+// Where the rows of an active clip lie, and how much it counts.
 struct ActiveClipRows {
     RowPair rows, reference;
     float weight, layer_weight;

@@ -57,9 +57,9 @@ std::vector<Interval> intervals_of(const Character& character, size_t clip, std:
 }  // namespace
 
 std::vector<ClipRowCursors> row_cursors(const Character& character, std::span<const RowJoint> joints) {
-    std::vector<ClipRowCursors> times;
+    std::vector<ClipRowCursors> cursors;
     for (size_t clip = 0; clip < character.clips.size(); ++clip) {
-        ClipRowCursors& of = times.emplace_back();
+        ClipRowCursors& of = cursors.emplace_back();
         uint32_t key = 0;
         for (const Interval& interval : intervals_of(character, clip, joints)) {
             const auto pieces = static_cast<uint32_t>(interval.pieces);
@@ -71,8 +71,8 @@ std::vector<ClipRowCursors> row_cursors(const Character& character, std::span<co
         of.spans.push_back({static_cast<uint32_t>(of.rows.size()), 1});
         of.rows.push_back({key, key, 0});
     }
-    times.push_back({.rows = {{}}, .spans = {{}}});
-    return times;
+    cursors.push_back({.rows = {{}}, .spans = {{}}});
+    return cursors;
 }
 
 }  // namespace throng::native

@@ -12,9 +12,9 @@ double dot(const Four& a, const Four& b) { return a[0] * b[0] + a[1] * b[1] + a[
 
 }  // namespace
 
-RowValues::RowValues(const Character& character, bool uniform_scale, std::vector<ClipRowCursors> times)
-    : character_(character), uniform_scale_(uniform_scale), times_(std::move(times)) {
-    for (const ClipRowCursors& clip : times_) {
+RowValues::RowValues(const Character& character, bool uniform_scale, std::vector<ClipRowCursors> cursors)
+    : character_(character), uniform_scale_(uniform_scale), cursors_(std::move(cursors)) {
+    for (const ClipRowCursors& clip : cursors_) {
         first_rows_.push_back(static_cast<uint32_t>(row_count_));
         row_count_ += clip.rows.size();
     }
@@ -24,14 +24,14 @@ JointValues RowValues::of(const RowJoint& joint) const {
     const auto rotation_of = [&](const Quaternion<double>& q) { return rotation_row(joint, q); };
     const Four rest = rotation_of(character_.rig.rest[joint.joint].rotation.as<double>());
     JointValues values;
-    for (size_t c = 0; c < times_.size(); ++c) {
+    for (size_t c = 0; c < cursors_.size(); ++c) {
         const auto reader = [&](TrackTarget target) { return TrackReader(character_, c, joint.joint, target); };
         const TrackReader rotation = reader(TrackTarget::kRotation), translation = reader(TrackTarget::kTranslation),
                           scale = reader(TrackTarget::kScale);
         const bool moves = translation.varies() || scale.varies(), turns = rotation.varies();
         const Four* before = &rest;
         bool is_first = true;
-        for (const RowCursor& row : times_[c].rows) {
+        for (const RowCursor& row : cursors_[c].rows) {
             if (is_first || turns) {
                 Four q = rotation_of(quaternion_of(rotation.between(row)));
                 if (dot(q, *before) < 0)

@@ -27,10 +27,10 @@ struct RowRange {
 class RowValues {
 public:
     // Keeps references.
-    RowValues(const Character& character, bool uniform_scale, std::vector<ClipRowCursors> times);
+    RowValues(const Character& character, bool uniform_scale, std::vector<ClipRowCursors> cursors);
 
     size_t row_count() const { return row_count_; }
-    const std::vector<ClipRowCursors>& times() const { return times_; }
+    const std::vector<ClipRowCursors>& cursors() const { return cursors_; }
     uint32_t first_row(size_t clip) const { return first_rows_[clip]; }
 
     JointValues of(const RowJoint& joint) const;
@@ -39,7 +39,7 @@ public:
 private:
     const Character& character_;
     bool uniform_scale_ = false;  // one scale a joint: the mean of x, y and z, which are nearly the same
-    std::vector<ClipRowCursors> times_;
+    std::vector<ClipRowCursors> cursors_;
     std::vector<uint32_t> first_rows_;  // [clip_count + 1]
     size_t row_count_ = 0;
 };

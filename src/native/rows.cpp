@@ -58,15 +58,15 @@ private:
 
     void add_clips() {
         size_t span_count = 0;
-        for (const ClipRowCursors& clip : values_.times()) span_count += clip.spans.size();
+        for (const ClipRowCursors& clip : values_.cursors()) span_count += clip.spans.size();
         rows_.spans.reserve(span_count);
-        for (size_t c = 0; c < values_.times().size(); ++c) {
+        for (size_t c = 0; c < values_.cursors().size(); ++c) {
             rows_.clips.push_back({.spans = rows_.spans.data() + rows_.spans.size()});
             if (c < character_.clips.size() && character_.clips[c].row_stride > 0) {
                 rows_.clips.back().first_key = character_.clips[c].first_row;
                 rows_.clips.back().span_from_key = 1.0 / character_.clips[c].row_stride;
             }
-            for (RowSpan span : values_.times()[c].spans) {
+            for (RowSpan span : values_.cursors()[c].spans) {
                 span.first_row += values_.first_row(c);
                 rows_.spans.push_back(span);
             }

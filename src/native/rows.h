@@ -20,7 +20,7 @@ struct RowJoint {
     double reach = 0;  // how far from it anything that moves with it may lie, model space
 };
 
-// What a joint has instead of rows that do not change, and where those that do lie.
+// The constant values of a joint, and the places of the rows that it has.
 struct JointLayout {
     Vec3<double> centre{};                          // of parent_space * parent_from_joint
     Vec3<double> scale{1, 1, 1};                    // if uniform: one scale of these spaces, three times

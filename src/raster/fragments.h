@@ -57,13 +57,13 @@ private:
         store(of_lanes, alphas);
         constexpr uint32_t kSamples = Pattern<kInto>::kCount;
         const float* const grid = target_.frame.scene.map_grid;
-        const bool is_map = kInto == Into::kMap;
-        const uint32_t left = is_map ? static_cast<uint32_t>(grid[0]) : 0,
-                       top = is_map ? static_cast<uint32_t>(grid[1]) : 0;
+        const auto on_grid = [&](uint32_t texel, size_t axis) {
+            return kInto == Into::kMap ? (texel + static_cast<uint32_t>(grid[axis])) & 65535u : texel;
+        };
         for (uint32_t i = 0; i < count_; ++i) {
             uint32_t covered = 0;
             for (uint32_t sample = 0; sample < kSamples; ++sample)
-                if (covers(of_lanes[i], left + x_[i], top + y_[i], sample, kSamples, draw_.layer))
+                if (covers(of_lanes[i], on_grid(x_[i], 0), on_grid(y_[i], 1), sample, kSamples, draw_.layer))
                     covered |= 1u << sample;
             samples_[i] &= covered;
         }

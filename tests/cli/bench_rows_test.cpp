@@ -17,6 +17,7 @@ TEST(BenchRows, SayWhyThereAreNoTimes) {
     EXPECT_TRUE(print_untimed({{"wrong", true}, {"max_error", std::nan("")}}, "not measured"));
     EXPECT_TRUE(print_untimed({{"wrong", true}, {"alike_db", 12.5}}, "not measured", " dB alike", "alike_db"));
     EXPECT_TRUE(print_untimed({{"wrong", true}}, "not measured", " dB alike", "alike_db"));
+    EXPECT_TRUE(print_untimed({{"wrong", true}, {"max_error", nullptr}, {"characters", 40}, {"found", 41}}, ""));
     EXPECT_TRUE(print_untimed({{"unsupported_reason", "there is no llvmpipe"}}, "not measured"));
     EXPECT_FALSE(print_untimed({{"ms", 3}}, "not measured"));
     EXPECT_EQ(GetCapturedStdout(),
@@ -24,6 +25,7 @@ TEST(BenchRows, SayWhyThereAreNoTimes) {
               "WRONG, not timed: a number is missing or not finite\n"
               "WRONG, not timed: it is 12.5 dB alike\n"
               "WRONG, not timed\n"
+              "WRONG, not timed: there are 41 characters, not 40\n"
               "not measured: there is no llvmpipe\n");
 }
 

@@ -48,6 +48,9 @@ TEST_F(CliRender, ClipsAreChosenByNameOrNumber) {
     EXPECT_TRUE(refuses({"--clip", "./walkr.glb=0"}, "did you mean 'walker.glb'?"));
     EXPECT_EQ(picture("all.png", {"--clip", "0", "--blend", "1", "--weight", "1"}), first);
     EXPECT_NE(picture("half.png", {"--clip", "0", "--blend", "1"}), first);
+    const std::string blended = picture("blended.png", {"--clip", "walker.glb=0", "--blend", "walker.glb=1"});
+    EXPECT_NE(blended, one_file);
+    EXPECT_EQ(picture("blended.png", {"--clip", "walker.glb=0", "--blend", "1"}), blended) << "by those with a clip";
 
     EXPECT_TRUE(refuses({"--clip", "nowhere"}, "there is no clip 'nowhere'. There are: "));
     EXPECT_TRUE(refuses({"--clip", "fox.glb=0"}, "--clip fox.glb=0: there is no file 'fox.glb'. There are: "));

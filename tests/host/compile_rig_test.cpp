@@ -240,11 +240,27 @@ TEST(Compile, AnAssetWithNothingToDrawIsRefused) {
     builder.node(kNone);
     const Error error = refusal_of(builder.asset);
     EXPECT_EQ(error.code, ErrorCode::kUnsupported);
-    EXPECT_TRUE(contains(error.text(), "no skin and no mesh: there is nothing to draw")) << error.text();
+    EXPECT_TRUE(contains(error.text(), "no skin and no triangles: there is nothing to draw")) << error.text();
     EXPECT_FALSE(contains(error.text(), "animation")) << error.text();
     builder.asset.clips.emplace_back();
     EXPECT_TRUE(contains(refusal_of(builder.asset).text(), "only animation"));
     EXPECT_EQ(refusal_of({}).code, ErrorCode::kUnsupported);
+}
+
+// Points and lines have no indices.
+TEST(Compile, WhatIsNotDrawnNeedsNoJoint) {
+    AssetBuilder lines;
+    lines.asset.meshes[lines.mesh(lines.node(kNone))].primitives[0].indices.clear();
+    EXPECT_TRUE(contains(refusal_of(lines.asset).text(), "no triangles: there is nothing to draw"));
+
+    AssetBuilder avatar;
+    const uint32_t joint = avatar.node(kNone), beside = avatar.node(kNone);
+    avatar.asset.meshes[avatar.mesh(beside)].primitives[0].indices.clear();
+    AssetMesh& skinned = avatar.asset.meshes[avatar.mesh(beside, avatar.skin({joint}))];
+    skinned.primitives.push_back(avatar.asset.meshes[0].primitives[0]);
+    EXPECT_EQ(compiled(avatar.asset).rig.nodes, std::vector<uint32_t>{joint});
+    skinned.primitives[1].indices = {0, 1, 2};
+    EXPECT_EQ(compiled(avatar.asset).rig.nodes, (std::vector<uint32_t>{joint, beside})) << "where it is drawn";
 }
 
 TEST(Compile, ASkinWithoutAMeshIsEnough) {

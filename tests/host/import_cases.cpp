@@ -36,13 +36,7 @@ void expect_refused(const GlbBuilder& b, const std::string& place, const std::st
 }
 void expect_limit(const GlbBuilder& b, const std::string& place) { expect_refused(load(b), ErrorCode::kLimit, place); }
 
-OpenedBuffers::OpenedBuffers(const GlbBuilder& b)
-    : text_(b.json.dump()),
-      json_(text_, JsonAuthor::kProgram),
-      container_{text_, b.bin},
-      buffers(json_.view(), container_, none_, budget) {}
-
-bool OpenedBuffers::has_room(uint64_t size_bytes) {
+bool has_room(gltf::Budget& budget, uint64_t size_bytes) {
     try {
         gltf::TemporaryCharge(budget).add(1, size_bytes, "");
         return true;
@@ -50,6 +44,12 @@ bool OpenedBuffers::has_room(uint64_t size_bytes) {
         return false;
     }
 }
+
+OpenedBuffers::OpenedBuffers(const GlbBuilder& b)
+    : text_(b.json.dump()),
+      json_(text_, JsonAuthor::kProgram),
+      container_{text_, b.bin},
+      buffers(json_.view(), container_, none_, budget) {}
 
 GltfJson& primitive(GlbBuilder& b) { return b.json["meshes"][0]["primitives"][0]; }
 GltfJson& attributes(GlbBuilder& b) { return primitive(b)["attributes"]; }

@@ -32,14 +32,15 @@ GltfJson& attributes(GlbBuilder& b);
 GltfJson& sampler(GlbBuilder& b);
 GltfJson& channel(GlbBuilder& b);
 
+// Whether `size_bytes` more could be charged.
+bool has_room(gltf::Budget& budget, uint64_t size_bytes);
+
 // The buffers of a file as readers see them, and what they are charged to.
 class OpenedBuffers {
 public:
     explicit OpenedBuffers(const GlbBuilder& b);
 
     JsonView root() const { return json_.view(); }
-    // Whether `size_bytes` more could be charged.
-    bool has_room(uint64_t size_bytes);
 
 private:
     const std::string text_;

@@ -1,4 +1,5 @@
 // Clips: their keys, channels and interpolations.
+#include "import/readers.h"
 #include "tests/host/compile_cases.h"
 #include "tests/host/import_cases.h"
 #include "tests/test_rig.h"
@@ -123,6 +124,24 @@ TEST(Import, KeyTimesThatGoBackAreSorted) {
     expect_keys(with_keys({before(1.0f), 1, 1}), {before(1.0f), 1}, {1, 3});
     expect_keys(with_keys({1e-39f, 1e-39f}), {1e-39f}, {2});
     expect_keys(with_keys({1e-33f, 1e-33f}), {1e-33f}, {2});
+}
+
+// Which keys of the file they are is known only while they are read.
+TEST(Import, WhatSortsKeysIsGivenBack) {
+    GlbBuilder b = tiny_character();
+    b.json["buffers"][0]["byteLength"] = b.bin.size();
+    overwrite(b, kTimes, 0, 2.0f);
+    OpenedBuffers file(b);
+    gltf::Warnings warnings("");
+    gltf::Accessors accessors(file.root(), file.buffers, file.budget, warnings);
+    gltf::Reading reading{file.root(), file.buffers, accessors, file.budget, warnings, false};
+    Asset asset;
+    asset.nodes.resize(3);
+    read_clips(reading, asset);
+    ASSERT_EQ(asset.clips.at(0).tracks.at(0).times_s, (std::vector<float>{1, 2}));
+    const uint64_t kept_bytes = sizeof(AssetClip) + sizeof(AssetTrack) + 2 * (1 + 4) * sizeof(float);
+    EXPECT_TRUE(has_room(file.budget, gltf::kMemoryLimitBytes - kept_bytes));
+    EXPECT_FALSE(has_room(file.budget, gltf::kMemoryLimitBytes - kept_bytes + 1));
 }
 
 TEST(Import, MendedKeysAreOneWarningAClip) {

@@ -80,15 +80,15 @@ TEST(Import, DracoGivesItsMemoryBack) {
     {
         const gltf::DracoMesh mesh(*primitive.extension("KHR_draco_mesh_compression"), file.buffers, file.budget);
         // 2 triangles of 12 bytes; 4 vertices of 12, 4 and 16 bytes, and 4 for each attribute.
-        EXPECT_TRUE(file.has_room(gltf::kMemoryLimitBytes - 200));
-        EXPECT_FALSE(file.has_room(gltf::kMemoryLimitBytes - 199));
+        EXPECT_TRUE(has_room(file.budget, gltf::kMemoryLimitBytes - 200));
+        EXPECT_FALSE(has_room(file.budget, gltf::kMemoryLimitBytes - 199));
         gltf::AccessorFormat format{.type = "VEC3", .component_count = 3, .count = 4};
         const auto view = mesh.attribute("POSITION", format);
         ASSERT_TRUE(view);
         EXPECT_EQ(view->count(), 4u);
-        EXPECT_FALSE(file.has_room(gltf::kMemoryLimitBytes - 200)) << "the vertices as floats";
+        EXPECT_FALSE(has_room(file.budget, gltf::kMemoryLimitBytes - 200)) << "the vertices as floats";
     }
-    EXPECT_TRUE(file.has_room(gltf::kMemoryLimitBytes));
+    EXPECT_TRUE(has_room(file.budget, gltf::kMemoryLimitBytes));
 }
 
 TEST(Import, BrokenDraco) {

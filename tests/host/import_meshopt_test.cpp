@@ -134,9 +134,9 @@ TEST(Import, WhatMeshoptHasDecompressedIsGivenBack) {
         std::memcpy(&x, bytes.data() + 12, sizeof(x));
         EXPECT_EQ(x, 1) << "of the second vertex";
         EXPECT_EQ(file.buffers.view_of(accessor).bytes.data(), bytes.data()) << "decompressed once";
-        EXPECT_FALSE(file.has_room(gltf::kMemoryLimitBytes - 35));
+        EXPECT_FALSE(has_room(file.budget, gltf::kMemoryLimitBytes - 35));
         file.buffers.free_decompressed();
-        EXPECT_TRUE(file.has_room(gltf::kMemoryLimitBytes));
+        EXPECT_TRUE(has_room(file.budget, gltf::kMemoryLimitBytes));
     }
 }
 

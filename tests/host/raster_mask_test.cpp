@@ -102,9 +102,10 @@ TEST(RasterMask, WhatIsBlendedIsCoveredByTheGridOfTheMap) {
         square.material.is_blended = true;
         raster::Frame& frame = square.picture.frame;
         for (size_t k = 0; k < 2; ++k) {
-            frame.scene.map_grid[k] = 100;
+            constexpr uint32_t kFirst = 65534;  // of 65536
+            frame.scene.map_grid[k] = static_cast<float>(kFirst);
             if (!is_moved) continue;
-            frame.scene.map_grid[k] += static_cast<float>(kMoved[k]);
+            frame.scene.map_grid[k] = static_cast<float>((kFirst + kMoved[k]) % 65536);
             frame.scene.map_from_world[k][3] -= static_cast<float>(kMoved[k]) / static_cast<float>(frame.map_size);
         }
         return square.picture.drawn_map(isa);

@@ -302,6 +302,14 @@ TEST(Summary, AMillionIsPredictedByItsOwnRecords) {
     EXPECT_EQ(count_of(summary(of_other_view), "| 0.100 |"), 0u);
 }
 
+TEST(Summary, WhatIsPredictedWasNotMeasured) {
+    const Json of_machine_code{{"bench", "million"}, {"configuration", "a million"}, {"family", "navi21"}};
+    Json prediction = of_machine_code, none = of_machine_code;
+    prediction.update({{"machine", "RTX 3080"}, {"ms", {{"median", 0.1}}}});
+    none["unsupported_reason"] = "the character is updated stage by stage";
+    EXPECT_TRUE(measured_times(std::vector<Json>{prediction, none}, {}).empty());
+}
+
 TEST(Summary, ScansArePredictedInMemoryAndOfTheSameSkeleton) {
     const Json record{{"bench", "scan"},     {"experiment", "levels"}, {"method", "stream"}, {"shape", "random"},
                       {"seed", 1},           {"characters", 10'000},   {"joints", 300},      {"levels", 60},

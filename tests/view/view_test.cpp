@@ -13,7 +13,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstddef>
 #include <cstdlib>
+#include <initializer_list>
 #include <optional>
 #include <thread>
 
@@ -409,6 +411,7 @@ TEST_F(View, RefusesInOneLine) {
     refused({file("one.glb"), "--size", "1x1"}, "--size", display_->name());
     refused({file("one.glb"), "--count", "200000"}, "100000", display_->name());
     refused({file("one.glb"), "--device", "nobody's"}, "nobody's", display_->name());
+    refused({file("one.glb"), "--device", "native"}, "cannot show pictures", display_->name());
     refused({file("one.glb"), "--screenshot", file("picture.jpg")}, "picture.jpg: pictures are .png files",
             display_->name());
     refused({file("one.glb"), "--count", "3", "--camera", "follow:character=3"}, "there are 3 characters",
@@ -419,21 +422,34 @@ TEST_F(View, RefusesInOneLine) {
     EXPECT_EQ(run_tool({"view", file("one.glb"), "--count", "200000"}, in_window).exit_code, 2) << "a wrong option";
 }
 
+// How many presses of this key the actions of a frame are.
+std::ptrdiff_t pressed(view::KeyPresses& presses, int key, unsigned character, std::initializer_list<int> actions) {
+    for (const int action : actions) {
+        presses.add_key(key, action, 0);
+        if (action != GLFW_RELEASE) presses.add_character(character);
+    }
+    return std::ranges::count(presses.take(), character, &view::KeyPress::character);
+}
+
 TEST(ViewKeyPresses, AHeldKeyCountsOnce) {
     view::KeyPresses presses;
-    const auto press_k = [&](int action) {
-        presses.add_key(GLFW_KEY_K, action, 0);
-        if (action != GLFW_RELEASE) presses.add_character('k');
-    };
-    const auto typed = [&] {
-        return std::ranges::count_if(presses.take(),
-                                     [](const view::KeyPress& press) { return press.character == 'k'; });
-    };
-    for (const int action : {GLFW_PRESS, GLFW_REPEAT, GLFW_REPEAT}) press_k(action);
-    EXPECT_EQ(typed(), 1);
-    for (const int action : {GLFW_REPEAT, GLFW_RELEASE, GLFW_PRESS, GLFW_RELEASE, GLFW_PRESS}) press_k(action);
-    EXPECT_EQ(typed(), 2);
+    const auto press_k = [&](std::initializer_list<int> actions) { return pressed(presses, GLFW_KEY_K, 'k', actions); };
+    EXPECT_EQ(press_k({GLFW_PRESS, GLFW_REPEAT, GLFW_REPEAT}), 1);
+    EXPECT_EQ(press_k({GLFW_REPEAT, GLFW_RELEASE, GLFW_PRESS, GLFW_RELEASE, GLFW_PRESS}), 2);
     EXPECT_TRUE(presses.all().empty());
+}
+
+TEST(ViewKeyPresses, AHeldKeyThatStepsCountsInEachFrame) {
+    for (const unsigned character : {'.', '+', '-'}) {
+        view::KeyPresses presses;
+        const auto press = [&](std::initializer_list<int> actions) {
+            return pressed(presses, GLFW_KEY_PERIOD, character, actions);
+        };
+        EXPECT_EQ(press({GLFW_PRESS, GLFW_REPEAT}), 1);
+        EXPECT_EQ(press({GLFW_REPEAT, GLFW_REPEAT}), 1) << "a slow frame does not make up for steps";
+        EXPECT_EQ(press({GLFW_RELEASE}), 0);
+        EXPECT_EQ(press({GLFW_PRESS, GLFW_RELEASE, GLFW_PRESS}), 2);
+    }
 }
 
 TEST(ViewDevice, IsTheSameOfSeveralWithOneName) {

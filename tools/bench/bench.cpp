@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <optional>
+#include <utility>
 
 namespace throng::tools {
 namespace {
@@ -75,10 +76,16 @@ public:
 
     const Device& device() const { return device_; }
 
+    // If a method fails, those before it are timed and shown all the same.
     void run(const std::vector<std::string>& scans) {
-        for (const std::string& scan : scans) {
-            if (!fits_another()) time_group();
-            check(scan);
+        try {
+            for (const std::string& scan : scans) {
+                if (!fits_another()) time_group();
+                group_.push_back(check(scan));
+            }
+        } catch (...) {
+            time_group();
+            throw;
         }
         time_group();
         measured_.finish("", "a scan method");
@@ -102,15 +109,15 @@ private:
         return held_bytes + last_bytes <= device_.gpu()->largest_heap_bytes() / 2;
     }
 
-    void check(const std::string& scan) {
+    Method check(const std::string& scan) {
         print_progress(scan + ": checking");
-        Method& method = group_.emplace_back(Method{.record = bench::where_and_when(device_.info())});
+        Method method{.record = bench::where_and_when(device_.info())};
         Json& record = method.record;
         record.update({{"bench", "update"}, {"scan", scan}});
         Result<Crowd> created = Crowd::create(device_, {.groups = field_.groups, .path = options_.path, .scan = scan});
         if (!created && created.error().code == ErrorCode::kUnsupported && options_.scan == "all") {
             record["unsupported_reason"] = created.error().message;
-            return;
+            return method;
         }
         Crowd crowd = unwrap(std::move(created));
         unwrap(crowd.set_playback(crowd.instances(), field_.playback));
@@ -127,19 +134,31 @@ private:
             method.crowd = std::move(crowd);
         else
             record["wrong"] = true;
+        return method;
     }
 
     void time_group() {
+        std::vector<Method> group = std::exchange(group_, {});
         std::vector<bench::Contestant> contestants;
-        for (Method& method : group_)
+        for (Method& method : group)
             if (method.crowd)
                 contestants.push_back({text(method.record, "scan"), [&] { method.times.take(load_, *method.crowd); }});
-        bench::run_rounds(contestants, options_.samples, print_progress);
-        for (Method& method : group_) {
+        try {
+            bench::run_rounds(contestants, options_.samples, print_progress);
+        } catch (...) {
+            add(group);
+            throw;
+        }
+        add(group);
+    }
+
+    // Leaves out those that had no turn before another one failed.
+    void add(std::vector<Method>& group) {
+        for (Method& method : group) {
+            if (method.crowd && method.times.count() == 0) continue;
             if (method.crowd) add_times(method.record, method.times);
             measured_.add({&method.record, 1}, [&] { print_update_row(method.record); });
         }
-        group_.clear();
     }
 
     uint64_t joint_count() const {
@@ -153,7 +172,7 @@ private:
         Json stages;
         for (size_t s = 0; s < stage_names().size(); ++s)
             stages[stage_names()[s]] = bench::spread_json(times.stage(s), "_ms");
-        record.update({{"samples", options_.samples},
+        record.update({{"samples", times.count()},
                        {"host_samples", times.count_by_host()},
                        {"stages", stages},
                        {"total", bench::spread_json(times.total(), "_ms")},

@@ -60,7 +60,7 @@ void print_views(std::span<const Json> records) {
 }
 
 void print_recording(std::span<const Json> records) {
-    const auto is_recording = [](const Json& record) { return !record.contains("view") && !record.contains("family"); };
+    const auto is_recording = [](const Json& record) { return bench::is_measured(record) && !record.contains("view"); };
     if (std::ranges::none_of(records, is_recording)) return;
     std::printf("\nthe CPU's part of a frame that the device computes\n%10s %10s %19s\n", "characters", "ms",
                 "5 % - 95 %");

@@ -6,6 +6,7 @@
 #include "tools/cli/command.h"
 #include "tools/scene/camera_path.h"
 
+#include <cmath>
 #include <cstdio>
 
 namespace throng::tools {
@@ -24,7 +25,9 @@ struct ViewOptions {
 void print_view_row(const Json& record) {
     std::printf("%-18s ", text(record, "variant").c_str());
     const std::string pixels = record.contains("max_pixels") ? ", and " + record["max_pixels"].dump() + " pixels" : "";
-    if (print_untimed(record, "not measured", " of the size off" + pixels)) return;
+    const bool are_finite = pixels.empty() || !std::isnan(bench::number(record, "max_pixels"));
+    if (print_untimed(record, "not measured", " of the size off" + pixels, are_finite ? "max_error" : "max_pixels"))
+        return;
     print_columns(record, {{"%9.3f", "ms/median"}, {" %9.3f", "ms/p5"}, {" -%8.3f ", "ms/p95"}});
     if (record.contains("times_faster"))
         print_columns(record, {{"%7.2f ", "times_faster"}});

@@ -103,6 +103,9 @@ void print_columns(const Json& record, std::initializer_list<Column> columns) {
 bool print_untimed(const Json& record, const char* not_done, const std::string& off, const std::string& field) {
     if (record.contains("unsupported_reason"))
         std::printf("%s: %s\n", not_done, text(record, "unsupported_reason").c_str());
+    else if (record.contains("wrong") && record.contains("found"))
+        std::printf("WRONG, not timed: there are %.0f characters, not %.0f\n", real(record, "found"),
+                    real(record, "characters"));
     else if (record.contains("wrong") && record.contains(field) && std::isnan(bench::number(record, field)))
         std::printf("WRONG, not timed: a number is missing or not finite\n");
     else if (record.contains("wrong") && record.contains(field))

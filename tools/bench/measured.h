@@ -65,7 +65,7 @@ void print_columns(const Json& record, std::initializer_list<Column> columns);
 
 // Prints why a record has no times; returns whether it has none. `not_done` is printed for a method that does not
 // apply. `field` names the error of a wrong result, if the record has it; `off` is printed after its number, if that is
-// finite.
+// finite. If "found" says that there are more or fewer "characters", that is printed instead.
 bool print_untimed(const Json& record, const char* not_done, const std::string& off = " of the size off",
                    const std::string& field = "max_error");
 

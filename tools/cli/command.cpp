@@ -59,11 +59,17 @@ std::string keys_text(const Character& character) {
     return percent.data();
 }
 
-std::vector<Character> load_characters(const std::vector<std::string>& files, const CompileSettings& settings) {
+std::vector<Character> load_characters(const std::vector<std::string>& files, const CompileSettings& settings,
+                                       const LoadHooks& hooks) {
     std::vector<Character> characters;
+    LoadHooks of_each = hooks;
+    if (hooks.progress)
+        of_each.progress = [&](double part_done) {
+            hooks.progress((static_cast<double>(characters.size()) + part_done) / static_cast<double>(files.size()));
+        };
     for (const std::string& file : files) {
-        print_progress("reading " + file);
-        characters.push_back(unwrap(load_kept_character(file, settings)));
+        if (!hooks.progress) print_progress("reading " + file);
+        characters.push_back(unwrap(load_kept_character(file, settings, of_each)));
         print_warnings(characters.back().warnings);
     }
     print_progress("");

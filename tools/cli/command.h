@@ -48,7 +48,9 @@ Device open_device(const std::string& select);
 // A Vulkan device, for commands that measure its kernels.
 Device open_vulkan_device(const std::string& select);
 
-std::vector<Character> load_characters(const std::vector<std::string>& files, const CompileSettings& settings);
+// Progress, of all files together, is printed if it is not handed to `hooks`.
+std::vector<Character> load_characters(const std::vector<std::string>& files, const CompileSettings& settings,
+                                       const LoadHooks& hooks = {});
 
 // How far a clip with root motion moves its character in one cycle. Needs rows.
 struct Cycle {

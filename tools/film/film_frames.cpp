@@ -22,6 +22,7 @@ namespace throng::tools {
 namespace {
 
 constexpr uint32_t kMostFrames = 1'000'000;
+constexpr uint64_t kDecoding_bytes = uint64_t{1} << 30;
 
 Result<std::vector<std::byte>> content(const std::filesystem::path& path) {
     return as_result([&] { return read_file(path, std::numeric_limits<int>::max(), path.string()); });
@@ -132,10 +133,13 @@ std::vector<uint32_t> FrameFiles::missing(const FrameRange& range, const Shard& 
         if (shard.has(frame)) (std::filesystem::exists(path(frame), error) ? there : missing).push_back(frame);
     if (there.empty()) return missing;
     ThreadPool threads(0);
+    // Each takes its pixels twice while it is decoded, and one for which there is no memory would be drawn again
+    const uint64_t room_for = kDecoding_bytes / (8 * uint64_t{width} * height);
+    const size_t at_once = std::clamp<uint64_t>(room_for, 1, threads.concurrency());
     std::vector<char> are_whole(there.size());
-    for (size_t first = 0; first < there.size(); first += threads.concurrency()) {
+    for (size_t first = 0; first < there.size(); first += at_once) {
         report(first, there.size());
-        const auto count = static_cast<uint32_t>(std::min<size_t>(threads.concurrency(), there.size() - first));
+        const auto count = static_cast<uint32_t>(std::min(at_once, there.size() - first));
         for_each_job(threads, count,
                      [&](uint32_t i) { are_whole[first + i] = is_whole(path(there[first + i]), width, height); });
     }

@@ -50,11 +50,22 @@ size_t equals_sign(const std::vector<std::string>& files, const std::string& one
     return found;
 }
 
-// The value of an option for each file, from "VALUE" for all files or "FILE=VALUE"; empty if it has none.
-std::vector<std::string> of_files(const std::vector<std::string>& files, const std::vector<std::string>& given,
-                                  const std::string& option) {
-    std::vector<std::string> values(files.size());
+// The values of an option: "VALUE" for all files, "FILE=VALUE" for one. Empty where there is none.
+struct GivenValues {
     std::string of_all;
+    std::vector<std::string> of_one;  // [files]
+
+    std::vector<std::string> of_each() const {
+        std::vector<std::string> values = of_one;
+        for (std::string& value : values)
+            if (value.empty()) value = of_all;
+        return values;
+    }
+};
+
+GivenValues given_values(const std::vector<std::string>& files, const std::vector<std::string>& given,
+                         const std::string& option) {
+    GivenValues values{.of_all = {}, .of_one = std::vector<std::string>(files.size())};
     const auto set = [&](std::string& value, const std::string& one, const std::string& given_value) {
         if (given_value.empty()) throw UsageError(option + " " + one + ": nothing is given behind '='");
         if (!value.empty()) throw UsageError(option + " " + one + ": there is one already, '" + value + "'");
@@ -63,29 +74,29 @@ std::vector<std::string> of_files(const std::vector<std::string>& files, const s
     for (const std::string& one : given) {
         const size_t equals = equals_sign(files, one);
         if (equals == std::string::npos) {
-            set(of_all, one, one);
+            set(values.of_all, one, one);
             continue;
         }
-        set(values[file_named(files, one.substr(0, equals), option + " " + one)], one, one.substr(equals + 1));
+        set(values.of_one[file_named(files, one.substr(0, equals), option + " " + one)], one, one.substr(equals + 1));
     }
-    for (std::string& value : values)
-        if (value.empty()) value = of_all;
     return values;
 }
 
 // The clips that the characters of each file are to play. Empty: those at random, or none to blend with.
 struct WantedClips {
-    // Throws UsageError where a clip that was asked for would not be played.
+    // Throws UsageError where a clip that was asked for would not be played. A second one for all files is played by
+    // those that have a first.
     explicit WantedClips(const SceneOptions& options)
-        : first(of_files(options.files, options.clips, "--clip")),
-          second(of_files(options.files, options.blends, "--blend")) {
+        : first(given_values(options.files, options.clips, "--clip").of_each()) {
+        const GivenValues blends = given_values(options.files, options.blends, "--blend");
+        second = blends.of_each();
         const std::vector<std::string> controller_of = controller_files(options);
         for (size_t k = 0; k < options.files.size(); ++k) {
             if (!controller_of[k].empty() && !first[k].empty())
                 throw UsageError("--clip " + first[k] + ": " + options.files[k] +
                                  " has a controller, which chooses the clips");
-            if (!second[k].empty() && first[k].empty())
-                throw UsageError("--blend " + second[k] + ": " + options.files[k] +
+            if (!blends.of_one[k].empty() && first[k].empty())
+                throw UsageError("--blend " + blends.of_one[k] + ": " + options.files[k] +
                                  " has no --clip that it could be blended with");
         }
     }
@@ -175,11 +186,11 @@ std::vector<uint32_t> counts_of(const SceneOptions& options) {
 }
 
 std::vector<std::string> controller_files(const SceneOptions& options) {
-    return of_files(options.files, options.controllers, "--controller");
+    return given_values(options.files, options.controllers, "--controller").of_each();
 }
 
 std::vector<std::string> look_files(const SceneOptions& options) {
-    return of_files(options.files, options.looks, "--looks");
+    return given_values(options.files, options.looks, "--looks").of_each();
 }
 
 std::vector<std::string> input_files(const SceneOptions& options) {

@@ -58,7 +58,9 @@ void Context::find_device(const std::string& select) {
         vkGetPhysicalDeviceProperties(device, &properties);
         names_here.push_back(properties.deviceName);
     }
-    const std::optional<size_t> found = same_device(names, chosen.index, names_here);
+    // The native device has a number of its own, which would be the first of Vulkan's
+    const std::optional<size_t> found = chosen.type == "native" ? std::nullopt
+                                                                : same_device(names, chosen.index, names_here);
     if (!found)
         throw CommandError("device " + device_name_ +
                            " cannot show pictures in a window: choose another with --device");

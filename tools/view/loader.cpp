@@ -1,7 +1,6 @@
 #include "tools/view/loader.h"
 
 #include "tools/cli/command.h"
-#include "tools/cli/kept_characters.h"
 
 #include <chrono>
 #include <utility>
@@ -14,23 +13,10 @@ void Loader::start(std::vector<std::string> files, const CompileSettings& settin
     future_ = std::async(std::launch::async,
                          [before = std::move(future_), files = std::move(files), settings, job = job_]() mutable {
                              before = {};  // waits for its end: characters of two loads need not fit into memory
-                             return read(files, settings, *job);
+                             const LoadHooks hooks{.progress = [&](double part_done) { job->part_done = part_done; },
+                                                   .is_cancelled = [&] { return job->is_cancelled.load(); }};
+                             return tools::load_characters(files, settings, hooks);
                          });
-}
-
-std::vector<Character> Loader::read(const std::vector<std::string>& files, const CompileSettings& settings, Job& job) {
-    std::vector<Character> characters;
-    const LoadHooks hooks{.progress =
-                              [&](double part_done) {
-                                  job.part_done = (static_cast<double>(characters.size()) + part_done) /
-                                                  static_cast<double>(files.size());
-                              },
-                          .is_cancelled = [&] { return job.is_cancelled.load(); }};
-    for (const std::string& file : files) {
-        characters.push_back(tools::unwrap(tools::load_kept_character(file, settings, hooks)));
-        tools::print_warnings(characters.back().warnings);
-    }
-    return characters;
 }
 
 std::optional<std::vector<Character>> Loader::take(bool waits) {

@@ -35,8 +35,6 @@ private:
         std::atomic<bool> is_cancelled{false};
         std::atomic<double> part_done{0};
     };
-    static std::vector<Character> read(const std::vector<std::string>& files, const CompileSettings& settings,
-                                       Job& job);
     void cancel() {
         if (job_) job_->is_cancelled = true;
     }

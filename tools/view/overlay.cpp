@@ -58,17 +58,19 @@ void draw_keys(State& state) {
     ImGui::End();
 }
 
-void draw_message(State& state) {
+void draw_messages(State& state) {
     constexpr float kShown_s = 8;
     state.message_age_s += ImGui::GetIO().DeltaTime;
-    if (state.message.empty() || state.message_age_s > kShown_s) return;
+    const bool says = !state.message.empty() && state.message_age_s <= kShown_s;
+    if (!says && state.progress.empty()) return;
     const ImVec2 display = ImGui::GetIO().DisplaySize;
     const float gap = scaled(kPanelGap);
     begin_notice("message", {display.x / 2, gap}, {0.5f, 0});
     ImGui::PushTextWrapPos(display.x * 0.5f);
-    if (state.message_is_error)
+    if (!state.progress.empty()) ImGui::TextUnformatted(state.progress.c_str());
+    if (says && state.message_is_error)
         ImGui::TextColored({1, 0.55f, 0.45f, 1}, "%s", state.message.c_str());
-    else
+    else if (says)
         ImGui::TextUnformatted(state.message.c_str());
     ImGui::PopTextWrapPos();
     ImGui::End();

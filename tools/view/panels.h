@@ -13,10 +13,10 @@ void draw_graph(const Measured& measured);
 void draw_inspector(State& state, Scene& scene, const Measured& measured);
 // The part of the picture that the first two leave free; the full width, or height, if that would be less than a third.
 PicturePart part_without_panels();
-// Over the picture: the selected character's box, the keys, the last message.
+// Over the picture: the selected character's box, the keys, progress and the last message.
 void draw_selection(const State& state, const Scene& scene);
 void draw_keys(State& state);
-void draw_message(State& state);
+void draw_messages(State& state);
 
 inline constexpr float kPanelGap = 10;  // for scaled(), as all lengths below
 inline constexpr float kSettingsWidth = 290, kInspectorWidth = 290, kGraphHeight = 150;

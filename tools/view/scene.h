@@ -70,8 +70,8 @@ public:
     void set_settings(const SceneSettings& settings);
     // Other characters.
     void set_cast(Cast cast);
-    // [characters]; those without one keep what they have. Clips stay as they were chosen, and so do the parameters of
-    // controllers that stay.
+    // [characters]; those without one keep what they have. Clips stay as they were chosen, and so do the parameters
+    // that were set for all characters of a group whose controller stays; those of one character do not.
     void set_controllers(std::vector<std::optional<Controller>> controllers);
     void set_looks(std::vector<std::optional<tools::Looks>> looks);
 

@@ -58,6 +58,7 @@ struct State {
     std::string message;
     bool message_is_error = false;
     float message_age_s = 0;
+    std::string progress;  // of files that are read; empty: none are
 };
 
 // What is known about the last frames.

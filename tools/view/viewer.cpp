@@ -218,7 +218,7 @@ void Viewer::draw_panels() {
         if (state_.selected) draw_inspector(state_, scene_, measured_);
     }
     if (state_.shows_keys) draw_keys(state_);
-    draw_message(state_);
+    draw_messages(state_);
 }
 
 void Viewer::record() {
@@ -284,26 +284,28 @@ void Viewer::save_shot() {
 }
 
 void Viewer::take_dropped() {
-    std::vector<std::string> files;
+    std::vector<std::string> files, json;
     for (std::string& file : window_.take_dropped()) {
         inputs_.push_back(file);
-        (file.ends_with(".json") ? dropped_json_ : files).push_back(std::move(file));
+        (file.ends_with(".json") ? json : files).push_back(std::move(file));
     }
+    if (!files.empty()) dropped_json_.clear();  // meant for characters that are no longer wanted
+    dropped_json_.insert(dropped_json_.end(), json.begin(), json.end());
     if (files.empty()) return;
     reading_ = "reading " + std::filesystem::path(files.front()).filename().string() + (files.size() > 1 ? " …" : "");
-    state_.say(reading_);
+    state_.message.clear();  // about what was there before
     loader_.start(std::move(files), options_.scene.compile);
 }
 
 // If a file or a setting is wrong, the window and stderr say so, and the scene stays.
 void Viewer::take_loaded() {
+    state_.progress.clear();
     try {
         if (std::optional<std::vector<Character>> characters = loader_.take(is_scripted())) {
             scene_.set_cast(Cast(std::move(*characters)));
             measured_.feedback = {};
             state_.selected.reset();
             state_.resets_view = true;
-            state_.message.clear();
         }
     } catch (const CommandError& error) {
         dropped_json_.clear();  // meant for characters that have not come
@@ -311,7 +313,7 @@ void Viewer::take_loaded() {
     }
     if (loader_.is_busy()) {
         const int percent = static_cast<int>(100 * loader_.part_done());
-        if (!state_.message_is_error) state_.say(reading_ + ", " + std::to_string(percent) + " %");
+        state_.progress = reading_ + ", " + std::to_string(percent) + " %";
         return;
     }
     for (const std::string& file : std::exchange(dropped_json_, {})) {

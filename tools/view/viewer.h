@@ -68,7 +68,7 @@ private:
     Renderer renderer_;
     Scene scene_;
     Loader loader_;
-    std::string reading_;                    // what the message says while that lasts
+    std::string reading_;                    // what `state_.progress` says while that lasts
     std::vector<std::string> dropped_json_;  // files, to be used once the characters are there
     std::optional<Script> script_;
     State state_;

@@ -6,6 +6,7 @@
 #define GLFW_INCLUDE_NONE
 #include <GLFW/glfw3.h>
 
+#include <algorithm>
 #include <span>
 #include <string>
 #include <utility>
@@ -21,7 +22,7 @@ struct KeyPress {
 };
 
 // What was pressed since it was last taken, even if it has been released since: a frame can take longer than a key
-// press. A key that is held counts once, however often the keyboard repeats it.
+// press. A key that is held counts once, however often the keyboard repeats it; one that steps, once each time.
 class KeyPresses {
 public:
     // As GLFW reports them: first a key, then what it has typed.
@@ -30,13 +31,19 @@ public:
         if (action == GLFW_PRESS) pressed_.push_back({.key = key, .with_ctrl = (modifiers & GLFW_MOD_CONTROL) != 0});
     }
     void add_character(unsigned character) {
-        if (!is_repeated_) pressed_.push_back({.character = character});
+        if (!is_repeated_ || (steps(character) && !is_waiting(character))) pressed_.push_back({.character = character});
     }
 
     std::span<const KeyPress> all() const { return pressed_; }
     std::vector<KeyPress> take() { return std::exchange(pressed_, {}); }
 
 private:
+    // On by a frame, to more characters, to fewer
+    static bool steps(unsigned character) { return character == '.' || character == '+' || character == '-'; }
+    bool is_waiting(unsigned character) const {
+        return std::ranges::any_of(pressed_, [&](const KeyPress& press) { return press.character == character; });
+    }
+
     std::vector<KeyPress> pressed_;
     bool is_repeated_ = false;
 };

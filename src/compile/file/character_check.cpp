@@ -259,11 +259,11 @@ private:
         Ranges vertices{"its vertices begin at ", "its vertices end at ", c_.vertices.size()},
             influences{"its influences begin at ", "its influences end at ", c_.influences.size()},
             indices{"its indices begin at ", "its indices end at ", c_.indices.size()};
-        check_limit("sections", c_.sections.size(), " of them", kSectionLimit);
+        check_limit("mesh sections", c_.sections.size(), " of them", kSectionLimit);
         check_count("section names", c_.section_names.size(), c_.sections.size());
         for (size_t i = 0; i < c_.sections.size(); ++i) {
             const MeshSection& section = c_.sections[i];
-            const std::string where = at("sections", i);
+            const std::string where = at("mesh sections", i);
             if (section.influence_sets == 0 || section.influence_sets > kPaletteLimit / 4)
                 fail(where, section.influence_sets, " sets of influences");
             advance(vertices, where, section.first_vertex, section.vertex_count);
@@ -277,7 +277,7 @@ private:
                 fail(where, "material ", section.material, " of ", c_.materials.size());
         }
         for (const Ranges& ranges : {vertices, influences, indices})
-            if (ranges.next != ranges.size) fail("sections", "leave vertices, influences or indices out");
+            if (ranges.next != ranges.size) fail("mesh sections", "leave vertices, influences or indices out");
         check_finite("vertices", c_.vertices,
                      [](const Vertex& vertex) { return all_finite(vertex.position) && all_finite(vertex.texcoord); });
         for (size_t i = 0; i < c_.influences.size(); ++i)
@@ -344,7 +344,8 @@ private:
         for (size_t i = 0; i < c_.sections.size(); ++i) {
             const MeshSection& section = c_.sections[i];
             const uint64_t end = uint64_t{section.first_morph} + section.morph_count;
-            if (end > c_.morphs.size()) fail(at("sections", i), "its morphs end at ", end, " of ", c_.morphs.size());
+            if (end > c_.morphs.size())
+                fail(at("mesh sections", i), "its morphs end at ", end, " of ", c_.morphs.size());
             for (size_t v = section.first_vertex; v < size_t{section.first_vertex} + section.vertex_count; ++v) {
                 const uint32_t first = c_.vertices[v].first_delta;
                 if (first == 0) continue;

@@ -39,18 +39,16 @@ uint32_t pack_color(const std::array<float, 4>& color) {
     return packed;
 }
 
-// [node_count]: whether the determinant of model_from_node is negative, in the rest pose.
-std::vector<bool> mirroring_nodes(const Asset& asset) {
+// [node_count]: the sign of the determinant of model_from_node, in the rest pose.
+std::vector<int> determinant_signs(const Asset& asset) {
     const auto sign = [](double x) { return (x > 0) - (x < 0); };
     std::vector<int> signs(asset.nodes.size());
-    std::vector<bool> mirroring(asset.nodes.size());
     for (const uint32_t node : parents_first(asset)) {
         const auto& [x, y, z] = asset.nodes[node].parent_from_node.scale;
         const uint32_t parent = asset.nodes[node].parent;
         signs[node] = sign(x) * sign(y) * sign(z) * (parent == kNone ? 1 : signs[parent]);
-        mirroring[node] = signs[node] < 0;
     }
-    return mirroring;
+    return signs;
 }
 
 // [mesh]: its primitives that have triangles.
@@ -59,7 +57,7 @@ std::vector<std::vector<uint32_t>> drawn_primitives(const Asset& asset) {
     for (size_t mesh = 0; mesh < asset.meshes.size(); ++mesh) {
         const std::vector<AssetPrimitive>& primitives = asset.meshes[mesh].primitives;
         for (uint32_t i = 0; i < primitives.size(); ++i)
-            if (!primitives[i].indices.empty()) drawn[mesh].push_back(i);
+            if (is_drawn(primitives[i])) drawn[mesh].push_back(i);
     }
     return drawn;
 }
@@ -81,7 +79,7 @@ public:
           character_(character),
           progress_(progress),
           drawn_(drawn_primitives(asset)),
-          mirroring_(mirroring_nodes(asset)),
+          determinant_signs_(determinant_signs(asset)),
           anchors_(rigid_anchors(asset, map)) {}
 
     void run() {
@@ -178,7 +176,7 @@ private:
         else
             character_.influences.insert(character_.influences.end(), section.vertex_count,
                                          {{1, 0, 0, 0}, {static_cast<uint16_t>(rigid_entry(instance.node)), 0, 0, 0}});
-        add_indices(primitive, mirroring_[instance.node]);
+        add_indices(primitive, determinant_signs_[instance.node] < 0);
         character_.sections.push_back(section);
         character_.section_names.push_back(printable(name_of(instance), std::string::npos));
     }
@@ -232,8 +230,8 @@ private:
             " skinned vertices, the first of them here, have no weight: they follow their first joint (JOINTS_0)"));
     }
 
-    // glTF 2.0, section 3.7.4: a node that mirrors reverses the winding. Skinned meshes do not follow their node, but
-    // theirs is reversed too: the joints most often lie below the same mirror.
+    // glTF 2.0, section 3.7.4: the determinant of the node's global transform decides the winding, also of skinned
+    // meshes, whose places do not depend on the node. three.js does the same.
     void add_indices(const AssetPrimitive& primitive, bool mirrored) {
         for (size_t i = 0; i + 2 < primitive.indices.size(); i += 3)
             for (const size_t corner : {size_t{0}, mirrored ? size_t{2} : size_t{1}, mirrored ? size_t{1} : size_t{2}})
@@ -245,7 +243,7 @@ private:
     Character& character_;
     const Progress& progress_;
     const std::vector<std::vector<uint32_t>> drawn_;                          // [mesh]: primitives
-    const std::vector<bool> mirroring_;                                       // [node]
+    const std::vector<int> determinant_signs_;                                // [node]
     const std::vector<RigidAnchor> anchors_;                                  // [node]
     std::map<std::vector<PaletteEntry>, uint32_t, ByEntries> first_entries_;  // of each skin that differs
     std::map<uint32_t, uint32_t> rigid_entries_;                              // node -> palette entry

@@ -22,14 +22,19 @@ struct NodeFacts {
     bool moves(uint32_t node) const { return animated[node] || skin_joint[node]; }
 };
 
-// [mesh]: whether a part of it is rigid even at nodes that give it a skin.
-std::vector<bool> partly_rigid_meshes(const Asset& asset) {
-    std::vector<bool> out;
-    for (const AssetMesh& mesh : asset.meshes)
-        out.push_back(
-            std::ranges::any_of(mesh.primitives, [](const AssetPrimitive& p) { return p.influence_count == 0; }));
-    return out;
-}
+// Whether a mesh is drawn, and whether a part of it that is drawn is rigid even at nodes that give it a skin.
+struct MeshFacts {
+    bool drawn = false, partly_rigid = false;
+
+    explicit MeshFacts(const AssetMesh& mesh) {
+        for (const AssetPrimitive& primitive : mesh.primitives) {
+            if (!is_drawn(primitive)) continue;
+            drawn = true;
+            partly_rigid = partly_rigid || primitive.influence_count == 0;
+        }
+    }
+    bool is_rigid(uint32_t skin) const { return skin == kNone ? drawn : partly_rigid; }
+};
 
 // Nodes that must be joints: those of skins, and for each rigid mesh the nearest node at or above it that moves (else
 // its root).
@@ -39,10 +44,10 @@ std::vector<bool> needed_joints(const Asset& asset, const NodeFacts& facts) {
         const uint32_t parent = asset.nodes[node].parent;
         nearest[node] = facts.moves(node) || parent == kNone ? node : nearest[parent];
     }
-    const std::vector<bool> partly_rigid = partly_rigid_meshes(asset);
+    const std::vector<MeshFacts> of_meshes(asset.meshes.begin(), asset.meshes.end());
     std::vector<bool> needed = facts.skin_joint;
     for (const auto& [node, mesh, skin, weights] : asset.mesh_instances)
-        if (skin == kNone || partly_rigid[mesh]) needed[nearest[node]] = true;
+        if (of_meshes[mesh].is_rigid(skin)) needed[nearest[node]] = true;
     return needed;
 }
 
@@ -93,7 +98,7 @@ RigMap build_rig(const Asset& asset) {
         (parent == kNone ? roots : children[parent]).push_back(node);
     }
     if (roots.empty())
-        throw Failure(ErrorCode::kUnsupported, asset.name, "no skin and no mesh: there is nothing to draw",
+        throw Failure(ErrorCode::kUnsupported, asset.name, "no skin and no triangles: there is nothing to draw",
                       asset.clips.empty() ? ""
                                           : ", only animation; add_clips() and 'throng compile CHARACTER --clips FILE' "
                                             "add it to a character");

@@ -32,7 +32,10 @@ struct RigMap {
     uint32_t folded_node_count = 0;
 };
 
-// Throws kUnsupported where the asset has neither skin nor mesh, kLimit beyond 65,535 joints.
+// Whether a primitive has triangles.
+inline bool is_drawn(const AssetPrimitive& primitive) { return !primitive.indices.empty(); }
+
+// Throws kUnsupported where the asset has no skin and draws nothing, kLimit beyond 65,535 joints.
 RigMap build_rig(const Asset& asset);
 
 // All nodes, parents before their children.
@@ -46,7 +49,7 @@ struct RigidAnchor {
     uint32_t joint = kNone;
     AffineT<double> joint_from_mesh;
 };
-// [node_count]; kNone where neither the node nor one above it is a joint, and so none of them has a mesh.
+// [node_count]; kNone where neither the node nor one above it is a joint, and so none of them draws a mesh.
 std::vector<RigidAnchor> rigid_anchors(const Asset& asset, const RigMap& map);
 
 }  // namespace throng
