@@ -1,4 +1,4 @@
-// Counts as the GPU and files have them.
+// Counts and sizes as the GPU and files have them.
 #pragma once
 
 #include <cstdint>
@@ -10,6 +10,10 @@ namespace throng {
 template <class Items>
 uint32_t count_of(const Items& items) {
     return static_cast<uint32_t>(std::size(items));
+}
+
+constexpr uint64_t rounded_up(uint64_t number, uint64_t to_multiple_of) {
+    return (number + to_multiple_of - 1) / to_multiple_of * to_multiple_of;
 }
 
 }  // namespace throng

@@ -1,21 +1,15 @@
 #include "blend/pose_override.h"
 
 #include "base/failure.h"
+#include "base/finite.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 namespace throng {
 namespace {
 
 constexpr double kUniform = 1e-5;  // scales that differ by at most this fraction of the largest count as equal
-
-bool is_finite(const Trs<double>& t) {
-    const auto& [q, p, s] = t;
-    return std::ranges::all_of(std::array{q.x, q.y, q.z, q.w, p.x, p.y, p.z, s.x, s.y, s.z},
-                               [](double x) { return std::isfinite(x); });
-}
 
 bool is_uniform(const Vec3<double>& s) {
     const double bound = kUniform * std::max({std::abs(s.x), std::abs(s.y), std::abs(s.z)});
@@ -63,7 +57,7 @@ std::vector<Trs<double>> checked_pose(std::span<const Trs<float>> parent_from_jo
     for (const Trs<float>& given : parent_from_joint) {
         Trs<double> joint = given.as<double>();
         const auto name = [&] { return "joint " + std::to_string(pose.size()) + ": "; };
-        if (!is_finite(joint)) refuse(place, name() + "a number is not finite");
+        if (!all_finite(joint)) refuse(place, name() + "a number is not finite");
         if (dot(joint.rotation, joint.rotation) == 0) refuse(place, name() + "its rotation has length 0");
         joint.rotation = normalized(joint.rotation);
         if (uniform_scale) {

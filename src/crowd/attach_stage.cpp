@@ -2,6 +2,7 @@
 
 #include "attach/attach.kernel.h"
 #include "base/failure.h"
+#include "base/finite.h"
 #include "crowd/change_stage.h"
 #include "crowd/placement_stage.h"
 #include "crowd/state_archive.h"
@@ -76,7 +77,7 @@ io::InstanceAttachment AttachStage::to_io(uint32_t instance, const Attachment& a
         refuse(place, "the carrier has ", of_carrier.socket_count(), " sockets, in ",
                of_carrier.socket_space == SocketSpace::kWorld ? "world" : "model", " space; there is no socket ",
                attachment.socket, " in world space");
-    if (!is_finite(attachment.socket_from_model)) refuse(place, "socket_from_model: a number is not finite");
+    if (!all_finite(attachment.socket_from_model)) refuse(place, "socket_from_model: a number is not finite");
     return made;
 }
 

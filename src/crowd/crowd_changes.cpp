@@ -83,7 +83,7 @@ void CrowdState::set_playback(const Instances& instances, const Each<Playback>& 
 void CrowdState::set_placement(const Instances& instances, const Each<Affine>& world_from_model) {
     check_there(instances, "placement");
     for (uint32_t i = 0; i < instances.size(); ++i)
-        if (!is_finite(world_from_model[i]))
+        if (!all_finite(world_from_model[i]))
             refuse(ErrorPlace("placement", instances.number(i)), "a number is not finite");
     placements->set(instances, world_from_model);
 }

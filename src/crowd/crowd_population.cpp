@@ -1,5 +1,6 @@
 // Instances that come and go.
 #include "base/failure.h"
+#include "base/finite.h"
 #include "crowd/crowd_state.h"
 
 #include <algorithm>
@@ -25,7 +26,7 @@ std::vector<InstanceHandle> CrowdState::spawn(uint32_t group, std::span<const Af
         throw Failure(ErrorCode::kInvalidArgument, groups[group].name + ": spawn", "CrowdGroup::capacity is not set");
     refuse_if_shaders_populate(groups[group], "spawn");
     for (size_t i = 0; i < world_from_model.size(); ++i)
-        if (!is_finite(world_from_model[i]))
+        if (!all_finite(world_from_model[i]))
             throw Failure(ErrorCode::kInvalidArgument, "spawn: placement " + std::to_string(i),
                           "a number is not finite");
     const std::vector<uint32_t> instances = population->spawn(group, static_cast<uint32_t>(world_from_model.size()));

@@ -1,5 +1,6 @@
 #include "crowd/fused_update.h"
 
+#include "base/count.h"
 #include "bind/sockets.h"
 #include "crowd/group_skin_pool.h"
 #include "cull/cull_io.h"
@@ -29,7 +30,7 @@ void FusedUpdate::plan(BatchPlan& plan) {
         if (!group.skips_updates(settings))
             return is_saved ? plan.add_zeros(number, bytes) : plan.add_storage(number, bytes);
         plan.add(number, bytes, [=](Uploads& uploads, const std::string& what, uint64_t n) {
-            Buffer table = make_table_bytes(uploads.gpu(), what, (n * bytes + 15) / 16 * 16, 16);
+            Buffer table = make_table_bytes(uploads.gpu(), what, rounded_up(n * bytes, 16), 16);
             if (is_saved) uploads.add(table, {});
             return table;
         });

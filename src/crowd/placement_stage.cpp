@@ -10,8 +10,6 @@
 
 namespace throng {
 
-bool is_finite(const Affine& affine) { return all_finite(affine.row); }
-
 io::RootState standing_at(const Affine& world_from_model) {
     io::RootState root{.move = {0, 0, 1, 0}, .place = {0, 0, 1, 0}, .base = {}};
     std::memcpy(root.base, &world_from_model, sizeof root.base);
@@ -124,7 +122,8 @@ void PlacementStage::exchange_group(StateArchive& archive, uint32_t group) {
         archive.values(std::span(set_for_).subspan(batch.first_instance, batch.instance_count));
         archive.changes(dirty_, batch.first_instance, batch.instance_count);
         if (!archive.reads()) return;
-        StateArchive::require(std::ranges::all_of(placements, is_finite), "a placement is not finite");
+        StateArchive::require(std::ranges::all_of(placements, [](const Affine& at) { return all_finite(at); }),
+                              "a placement is not finite");
         ++batch.move_count;
     });
 }

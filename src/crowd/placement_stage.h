@@ -10,8 +10,6 @@
 
 namespace throng {
 
-bool is_finite(const Affine& affine);
-
 // The root state of an instance that nothing has moved yet.
 io::RootState standing_at(const Affine& world_from_model);
 

@@ -1,5 +1,6 @@
 #include "crowd/staged_update.h"
 
+#include "base/count.h"
 #include "bind/bind.h"
 #include "bind/sockets.h"
 #include "sample/sample.h"
@@ -15,8 +16,6 @@ static_assert(sizeof(io::JointPose) == sizeof(Affine));
 
 // Beyond this an arena saves no dispatches that would matter, and only costs memory.
 constexpr uint64_t kArenaBuffer_bytes = uint64_t{256} << 20;
-
-uint64_t align_up(uint64_t value, uint64_t alignment) { return (value + alignment - 1) / alignment * alignment; }
 
 }  // namespace
 
@@ -66,7 +65,7 @@ void StagedUpdate::make_waves() {
         ++waves_.back().served_count;
         served_[i].arena_offset_bytes = used_bytes;
         largest_bytes = std::max(largest_bytes, used_bytes + needs_bytes);
-        used_bytes = align_up(used_bytes + needs_bytes, alignment);
+        used_bytes = rounded_up(used_bytes + needs_bytes, alignment);
     }
     const auto storage = [&](const char* what) {
         return Buffer(gpu_, what, largest_bytes, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT);

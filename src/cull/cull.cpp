@@ -12,21 +12,21 @@
 namespace throng {
 namespace {
 
-uint32_t rounded_up(uint32_t count, uint32_t divisor) { return count / divisor + (count % divisor > 0 ? 1 : 0); }
+uint32_t quotient_up(uint32_t count, uint32_t divisor) { return count / divisor + (count % divisor > 0 ? 1 : 0); }
 
 }  // namespace
 
-uint32_t cell_count(uint32_t instance_count) { return rounded_up(instance_count, io::kCullWorkgroupSize); }
+uint32_t cell_count(uint32_t instance_count) { return quotient_up(instance_count, io::kCullWorkgroupSize); }
 
 // One workgroup goes through the offsets of all the others. Fewer workgroups have more cells each; more make that one
 // take longer (docs/performance.md, "A million").
 uint32_t cells_of_workgroup(uint32_t instance_count) {
     constexpr uint32_t kWorkgroups = 1024;
-    return std::clamp(rounded_up(cell_count(instance_count), kWorkgroups), 1u, uint32_t{io::kMostCells});
+    return std::clamp(quotient_up(cell_count(instance_count), kWorkgroups), 1u, uint32_t{io::kMostCells});
 }
 
 uint32_t cull_workgroups_of(uint32_t instance_count) {
-    return rounded_up(cell_count(instance_count), cells_of_workgroup(instance_count));
+    return quotient_up(cell_count(instance_count), cells_of_workgroup(instance_count));
 }
 
 CullKernels::CullKernels(const std::shared_ptr<Gpu>& gpu)

@@ -1,5 +1,6 @@
 #include "draw/native_frame.h"
 
+#include "base/count.h"
 #include "base/failure.h"
 #include "draw/native_lines.h"
 #include "draw/scene.h"
@@ -21,8 +22,6 @@ constexpr uint32_t kRowsOfJob = 8, kVerticesOfJob = 1 << 14, kLinedOfJob = 256;
 constexpr uint64_t kIdCount = uint64_t{1} << 32;
 
 static_assert(sizeof(raster::Scene) == sizeof(io::DrawScene));
-
-uint64_t rounded_up(uint64_t count, uint64_t to) { return (count + to - 1) / to * to; }
 
 // A sixteenth of the picture or map, so that threads have equal work, but no more than caches hold.
 VkExtent2D tile_of(const VkExtent2D& of, const VkExtent2D& largest) {

@@ -1,4 +1,5 @@
 #include "gpu/free_ranges.h"
+#include "base/count.h"
 
 #include <iterator>
 
@@ -9,7 +10,7 @@ FreeRanges::FreeRanges(uint64_t size) : size_(size), free_{{0, size}} {}
 std::optional<uint64_t> FreeRanges::take(uint64_t size, uint64_t alignment) {
     for (auto range = free_.begin(); range != free_.end(); ++range) {
         const uint64_t begin = range->first, end = begin + range->second;
-        const uint64_t offset = (begin + alignment - 1) / alignment * alignment;
+        const uint64_t offset = rounded_up(begin, alignment);
         if (offset > end || end - offset < size) continue;
         if (offset + size < end) free_.emplace(offset + size, end - offset - size);  // first, since it may throw
         if (offset > begin)

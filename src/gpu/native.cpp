@@ -1,5 +1,6 @@
 #include "gpu/native.h"
 
+#include "base/count.h"
 #include "base/processor.h"
 
 #include <sys/mman.h>
@@ -81,8 +82,7 @@ uint32_t NativeDevice::part_limit() const {
 
 NativeMemory::NativeMemory(uint64_t size_bytes) {
     const uint64_t alignment_bytes = size_bytes >= kHugePage_bytes ? kHugePage_bytes : kAlignment_bytes;
-    const uint64_t used_bytes = (std::max<uint64_t>(size_bytes, 1) + alignment_bytes - 1) / alignment_bytes *
-                                alignment_bytes;
+    const uint64_t used_bytes = rounded_up(std::max<uint64_t>(size_bytes, 1), alignment_bytes);
     // Pages that nobody writes take no memory, such as most of the room for events
     allocation_ = std::calloc(1, used_bytes + alignment_bytes);
     if (!allocation_) throw std::bad_alloc();

@@ -3,6 +3,7 @@
 #include "base/cache_folder.h"
 #include "base/crc64.h"
 #include "base/failure.h"
+#include "base/read_file.h"
 #include "base/replace_file.h"
 #include "gpu/gpu.h"
 
@@ -26,14 +27,13 @@ struct FileHead {
     uint64_t checksum = 0;  // crc64() of the data
 };
 
-std::vector<std::byte> read_file(const std::filesystem::path& file) {
-    std::error_code error;
-    const uint64_t size_bytes = std::filesystem::file_size(file, error);
-    if (error || size_bytes > kMost_bytes) return {};
-    std::vector<std::byte> bytes(size_bytes);
-    std::ifstream stream(file, std::ios::binary);
-    stream.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(size_bytes));
-    return stream ? bytes : std::vector<std::byte>();
+// Empty where there is none that can be read.
+std::vector<std::byte> bytes_of(const std::filesystem::path& file) {
+    try {
+        return read_file(file, kMost_bytes, file.string());
+    } catch (const Failure&) {
+        return {};
+    }
 }
 
 }  // namespace
@@ -75,7 +75,7 @@ std::vector<std::byte> pipeline_cache_data(std::span<const std::byte> file, cons
 PipelineCache::PipelineCache(const Gpu& gpu, std::filesystem::path file) : gpu_(gpu), file_(std::move(file)) {
     // Without it, all is compiled
     Result<std::vector<std::byte>> loaded = as_result(
-        [&] { return pipeline_cache_data(read_file(file_), gpu.properties); });
+        [&] { return pipeline_cache_data(bytes_of(file_), gpu.properties); });
     if (loaded) loaded_ = std::move(*loaded);
     if (!create() && !loaded_.empty()) {
         loaded_.clear();  // the driver rejects it: begins anew and replaces it

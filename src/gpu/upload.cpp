@@ -1,5 +1,6 @@
 #include "gpu/upload.h"
 
+#include "base/count.h"
 #include "gpu/barrier.h"
 
 #include <algorithm>
@@ -11,7 +12,7 @@ constexpr VkDeviceSize kStagingBuffer_bytes = VkDeviceSize{1} << 20;
 
 VkDeviceSize aligned(VkDeviceSize size_bytes) {
     constexpr VkDeviceSize kAlignment_bytes = 16;
-    return (size_bytes + kAlignment_bytes - 1) / kAlignment_bytes * kAlignment_bytes;
+    return rounded_up(size_bytes, kAlignment_bytes);
 }
 
 // Zeros need no staging memory: data of a single copy is cut after its last nonzero word; data that is all zero, of one

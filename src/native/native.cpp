@@ -11,7 +11,6 @@ namespace throng {
 namespace {
 
 constexpr uint32_t kMostClasses = 8, kClassSize = 64;
-constexpr std::array<uint32_t, 3> kSkinBytes{48, 24, 32};  // of io::kSkin…
 
 const native::Kernel& kernel_of(NativeIsa isa) {
 #if defined(__x86_64__)
@@ -48,7 +47,7 @@ std::vector<NativeIsa> find_isas() {
 
 // How many different offsets into a line of the cache the matrices of instances begin at.
 uint32_t class_count_of(uint32_t palette_count, SkinFormat skin_format) {
-    return 64 / std::gcd(palette_count * kSkinBytes[static_cast<uint32_t>(skin_format)], 64u);
+    return 64 / std::gcd(palette_count * skin_format_bytes(skin_format), 64u);
 }
 
 // The scratch memory of a thread's walks.

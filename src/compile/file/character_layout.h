@@ -3,6 +3,7 @@
 #pragma once
 
 #include "compile/limits.h"
+#include "base/count.h"
 
 #include <throng/character.h>
 
@@ -246,9 +247,7 @@ void visit_fields(Either<MorphRecord> auto& record, auto& morph, const auto& vis
     visit(record.default_weight, morph.default_weight);
 }
 
-constexpr uint64_t aligned(uint64_t offset_bytes) {
-    return (offset_bytes + kAlignment_bytes - 1) / kAlignment_bytes * kAlignment_bytes;
-}
+constexpr uint64_t aligned(uint64_t offset_bytes) { return rounded_up(offset_bytes, kAlignment_bytes); }
 
 // Calls visit(string) for each string, in the order in which they follow one another in the section of text.
 template <class C, class Visit>
