@@ -481,6 +481,21 @@ TEST(Steer, ADestinationIsTakenAwayOrWrittenOnTheGpu) {
     EXPECT_GT(moved[1], 0.5);
 }
 
+// Else root motion would carry it away.
+TEST(Steer, WhoHasNoDestinationIsToldToStand) {
+    const Character character = body(true);
+    const Controller controller = walker(character);
+    Crowd crowd = create({.groups = {{.character = &character,
+                                      .instance_count = 2,
+                                      .controller = &controller,
+                                      .steering = Steering{.speed_parameter = kSpeed}}}});
+    ASSERT_TRUE(crowd.set_parameter(crowd.instances(), kSpeed, 1.5f) && crowd.update(0.1f));
+    EXPECT_EQ(all_of<float>(crowd, &OutputBlock::parameter, 2)[kSpeed], 0);
+    const std::vector<Affine> before = placements_of(crowd);
+    for (int update = 0; update < 10; ++update) ASSERT_TRUE(crowd.update(0.1f));
+    EXPECT_NEAR(apart(before[0], placements_of(crowd)[0]), 0, 1e-6);
+}
+
 // Who has walked into the picture is drawn, and who has left it is not.
 TEST(Steer, WhatAViewSeesIsWhereTheyStandNow) {
     const Character character = body(false);

@@ -179,9 +179,12 @@ Result<Asset> load_asset(std::span<const std::byte> bytes, std::string_view name
 // Adds the clips of another asset to `asset`, behind its own, for the nodes that have the same names: `from` can be a
 // file with nothing but animation, or another character on such a rig. Names may differ in case, in a prefix that all
 // have ("mixamorig:") and in what is neither letter nor digit. Tracks without a node of that name are left out, with a
-// warning. Joints turn in model space as they do in `from`, so they must have the same axes in both; bones of another
-// length keep their own, and ways over the ground are scaled by the mean length of bones. A clip keeps its name; one
-// without a name of its own, or with a name that is there already, is named after `from.name` without its extension.
+// warning. Joints turn in model space as they do in `from`, so they must have the same axes in both; a joint between
+// them that clips turn and `asset` lacks is taken as it is at rest, with a warning. Bones of another length keep their
+// own, and ways over the ground are scaled by the mean length of bones. Morph targets are those of the same names, with
+// a warning for those that `asset` lacks; where a mesh has no names for them, all in their order, if both have as many.
+// A clip keeps its name; one without a name of its own, or with a name that is there already, is named after
+// `from.name` without its extension.
 // Errors: kInvalidArgument: no clips in `from`, none that animates a node whose name `asset` has, or an asset that
 // compile_character() would not take; then `asset` is unchanged.
 Result<void> add_clips(Asset& asset, const Asset& from);

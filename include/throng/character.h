@@ -104,7 +104,8 @@ struct Clip {
     // that the clip animates are constant.
     uint32_t first_morph_time = 0, morph_row_count = 0;
     uint32_t morph_row_stride = 0;  // from one row to the next in Character::morph_values
-    // Box around the mesh at all times of the clip (morphs at weight 1 included), model space
+    // Box around the mesh at all times of the clip, model space, with all weights of morphs that clips set, and with
+    // one morph at weight 1
     Vec3<float> bounds_min{}, bounds_max{};
 };
 
@@ -208,7 +209,8 @@ struct Character {
     // [joint_count], or empty, for example for a character without clips, whose motion is not known: the coarsest level
     // of detail in which the joint moves by itself, not above its parent's. In coarser levels its skin matrices are
     // those of the next joint above it that moves by itself, as if the joints between them were in the bind pose; in
-    // the rest pose and in poses of all clips, this displaces vertices by no more than a third of the level's error.
+    // the rest pose and in at least eight poses of each clip, this displaces vertices by no more than a third of the
+    // level's error.
     std::vector<uint32_t> joint_lods{};
     std::vector<AssetMaterial> materials{};
     std::vector<AssetImage> images{};

@@ -99,6 +99,12 @@ struct ControllerLayer {
     std::string weight_parameter{};         // multiplies weight; the product is clamped to 0..1
     std::vector<ControllerState> states{};  // the layer starts in the first one
     std::vector<ControllerTransition> transitions{};
+
+    // Index of the state with this name, for Crowd::set_state(), or kNone. The state that a
+    // file names as `start` comes first, before the others in their order. state_named() is the same, but a missing
+    // name is an error that says which there are: kInvalidArgument.
+    uint32_t find_state(std::string_view state_name) const;
+    Result<uint32_t> state_named(std::string_view state_name) const;
 };
 
 struct Controller {

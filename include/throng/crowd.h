@@ -302,7 +302,9 @@ public:
     // Puts a layer with states into one of them, whatever its transitions: what another machine, a saved game or a
     // script knows, or the first motion of the layer in WatchedInstance::layers. The state replaces within `fade_s`
     // what is shown (0: at once, but an inertial transition under way dies away as before; PlayedMotion::fade is not
-    // used), and transitions go on from it in the same update (while it fades in, only those that may interrupt).
+    // used), and transitions go on from it in the same update (while it fades in, only those that may interrupt). A
+    // state that plays backwards begins at phase 1. Plays of its sync group that it replaces go on in step with it,
+    // from its phase.
     Result<void> set_state(const Instances& instances, uint32_t layer, const PlayedMotion& motion, float fade_s = 0);
     Result<void> set_state(const Instances& instances, uint32_t layer, std::span<const PlayedMotion> motion,
                            float fade_s = 0);

@@ -21,9 +21,13 @@ public:
         each(asset_.nodes, "nodes", [&](const AssetNode& node) { check(node); });
         check_ancestors();
         each(asset_.skins, "skins", [&](const AssetSkin& skin) { check(skin); });
+        each(asset_.meshes, "meshes", [&](const AssetMesh& mesh) {
+            require_size_or_none(mesh.target_names, mesh.weights.size(), "target_names");
+        });
         each(asset_.mesh_instances, "mesh_instances", [&](const AssetMeshInstance& instance) {
             require_index(instance.node, asset_.nodes.size(), "node", "nodes");
             require_index(instance.mesh, asset_.meshes.size(), "mesh", "meshes");
+            require_size_or_none(instance.weights, asset_.meshes[instance.mesh].weights.size(), "weights");
         });
         require(std::ranges::is_sorted(asset_.mesh_instances, {}, &AssetMeshInstance::node),
                 "mesh_instances must be ordered by node");
@@ -110,7 +114,6 @@ private:
     void check(const AssetMesh& mesh) {
         followed_counts_.push_back(0);
         require(all_finite(mesh.weights), "weights are not finite");
-        require_size_or_none(mesh.target_names, mesh.weights.size(), "target_names");
         each(mesh.primitives, "primitives",
              [&](const AssetPrimitive& primitive) { check(primitive, mesh.weights.size()); });
     }
@@ -147,8 +150,6 @@ private:
 
     void check(const AssetMeshInstance& instance) const {
         require_optional(instance.skin, asset_.skins.size(), "skin", "skins");
-        const AssetMesh& mesh = asset_.meshes[instance.mesh];
-        require_size_or_none(instance.weights, mesh.weights.size(), "weights");
         require(all_finite(instance.weights), "weights are not finite");
         if (instance.skin == kNone) return;
         const uint32_t followed_count = followed_counts_[instance.mesh];

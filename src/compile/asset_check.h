@@ -8,7 +8,8 @@ namespace throng {
 // Throws kInvalidArgument, naming the place, for indices out of range, arrays of another length than asset.h says,
 // numbers that are not finite, keys out of order, nodes that are their own ancestors.
 void check_asset(const Asset& asset);
-// The same for nodes, skins and the nodes of meshes alone: without going through vertices and keys.
+// The same for nodes, skins, and what says where meshes are and which morph targets they have: without going through
+// vertices and keys.
 void check_rig(const Asset& asset);
 
 }  // namespace throng

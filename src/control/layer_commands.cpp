@@ -17,7 +17,8 @@ const LayerKind& kind_of(std::span<const LayerKind> kinds, uint32_t layer, const
 
 void check_layer(std::span<const LayerKind> kinds, uint32_t layer, const ErrorPlace& place) {
     if (kind_of(kinds, layer, place).state_count > 0)
-        refuse(place, "layer " + std::to_string(layer) + " has states: set the controller's parameters");
+        refuse(place,
+               "layer " + std::to_string(layer) + " has states: set the controller's parameters, or call set_state()");
 }
 
 float rate_of(float fade_s, const ErrorPlace& place) {

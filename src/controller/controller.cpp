@@ -48,6 +48,11 @@ void check_joints(const Controller& controller, const Character& character) {
 
 }  // namespace
 
+uint32_t ControllerLayer::find_state(std::string_view state_name) const { return find_name(states, state_name); }
+Result<uint32_t> ControllerLayer::state_named(std::string_view state_name) const {
+    return index_named(name, "state", states, state_name);
+}
+
 uint32_t Controller::find_parameter(std::string_view parameter_name) const {
     return find_name(parameters, parameter_name);
 }

@@ -111,7 +111,7 @@ private:
                        "an additive layer turns joints in their parents; only an override is blended in model space");
             if (layer.inertial_plays && !layer.states.empty())
                 refuse(place_of(place, "inertial"),
-                       "a layer with states plays nothing that it is told; its transitions have a 'fade' of their own");
+                       "this is for layers without states; the transitions of this one have a 'fade' of their own");
             if (!layer.mask.empty()) masks_.require(layer.mask, place_of(place, "mask"));
             if (layer.weight_parameter.empty()) require_between(0, 1, layer.weight, place_of(place, "weight"));
             check_factor(layer.weight, layer.weight_parameter, place_of(place, "weight"));

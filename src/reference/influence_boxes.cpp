@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <span>
 
 namespace throng {
 
@@ -18,39 +19,88 @@ double Box::largest_distance() const {
 
 namespace {
 
+// [joint_count]: the factor by which lengths grow from joint to model space at rest; that of the parent for a joint
+// that only the rest pose hides, since a clip may show it.
+std::vector<double> scales_when_seen(const Rig& rig) {
+    constexpr double kHidden = 5e-4;  // of the parent's scale: even millimetres for metres are 1e-3
+    std::vector<double> scales;
+    for (const AffineT<double>& model_from_joint : rest_model_from_joint(rig)) {
+        const auto& row = model_from_joint.row;
+        const double scale = length(Vec3<double>{row[0][0], row[1][0], row[2][0]});
+        const uint32_t parent = rig.parents[scales.size()];
+        const double above = parent == kNone ? 1 : scales[parent];
+        scales.push_back(scale < kHidden * above ? above : scale);
+    }
+    return scales;
+}
+
 // Joints that move no vertex may carry a sword: what hangs on them is measured at this distance, as ACL does at 3 cm of
 // a person (N. Frechette, Animation Compression Library, "Simulating the skinned mesh").
 void add_unskinned(const Character& character, std::vector<Box>& boxes) {
     constexpr double kReach = 0.02, kReachWithoutMesh = 0.1;  // of the character's size
-    constexpr double kHidden = 1e-9;                          // a scale of the rest pose; clips may show the joint
     const bool has_mesh = std::any_of(boxes.begin(), boxes.end(), [](const Box& box) { return !box.empty; });
-    const std::vector<AffineT<double>> model_from_joint = rest_model_from_joint(character.rig);
+    const std::vector<double> scales = scales_when_seen(character.rig);
     for (size_t joint = 0; joint < boxes.size(); ++joint) {
         if (!boxes[joint].empty) continue;
-        const auto& row = model_from_joint[joint].row;
-        // The factor by which lengths grow from joint to model space
-        const double scale = length(Vec3<double>{row[0][0], row[1][0], row[2][0]});
-        const double half = character.size * (has_mesh ? kReach : kReachWithoutMesh) /
-                            (std::sqrt(3.0) * (scale > kHidden ? scale : 1));
+        const double half = character.size * (has_mesh ? kReach : kReachWithoutMesh) / (std::sqrt(3.0) * scales[joint]);
         boxes[joint] = {{-half, -half, -half}, {half, half, half}, false};
     }
 }
 
-// The places of a vertex in bind space: without morphs, and with each morph at weight 1.
-std::vector<Vec3<double>> places_of(const Character& character, const MeshSection& section, const Vertex& vertex) {
-    std::vector<Vec3<double>> places{vertex.position.as<double>()};
-    for (uint32_t target = 0; vertex.first_delta > 0 && target < section.morph_count; ++target)
-        places.push_back(places[0] + character.morph_deltas[vertex.first_delta - 1 + target].position.as<double>());
+struct WeightRange {
+    double least = 0, most = 0;
+
+    void add(float weight) {
+        least = std::min(least, double{weight});
+        most = std::max(most, double{weight});
+    }
+};
+
+// [morphs]: from 0 to what is set by default and in clips.
+std::vector<WeightRange> weight_ranges(const Character& character) {
+    std::vector<WeightRange> ranges(character.morphs.size());
+    for (size_t morph = 0; morph < ranges.size(); ++morph) ranges[morph].add(character.morphs[morph].default_weight);
+    for (size_t track = 0; track < character.morph_tracks.size(); ++track) {
+        const uint32_t word = character.morph_tracks[track];
+        if (word == kNone) continue;
+        const Clip& clip = character.clips[track / ranges.size()];
+        const uint32_t row_count = word & kTrackAnimated ? clip.morph_row_count : 1;
+        for (size_t row = 0; row < row_count; ++row)
+            ranges[track % ranges.size()].add(
+                character.morph_values[(word & kTrackPosition) + row * clip.morph_row_stride]);
+    }
+    return ranges;
+}
+
+// The places of a vertex in bind space: without morphs, with each morph at weight 1, and the corners of a box that
+// holds those of all weights within the ranges.
+std::vector<Vec3<double>> places_of(const Character& character, const MeshSection& section, const Vertex& vertex,
+                                    std::span<const WeightRange> ranges) {
+    const Vec3<double> unmorphed = vertex.position.as<double>();
+    std::vector<Vec3<double>> places{unmorphed};
+    if (vertex.first_delta == 0) return places;
+    Box reached{unmorphed, unmorphed, false};
+    for (uint32_t target = 0; target < section.morph_count; ++target) {
+        const auto delta = character.morph_deltas[vertex.first_delta - 1 + target].position.as<double>();
+        const WeightRange& range = ranges[section.first_morph + target];
+        Box moved;
+        moved.add(delta * range.least);
+        moved.add(delta * range.most);
+        reached = {reached.low + moved.low, reached.high + moved.high, false};
+        places.push_back(unmorphed + delta);
+    }
+    for (size_t corner = 0; corner < 8; ++corner) places.push_back(reached.corner(corner));
     return places;
 }
 
 // Calls visit(palette entry, weight, place in bind space) for each place of each vertex and each entry that moves it.
 template <class Visit>
 void visit_influences(const Character& character, const Visit& visit) {
+    const std::vector<WeightRange> ranges = weight_ranges(character);
     for (const MeshSection& section : character.sections) {
         for (uint32_t vertex = 0; vertex < section.vertex_count; ++vertex) {
-            const std::vector<Vec3<double>> places = places_of(character, section,
-                                                               character.vertices[section.first_vertex + vertex]);
+            const std::vector<Vec3<double>> places = places_of(
+                character, section, character.vertices[section.first_vertex + vertex], ranges);
             for (uint32_t set = 0; set < section.influence_sets; ++set) {
                 const Influences& influences =
                     character.influences[section.first_influences + vertex * section.influence_sets + set];

@@ -31,8 +31,9 @@ private:
     }
 };
 
-// [joint_count], in joint space: the vertices that the joint's palette entries move with a weight above 0; for joints
-// that move none, a cube whose half diagonal is 2 % of the character's size, or 10 % where no joint moves any.
+// [joint_count], in joint space: the vertices that the joint's palette entries move with a weight above 0, morphed by
+// all weights that clips set and by one at 1; for joints that move none, a cube whose half diagonal is 2 % of the
+// character's size, or 10 % where no joint moves any.
 std::vector<Box> influence_boxes(const Character& character);
 
 // [joint_count]: whether each vertex that the joint moves is moved by it alone. If such a joint is scaled to nothing,

@@ -59,9 +59,9 @@ void tell_speed(float model_speed) {
 }
 
 void stop(AgentState state) {
-    if (state.speed == 0 && state.stands == 0) return;
-    states[instance] = AgentState(0, 1, 0);
     tell_speed(0);
+    if (state.speed == 0 && state.patience == 1 && state.stands == 0) return;
+    states[instance] = AgentState(0, 1, 0);
 }
 
 // The columns keep their lengths, however often they are turned.

@@ -279,19 +279,31 @@ TEST(AddClips, HaveNamesOfTheirOwn) {
     EXPECT_EQ(add(".glb", ""), "clip");
 }
 
+Asset face(size_t target_count) {
+    Asset asset{.name = "face.glb", .nodes = {{.name = "Face"}}};
+    AssetPrimitive primitive{.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, .indices = {0, 1, 2}};
+    primitive.targets.resize(target_count, {.positions = std::vector<Vec3<float>>(3, {0, 0, 1})});
+    asset.meshes = {{.weights = std::vector<float>(target_count), .primitives = {primitive}}};
+    asset.mesh_instances = {{.node = 0, .mesh = 0}};
+    return asset;
+}
+
+Asset face(const std::vector<std::string>& target_names) {
+    Asset asset = face(target_names.size());
+    asset.meshes[0].target_names = target_names;
+    return asset;
+}
+
+// The face with a clip of this track.
+Asset talking(Asset asset, Interpolation interpolation, const std::vector<float>& values) {
+    asset.name = "talk.glb";
+    asset.clips = {{.name = "talk", .duration_s = 1}};
+    asset.clips[0].morph_tracks = {{.node = 0, .interpolation = interpolation, .times_s = {0, 1}, .values = values}};
+    return asset;
+}
+
 TEST(AddClips, MorphWeightsGoToAMeshWithAsManyTargets) {
-    const auto face = [](size_t target_count) {
-        Asset asset{.name = "face.glb", .nodes = {{.name = "Face"}}};
-        AssetPrimitive primitive{.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, .indices = {0, 1, 2}};
-        primitive.targets.resize(target_count, {.positions = std::vector<Vec3<float>>(3, {0, 0, 1})});
-        asset.meshes = {{.weights = std::vector<float>(target_count), .primitives = {primitive}}};
-        asset.mesh_instances = {{.node = 0, .mesh = 0}};
-        return asset;
-    };
-    Asset from = face(2);
-    from.name = "talk.glb";
-    from.clips = {{.name = "talk", .duration_s = 1}};
-    from.clips[0].morph_tracks = {{.node = 0, .times_s = {0, 1}, .values = {0, 1, 1, 0}}};
+    const Asset from = talking(face(2), Interpolation::kLinear, {0, 1, 1, 0});
     Asset asset = face(2);
     asset.nodes.insert(asset.nodes.begin(), {.name = "root"});
     asset.nodes[1].parent = 0;
@@ -304,6 +316,40 @@ TEST(AddClips, MorphWeightsGoToAMeshWithAsManyTargets) {
     expect_refused(face(3), from, "1 of its 1 animated nodes ('Face' with 2 morph targets) are not in face.glb");
 }
 
+TEST(AddClips, MorphWeightsGoByTheNamesOfTargets) {
+    const auto added = [](Asset asset, const Asset& from) {
+        EXPECT_TRUE(add_clips(asset, from));
+        EXPECT_TRUE(compile_character(asset));
+        return asset;
+    };
+    const auto values = [](const Asset& asset) { return asset.clips.at(0).morph_tracks.at(0).values; };
+    const std::vector<float> keys{1, 2, 3, 4};
+    const Asset from = talking(face({"blink", "smile"}), Interpolation::kLinear, keys);
+    const Asset swapped = added(face({"smile", "blink"}), from);
+    EXPECT_EQ(values(swapped), (std::vector<float>{2, 1, 4, 3}));
+    EXPECT_TRUE(swapped.warnings.empty());
+    EXPECT_EQ(values(added(face(2), from)), keys) << "without names in one";
+    EXPECT_EQ(values(added(face({"same", "same"}), talking(face({"same", "same"}), Interpolation::kLinear, keys))),
+              keys);
+
+    // More in the character: they keep their weights, the node's before the mesh's.
+    Asset more = face({"frown", "smile", "blink"});
+    more.meshes[0].weights[0] = 0.25f;
+    EXPECT_EQ(values(added(more, from)), (std::vector<float>{0.25f, 2, 1, 0.25f, 4, 3}));
+    more.mesh_instances[0].weights = {0.5f, 0, 0};
+    const Asset cubic = talking(face({"blink", "smile"}), Interpolation::kCubicSpline,
+                                {1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12});
+    EXPECT_EQ(values(added(more, cubic)),
+              (std::vector<float>{0, 2, 1, 0.5f, 4, 3, 0, 6, 5, 0, 8, 7, 0.5f, 10, 9, 0, 12, 11}));
+
+    // Fewer: what is lost is named.
+    const Asset fewer = added(face({"smile"}), from);
+    EXPECT_EQ(values(fewer), (std::vector<float>{2, 4}));
+    EXPECT_EQ(fewer.warnings,
+              (std::vector<std::string>{"talk.glb: 1 of 2 morph targets of 'Face' ('blink') are not in face.glb"}));
+    expect_refused(face({"frown", "pout"}), from, "('Face' with 2 morph targets) are not in face.glb");
+}
+
 TEST(AddClips, RefuseAssetsThatAreNotSound) {
     const Asset whole = walker();
     Asset from = animation_of(whole), asset = without_clips(whole);
@@ -314,6 +360,12 @@ TEST(AddClips, RefuseAssetsThatAreNotSound) {
     asset = without_clips(whole);
     asset.mesh_instances[0].node = 1000;
     expect_refused(asset, animation_of(whole), "walker.glb: mesh_instances[0]: node is 1000");
+    asset = without_clips(whole);
+    asset.mesh_instances[0].weights.resize(1000);
+    expect_refused(asset, animation_of(whole), "walker.glb: mesh_instances[0]: weights has 1000 elements");
+    asset = without_clips(whole);
+    asset.meshes[0].target_names.resize(1000);
+    expect_refused(asset, animation_of(whole), "walker.glb: meshes[0]: target_names has 1000 elements");
 }
 
 }  // namespace

@@ -90,5 +90,53 @@ TEST(ClipBounds, HoldWhatStandsStillAndWhatIsCarried) {
     expect_bounds(compiled(asset));
 }
 
+// A triangle on the first node, a clip for that node, and a socket on it that clips can show.
+Asset triangle_with_a_socket() {
+    Asset asset{.name = "triangle"};
+    asset.nodes = {{.name = "body"}, {.name = "socket", .parent = 0}, {.name = "tip", .parent = 1}};
+    asset.nodes[1].parent_from_node.scale = {1e-4f, 1e-4f, 1e-4f};
+    asset.skins = {{.name = "skin", .joints = {0, 1, 2}, .inverse_binds = {{}, {}, {}}}};
+    asset.meshes = {{.name = "mesh", .primitives = {{.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}}}}};
+    AssetPrimitive& triangle = asset.meshes[0].primitives[0];
+    triangle.influence_count = 4;
+    triangle.influence_joints.assign(12, 0);
+    triangle.influence_weights = {1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0};
+    triangle.indices = {0, 1, 2};
+    asset.mesh_instances = {{.node = 0, .mesh = 0, .skin = 0}};
+    return asset;
+}
+
+// Artists hide things so: a sword may hang there, but none of 100 times the character's size.
+TEST(ClipBounds, ASocketThatIsTinyAtRestIsNotLargeWhereItIsShown) {
+    Asset asset = triangle_with_a_socket();
+    asset.clips = {
+        {.name = "show",
+         .duration_s = 1,
+         .tracks = {{.node = 1, .target = TrackTarget::kScale, .times_s = {0, 1}, .values = {0, 0, 0, 1, 1, 1}}}}};
+    const Character character = compiled(asset);
+    ASSERT_EQ(character.rig.joint_count(), 3u);
+    const Vec3<float> extent = character.clips[0].bounds_max - character.clips[0].bounds_min;
+    EXPECT_LT(length(extent), 1.1f * character.size);
+    EXPECT_GT(extent.z, 0.02f * character.size) << "the socket's cube, where the mesh is flat";
+}
+
+TEST(ClipBounds, HoldAllWeightsThatClipsSet) {
+    Asset asset = triangle_with_a_socket();
+    AssetMesh& mesh = asset.meshes[0];
+    mesh.weights.assign(4, 0);
+    mesh.primitives[0].targets.assign(4, {.positions = std::vector<Vec3<float>>(3, {1, 0, 0})});
+    const auto add_clip = [&](const std::vector<float>& times_s, const std::vector<float>& weights) {
+        asset.clips.push_back(
+            {.name = "clip", .duration_s = 1, .morph_tracks = {{.node = 0, .times_s = times_s, .values = weights}}});
+    };
+    add_clip({0, 1}, {0, 0, 0, 0, 1, 1, 1, 1});
+    add_clip({0}, {0, 3, 0, 0});
+    add_clip({0}, {0, 0, -2, 0});
+    for (const Clip& clip : compiled(asset).clips) {
+        EXPECT_EQ(clip.bounds_max.x, 1 + (1 + 3 + 1 + 1)) << "the largest of all clips at once";
+        EXPECT_EQ(clip.bounds_min.x, -2);
+    }
+}
+
 }  // namespace
 }  // namespace throng::test

@@ -109,6 +109,12 @@ TEST(Compile, WhatHasNoSuchNameIsAnErrorThatSaysWhatThereIs) {
               "guard: there is no mask 'tial'; did you mean 'tail'? There is: tail");
     EXPECT_EQ(controller.parameter_named("speed").error().code, ErrorCode::kInvalidArgument);
     EXPECT_EQ(controller.layer_named(controller.layers[0].name).value(), 0u);
+    const ControllerLayer layer{.name = "legs", .states = {{.name = "idle"}, {.name = "run"}}};
+    EXPECT_EQ(layer.find_state("run"), 1u);
+    EXPECT_EQ(layer.find_state("walk"), kNone);
+    EXPECT_EQ(layer.state_named("run").value(), 1u);
+    EXPECT_EQ(layer.state_named("runs").error().text(),
+              "legs: there is no state 'runs'; did you mean 'run'? There are: idle, run");
     const ProceduralRules rules{.targets = {"eye"}, .rules = {}};
     EXPECT_EQ(rules.target_named("eye").value(), 0u);
     EXPECT_EQ(rules.target_named("Eye").error().text(),

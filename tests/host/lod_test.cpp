@@ -239,6 +239,23 @@ TEST(Lod, JointsOfDeepChainsAreWeighedInOneWalk) {
     EXPECT_EQ(std::ranges::count(middle.joint_lods, 1u), kJoints / 2) << "those below it rest";
 }
 
+// Like a jaw in one of many clips, still in the clip's middle.
+TEST(Lod, JointsThatMoveOnlyEarlyAndLateInOneClipMove) {
+    constexpr uint32_t kJoints = 3, kClips = 40, kMoving = 7;
+    Character character = chain_with_one_that_moves(kJoints, kJoints - 1, 0);
+    const JointTracks still = character.tracks[0];
+    character.tracks.assign((kClips + 1) * kJoints, still);
+    character.tracks[kMoving * kJoints + kJoints - 1].translation = kTrackAnimated | 3;
+    character.keys.resize(3);
+    for (const float by : {0.0f, 4.0f, 0.0f, 0.0f, 4.0f, 0.0f}) character.keys.push_back({by, 0, 0, 0});
+    character.times_s = {0, 0.15f, 0.3f, 0.7f, 0.85f, 1};
+    character.clips.assign(kClips, character.clips[0]);
+    character.clips[kMoving].row_count = 6;
+    character.clips[kMoving].row_stride = 1;
+    make_joint_lods(character);
+    EXPECT_EQ(character.joint_lods, (std::vector<uint32_t>{2, 1, 1})) << "all, or the last joint would stop at once";
+}
+
 // Each triangle has vertices of its own, at places that they share: nothing can be collapsed.
 AssetPrimitive in_pieces(const AssetPrimitive& whole) {
     AssetPrimitive pieces{.influence_count = 4};

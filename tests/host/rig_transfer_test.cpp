@@ -136,6 +136,10 @@ TEST(RigTransfer, FitRigsThatAreHeldInAnotherWay) {
                             {{"Armature", kNone, at(0, 1, 0), false}, {"Hips", 0, {}}, {"Head", 1, at(0, 0.7, 0)}}),
                      clip_of(in_m, {moving(1, {0, 1, 0}, {0, 1, 1})}), "Head"),
         {0, 1.7, 1}, "what holds the rig is lifted");
+    expect_near(
+        place_at_end(rig_of("joint.glb", {{"root", kNone, at(0, 1, 0)}, {"Hips", 0, {}}, {"Head", 1, at(0, 0.7, 0)}}),
+                     clip_of(in_m, {moving(1, {0, 1, 0}, {0, 1, 2})}), "Head"),
+        {0, 1.7, 2}, "a lifted joint holds the rig, which the clip does not have");
 }
 
 // A few bones of many.
@@ -158,6 +162,28 @@ TEST(RigTransfer, LegsKeepTheirLengthAmongManyBonesThatAreAlike) {
     const Asset from = clip_of(parts, tracks);
     const Vec3<double> hips = place_at_end(character, from, "Hips"), foot = place_at_end(character, from, "Shin");
     EXPECT_NEAR(hips.y - foot.y, 1, 1e-6);
+}
+
+// What hangs on "Spine2" cannot turn with it.
+TEST(RigTransfer, NameWhatTurnsAndIsNotThere) {
+    const auto at = [](double y) { return Trs<double>{.translation = {0, y, 0}}; };
+    const Quaternion<double> turn = axis_angle<double>({0, 0, 1}, 1);
+    const std::vector<Part> parts{
+        {"Hips", kNone, at(1)}, {"Spine2", 0, at(0.3)}, {"Neck", 1, at(0.3)}, {"Tail", 0, at(-0.1)}};
+    Asset asset = rig_of("short.glb", {{"Hips", kNone, at(1)}, {"Neck", 0, at(0.6)}});
+    Asset from = clip_of(parts,
+                         {turning(0, {}, turn), turning(1, {}, turn), turning(2, {}, turn), turning(3, {}, turn)});
+    ASSERT_TRUE(add_clips(asset, from));
+    EXPECT_EQ(asset.warnings,
+              (std::vector<std::string>{"moves.glb: 2 of its 4 animated nodes ('Spine2', 'Tail') are not in short.glb; "
+                                        "what is below 'Spine2' will be turned differently"}));
+    // One that only goes somewhere turns nothing.
+    asset.warnings.clear();
+    from.clips[0].tracks[1] = moving(1, {0, 0.3f, 0}, {0, 0.5f, 0});
+    ASSERT_TRUE(add_clips(asset, from));
+    EXPECT_EQ(
+        asset.warnings,
+        (std::vector<std::string>{"moves.glb: 2 of its 4 animated nodes ('Spine2', 'Tail') are not in short.glb"}));
 }
 
 // As clothes have that were exported with a skeleton of their own.

@@ -13,7 +13,8 @@
 namespace throng {
 namespace {
 
-constexpr uint32_t kPoses = 32;         // of all clips together, to measure displacements in; at least one per clip
+constexpr uint32_t kPoses = 32;         // of all clips together, to measure displacements in
+constexpr uint32_t kPosesOfClip = 8;    // at least
 constexpr size_t kMostSteps = 200'000;  // displacements measured in a pose
 constexpr double kShare = 0.5;          // of a level's surface error: the most that joints that do not move add to it
 
@@ -92,8 +93,9 @@ public:
                 if (const uint32_t counterpart = entries_.counterpart(entry, parent); counterpart != kNone)
                     boxes_below_[counterpart].add(boxes_below_[entry]);
         }
-        for (const SampledPose& pose :
-             sampled_poses(character, std::max(kPoses, static_cast<uint32_t>(character.clips.size())))) {
+        // With one more, clips are not all looked at in the same places
+        const uint32_t pose_count = kPosesOfClip * static_cast<uint32_t>(character.clips.size()) + 1;
+        for (const SampledPose& pose : sampled_poses(character, std::max(kPoses, pose_count))) {
             progress.poll();
             measure_in(pose);
         }

@@ -2,22 +2,76 @@
 #include <throng/asset.h>
 
 #include "base/failure.h"
+#include "base/text.h"
 #include "compile/asset_check.h"
 #include "compile/transfer/rig_transfer.h"
 
 #include <algorithm>
+#include <functional>
 #include <iterator>
+#include <numeric>
+#include <string>
+#include <string_view>
+#include <unordered_map>
 #include <unordered_set>
+#include <vector>
 
 namespace throng {
 namespace {
 
-size_t target_count(const Asset& asset, uint32_t node) {
-    size_t count = 0;
-    for (const AssetMeshInstance& instance :
-         std::ranges::equal_range(asset.mesh_instances, node, {}, &AssetMeshInstance::node))
-        count = std::max(count, asset.meshes[instance.mesh].weights.size());
-    return count;
+std::string quoted(const std::string& name) {
+    return name.empty() ? "one without a name" : "'" + printable(name) + "'";
+}
+
+// Names for a message, the first of them in full: "'tail', 'wing' and 3 more".
+class NameList {
+public:
+    void add(const std::string& name, const std::string& note = {}) {
+        if (count_++ >= kShown) return;
+        list_ += joined(list_.empty() ? "" : ", ", quoted(name), note);
+    }
+    size_t count() const { return count_; }
+    std::string text() const { return count_ > kShown ? joined(list_, " and ", count_ - kShown, " more") : list_; }
+
+private:
+    static constexpr size_t kShown = 5;
+    std::string list_;
+    size_t count_ = 0;
+};
+
+// The one of a node's meshes that has its morph targets; null where no mesh is.
+const AssetMeshInstance* morphed_at(const Asset& asset, uint32_t node) {
+    const auto instances = std::ranges::equal_range(asset.mesh_instances, node, {}, &AssetMeshInstance::node);
+    const auto most = std::ranges::max_element(
+        instances, {}, [&](const AssetMeshInstance& of) { return asset.meshes[of.mesh].weights.size(); });
+    return most == instances.end() ? nullptr : &*most;
+}
+
+const AssetMesh* mesh_of(const Asset& asset, uint32_t node) {
+    const AssetMeshInstance* instance = morphed_at(asset, node);
+    return instance ? &asset.meshes[instance->mesh] : nullptr;
+}
+
+std::vector<float> default_weights(const Asset& asset, uint32_t node) {
+    const AssetMeshInstance* instance = morphed_at(asset, node);
+    return instance->weights.empty() ? asset.meshes[instance->mesh].weights : instance->weights;
+}
+
+// [morph target of `to`]: that of `from` with the same name, or kNone. Where one mesh has no names, the numbers tell,
+// if both have as many.
+std::vector<uint32_t> find_morph_sources(const AssetMesh& from, const AssetMesh& to) {
+    std::vector<uint32_t> sources(to.weights.size(), kNone);
+    if (from.target_names.empty() || to.target_names.empty() || from.target_names == to.target_names) {
+        if (from.weights.size() == to.weights.size()) std::iota(sources.begin(), sources.end(), 0u);
+        return sources;
+    }
+    std::unordered_map<std::string_view, uint32_t> by_name;
+    for (uint32_t target = 0; target < from.target_names.size(); ++target)
+        by_name.emplace(from.target_names[target], target);
+    for (size_t target = 0; target < sources.size(); ++target)
+        if (const auto found = by_name.find(to.target_names[target]); found != by_name.end())
+            sources[target] = found->second;
+    return sources;
 }
 
 class ClipAdder {
@@ -36,10 +90,9 @@ public:
             }
             for (const AssetMorphTrack& track : clip.morph_tracks)
                 for (const uint32_t node : transfer_.targets(track.node))
-                    if (has_same_targets(track.node, node)) {
-                        changed.morph_tracks.push_back(track);
-                        changed.morph_tracks.back().node = node;
-                    }
+                    if (const std::vector<uint32_t> sources = morph_sources(track.node, node);
+                        std::ranges::any_of(sources, [](uint32_t source) { return source != kNone; }))
+                        changed.morph_tracks.push_back(changed_track(track, node, sources));
             if (!changed.tracks.empty() || !changed.morph_tracks.empty()) out.push_back(std::move(changed));
         }
         return out;
@@ -47,24 +100,50 @@ public:
 
     // "2 of its 40 animated nodes ('tail', 'wing')": those that move nothing; empty if there are none.
     std::string without_target() const {
-        constexpr size_t kShown = 5;
-        std::string list;
-        size_t count = 0, animated_count = 0;
+        NameList list;
+        size_t animated_count = 0;
         for (uint32_t node = 0; node < from_.nodes.size(); ++node) {
             if (!transfer_.animated(node).moves) continue;
             ++animated_count;
-            const bool has_morphs = transfer_.animated(node).has_morphs &&
-                                    std::ranges::none_of(transfer_.targets(node), [&](uint32_t target) {
-                                        return has_same_targets(node, target);
-                                    });
-            if ((!transfer_.targets(node).empty() && !has_morphs) || count++ >= kShown) continue;
-            const std::string& name = from_.nodes[node].name;
-            list += joined(list.empty() ? "" : ", ", name.empty() ? "one without a name" : "'" + printable(name) + "'");
-            if (has_morphs) list += joined(" with ", target_count(from_, node), " morph targets");
+            if (lacks_morphs(node))
+                list.add(from_.nodes[node].name, joined(" with ", used_morphs(node).size(), " morph targets"));
+            else if (transfer_.targets(node).empty())
+                list.add(from_.nodes[node].name);
         }
-        if (count == 0) return {};
-        return joined(count, " of its ", animated_count, " animated nodes (", list,
-                      count > kShown ? joined(" and ", count - kShown, " more") : "", ")");
+        if (list.count() == 0) return {};
+        return joined(list.count(), " of its ", animated_count, " animated nodes (", list.text(), ")");
+    }
+
+    // "; what is below 'Spine2' will be turned differently": clips turn it, and `to` has what hangs on it, without it.
+    std::string turned_differently() const {
+        std::vector<bool> holds_joint(from_.nodes.size(), false);
+        for (uint32_t node = 0; node < from_.nodes.size(); ++node) {
+            if (!moves_joint(node)) continue;
+            for (uint32_t above = from_.nodes[node].parent; above != kNone && !holds_joint[above];
+                 above = from_.nodes[above].parent)
+                holds_joint[above] = true;
+        }
+        NameList list;
+        for (uint32_t node = 0; node < from_.nodes.size(); ++node)
+            if (holds_joint[node] && transfer_.animated(node).turns && transfer_.targets(node).empty())
+                list.add(from_.nodes[node].name);
+        return list.count() == 0 ? "" : joined("; what is below ", list.text(), " will be turned differently");
+    }
+
+    // "1 of 52 morph targets of 'Face' ('tongueOut')": of a node some of whose morph targets `to` has.
+    std::vector<std::string> without_morphs() const {
+        std::vector<std::string> out;
+        for (uint32_t node = 0; node < from_.nodes.size(); ++node) {
+            if (!transfer_.animated(node).has_morphs || lacks_morphs(node)) continue;
+            const std::vector<bool> is_used = used_morphs(node);
+            NameList list;
+            for (size_t target = 0; target < is_used.size(); ++target)
+                if (!is_used[target]) list.add(mesh_of(from_, node)->target_names[target]);
+            if (list.count() > 0)
+                out.push_back(joined(list.count(), " of ", is_used.size(), " morph targets of ",
+                                     quoted(from_.nodes[node].name), " (", list.text(), ")"));
+        }
+        return out;
     }
 
     // The first joints of `to`, so that a message shows how its names look.
@@ -108,9 +187,44 @@ private:
         return out;
     }
 
-    bool has_same_targets(uint32_t source, uint32_t node) const {
-        const size_t count = target_count(from_, source);
-        return count > 0 && count == target_count(to_, node);
+    // With the columns of the morph targets of `to`; those that nothing moves keep their default weight.
+    AssetMorphTrack changed_track(const AssetMorphTrack& track, uint32_t node,
+                                  const std::vector<uint32_t>& sources) const {
+        AssetMorphTrack out{.node = node, .interpolation = track.interpolation, .times_s = track.times_s};
+        const std::vector<float> rest = default_weights(to_, node);
+        const size_t old_width = mesh_of(from_, track.node)->weights.size();
+        const auto value = [&](size_t row, size_t target) {
+            if (sources[target] != kNone) return track.values[row * old_width + sources[target]];
+            return is_tangent(track, row) ? 0 : rest[target];
+        };
+        for (size_t row = 0; row < track.values.size() / old_width; ++row)
+            for (size_t target = 0; target < sources.size(); ++target) out.values.push_back(value(row, target));
+        return out;
+    }
+
+    // [morph target of `node`]: that of `source` which moves it, or kNone.
+    std::vector<uint32_t> morph_sources(uint32_t source, uint32_t node) const {
+        const AssetMesh *old_mesh = mesh_of(from_, source), *mesh = mesh_of(to_, node);
+        return old_mesh && mesh ? find_morph_sources(*old_mesh, *mesh) : std::vector<uint32_t>();
+    }
+
+    // [morph target of `source`]: whether it moves any of `to`.
+    std::vector<bool> used_morphs(uint32_t source) const {
+        const AssetMesh* mesh = mesh_of(from_, source);
+        std::vector<bool> is_used(mesh ? mesh->weights.size() : 0, false);
+        for (const uint32_t node : transfer_.targets(source))
+            for (const uint32_t used : morph_sources(source, node))
+                if (used != kNone) is_used[used] = true;
+        return is_used;
+    }
+
+    // Whether clips move its morph targets, and none of `to`.
+    bool lacks_morphs(uint32_t source) const {
+        return transfer_.animated(source).has_morphs && std::ranges::none_of(used_morphs(source), std::identity());
+    }
+
+    bool moves_joint(uint32_t source) const {
+        return std::ranges::any_of(transfer_.targets(source), [&](uint32_t node) { return transfer_.is_joint(node); });
     }
 
     const Asset &from_, &to_;
@@ -163,7 +277,11 @@ Result<void> add_clips(Asset& asset, const Asset& from) {
             if (clips.empty())
                 refuse(from.name, without.empty() ? "its clips move nothing" : without, " are not in ", asset.name,
                        ", which has ", adder.some_joints(), ", …: clips are added to nodes of the same names");
-            if (!without.empty()) warnings.push_back(joined(from.name, ": ", without, " are not in ", asset.name));
+            const auto warn = [&](const std::string& what, const std::string& effect) {
+                warnings.push_back(joined(from.name, ": ", what, " are not in ", asset.name, effect));
+            };
+            if (!without.empty()) warn(without, adder.turned_differently());
+            for (const std::string& morphs : adder.without_morphs()) warn(morphs, "");
             std::unordered_set<std::string> names;
             for (const AssetClip& clip : asset.clips) names.insert(clip.name);
             for (AssetClip& clip : clips) {

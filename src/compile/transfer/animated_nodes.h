@@ -10,7 +10,8 @@ namespace throng {
 
 inline size_t components(const AssetTrack& track) { return track.target == TrackTarget::kRotation ? 4 : 3; }
 
-inline bool is_tangent(const AssetTrack& track, size_t value) {
+// `value`: which of the track's values, or of its rows of weights.
+inline bool is_tangent(const auto& track, size_t value) {
     return track.interpolation == Interpolation::kCubicSpline && value % 3 != 1;
 }
 

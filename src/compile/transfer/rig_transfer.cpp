@@ -110,6 +110,14 @@ void RigTransfer::compare_bones() {
     if (same_count < count && old_sum > 0 && new_sum > 0) size_ratio_ = new_sum / old_sum;
 }
 
+// From the new parent to the place of the old one, in the space of the new one.
+Vec3<double> RigTransfer::offset_of_parent(const NodeFrame& old_parent, const NodeFrame& parent) const {
+    const Vec3<double> offset = old_parent.origin * size_ratio_ - parent.origin;
+    const double distance = std::max(length(parent.origin), length(old_parent.origin));
+    if (parent.scale == 0 || length(offset) <= kRounding * distance) return {};
+    return rotated(conjugate(parent.rotation), offset) * (1 / parent.scale);
+}
+
 NodeChange RigTransfer::change_of(uint32_t node, const NodeFrame& parent) const {
     const uint32_t source = sources_[node];
     const AssetNode& old_node = from_.nodes[source];
@@ -120,17 +128,18 @@ NodeChange RigTransfer::change_of(uint32_t node, const NodeFrame& parent) const 
     const double unit = parent.scale > 0 && old_parent.scale > 0 ? old_parent.scale / parent.scale : 1;
     change.scale = unit * size_ratio_;
     if (is_bone(node)) {
-        const bool is_below_root = !is_bone(to_.nodes[node].parent);
+        const uint32_t holder = to_.nodes[node].parent;
+        const bool is_below_root = !is_bone(holder);
         if (is_as_long(node)) {
             change.scale = unit;
         } else if (!animated_[source].changes_length || !(is_same_skeleton_ || is_below_root)) {
             change.old_rest = old_node.parent_from_node.translation;
             change.base = to_.nodes[node].parent_from_node.translation;
+        } else if (is_below_root && sources_[holder] == kNone) {
+            change.base = offset_of_parent(old_parent, parent);  // hips below a root that `from` lacks
         }
-    } else if (parent.scale > 0) {
-        const Vec3<double> way = old_parent.origin * size_ratio_ - parent.origin;
-        if (length(way) > kRounding * std::max(length(parent.origin), length(old_parent.origin)))
-            change.base = rotated(conjugate(parent.rotation), way) * (1 / parent.scale);
+    } else {
+        change.base = offset_of_parent(old_parent, parent);
     }
     if (std::abs(change.scale - 1) < kRounding) change.scale = 1;
     return change;

@@ -25,8 +25,8 @@ struct NodeChange {
     bool is_turned = false;     // else `turn` is the identity, and rotations stay as they are, bit for bit
     Quaternion<double> turn{};  // new_parent_from_old_parent
     double scale = 1;           // of units; and of sizes, unless it is a bone of the same length
-    // If a bone keeps its own length: the rest poses' translations, of `from` and of `to`. For a root: 0, and the
-    // offset between the places of the two nodes that hold it.
+    // If a bone keeps its own length: the rest poses' translations, of `from` and of `to`. For a root, or a joint that
+    // hangs on one that `from` lacks: 0, and the offset between the places of the two nodes that hold it.
     Vec3<double> old_rest{}, base{};
 
     Quaternion<double> rotation(const Quaternion<double>& old) const { return turn * old; }
@@ -38,8 +38,9 @@ struct NodeChange {
     }
 };
 
-// Joints keep the model-space rotations of `from`, whatever holds the rig or lies between a joint and its parent. Bones
-// of another length keep their own length; other translations are scaled by the ratio of mean bone lengths.
+// Joints keep the model-space rotations of `from`, whatever holds the rig or lies between a joint and its parent,
+// unless clips turn a node there that `to` lacks: that is taken as it is at rest. Bones of another length keep their
+// own length; other translations are scaled by the ratio of mean bone lengths.
 class RigTransfer {
 public:
     RigTransfer(const Asset& from, const Asset& to);
@@ -60,6 +61,7 @@ private:
     double new_length(uint32_t node) const;
     bool is_as_long(uint32_t node) const;
     void compare_bones();
+    Vec3<double> offset_of_parent(const NodeFrame& old_parent, const NodeFrame& parent) const;
     NodeChange change_of(uint32_t node, const NodeFrame& parent) const;
     Trs<double> rest_of(uint32_t node) const;
 
