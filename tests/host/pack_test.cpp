@@ -4,7 +4,10 @@
 #include "compile/limits.h"
 #include "compile/clip/packed_track.h"
 #include "compile/clip/read_clips.h"
+#include "bind/bind_reference.h"
+#include "reference/sampled_poses.h"
 #include "sample/sample_reference.h"
+#include "skin/skin_reference.h"
 #include "tests/shared.h"
 #include "tests/test_rig.h"
 
@@ -517,6 +520,51 @@ TEST(Pack, RealCharactersKeepTheBoundAndShrinkTenfold) {
         });
     }
     EXPECT_GE(static_cast<double>(sizes.raw_bytes) / static_cast<double>(sizes.packed_bytes), 10.0);
+}
+
+// Keys of a joint make up for what those above it are off by. A layer with a mask can take them without those above:
+// here each joint with all below it from one clip, the others, exact, from the next clip.
+double masked_error(const Character& exact, const Character& packed, uint32_t clip, double time_s) {
+    const auto local = sample_reference(exact, clip, time_s), packed_local = sample_reference(packed, clip, time_s);
+    const auto next = static_cast<uint32_t>((clip + 1) % exact.clips.size());
+    const auto below = sample_reference(exact, next, 0.3 * double{exact.clips[next].duration_s});
+    const auto skin = [](const Character& character, const std::vector<Trs<double>>& pose) {
+        return skin_reference(character, bind_reference(character.palette, model_from_joint_of(character.rig, pose)));
+    };
+    double largest = 0;
+    for (size_t masked = 1; masked < local.size(); ++masked) {
+        std::vector<bool> is_masked(local.size(), false);
+        std::vector<Trs<double>> pose = below, packed_pose = below;
+        for (size_t joint = masked; joint < local.size(); ++joint) {
+            const uint32_t parent = exact.rig.parents[joint];
+            if (joint != masked && (parent == kNone || !is_masked[parent])) continue;
+            is_masked[joint] = true;
+            pose[joint] = local[joint];
+            packed_pose[joint] = packed_local[joint];
+        }
+        const auto places = skin(exact, pose), packed_places = skin(packed, packed_pose);
+        for (size_t v = 0; v < places.size(); ++v) largest = worse_of(largest, length(places[v] - packed_places[v]));
+    }
+    return largest / double{exact.size};
+}
+
+TEST(Pack, MasksOfRealCharactersStayNearTheBound) {
+    THRONG_SKIP_WHERE_SANITIZED();
+    THRONG_SKIP_WITHOUT(shared_folder("characters"));
+    constexpr double kBound = 1e-4, kNear = 2.5;  // times the bound
+    double largest = 0;
+    for (const auto& file : shared_characters()) {
+        const Result<Asset> asset = load_asset(file);
+        ASSERT_TRUE(asset) << asset.error().text();
+        const Character exact = compiled(*asset, {.error = 0, .lods = false}),
+                        packed = compiled(*asset, {.error = kBound, .lods = false});
+        for (uint32_t clip = 0; clip < exact.clips.size(); ++clip)
+            for (const double part : {0.23, 0.61})
+                largest = worse_of(largest,
+                                   masked_error(exact, packed, clip, part * double{exact.clips[clip].duration_s}));
+    }
+    std::printf("  %.4f %% of the size\n", 100 * largest);
+    EXPECT_LT(largest, kNear * kBound);
 }
 
 }  // namespace
