@@ -83,7 +83,7 @@ double predicted_ms(const Json& record, std::span<const Json> predictions) {
 
 std::string counted(double count, const char* what) { return std::isnan(count) ? "" : whole(count) + " " + what; }
 
-// Those that are not empty.
+// The parts that are not empty, with commas between them.
 std::string listed(std::initializer_list<std::string> parts) {
     std::string all;
     for (const std::string& part : parts)

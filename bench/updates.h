@@ -32,7 +32,7 @@ std::vector<AffineT<double>> skin_reference_of(const Character& character, const
 // The largest error of some instances, spread evenly over all of them up to the last.
 double largest_error_of_some(uint32_t instance_count, const std::function<double(uint32_t instance)>& error_of);
 
-// Of its groups: "fused", "staged", "native, fused", …; "both" where they differ.
+// How the crowd is updated: "fused", "staged", "native, fused", …; "both" where its groups differ.
 std::string path_name(const Crowd& crowd);
 
 // What records of updates begin with: where and when, "bench", "configuration", and "joints" and "levels" of the

@@ -87,7 +87,7 @@ std::string with_slashes(std::string path) {
     std::ranges::replace(path, '\\', '/');
     return path;
 }
-// Of a normal path.
+// Whether a normal path begins with '..', the only place where that has one.
 bool leads_up(std::string_view path) { return path == ".." || path.starts_with("../"); }
 
 [[noreturn]] void refuse(ErrorCode code, std::string_view uri, const std::string& place, const char* why) {

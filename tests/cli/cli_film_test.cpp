@@ -340,7 +340,7 @@ TEST_F(CliFilm, AnInterruptedOneSaysWhatIsKept) {
     EXPECT_EQ(contents(folder).size(), count + 1) << "with the settings, and nothing half-written";
 }
 
-// Of two thousand frames that are there, few have been decoded when the signal comes.
+// There are two thousand frames to check, so the signal comes long before the last of them has been decoded.
 TEST_F(CliFilm, AnInterruptionEndsTheCheckOfFramesThatAreThere) {
     const std::string folder = new_folder("checked"), lock = folder + "/settings.json.lock";
     const auto command = [&](const std::string& frames) {

@@ -201,7 +201,7 @@ TEST(Import, IntegersWhereTheyAreNotAllowedAreNormalised) {
     GlbBuilder b = good;
     b.json["meshes"][0]["primitives"].push_back(primitive(b));
     EXPECT_TRUE(has_warning(loaded(b), "8 of 12 attributes")) << "one line for all";
-    // What is allowed stays: with KHR_mesh_quantization texture coordinates may have any size.
+    // KHR_mesh_quantization allows texture coordinates that are not normalised: they stay as they are.
     b = good;
     b.json["extensionsUsed"] = {"KHR_mesh_quantization"};
     const Asset quantized = loaded(b);
