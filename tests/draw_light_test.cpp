@@ -59,7 +59,8 @@ TEST(DrawLight, TheGroundDarkensEachCharacterByItsOwnSize) {
     Asset grey = square();
     grey.materials = {{.base_color = {0.5f, 0.5f, 0.5f, 1}, .metallic = 0, .roughness = 1}};
     const Picture alone = pictured(grey, {Affine{}}, kFront, plain),
-                  beside_a_giant = pictured(grey, {Affine{}, giant}, kFront, plain);
+                  beside_a_giant = pictured(grey, {giant, Affine{}}, kFront,
+                                            plain);  // the scene's size is the first one's
     for (const double height : {0.2, 0.4, 0.7})
         EXPECT_NEAR(sum_of(at(alone, 0, height)), sum_of(at(beside_a_giant, 0, height)), 3) << height;
     EXPECT_LT(sum_of(at(alone, 0, 0.2)) + 10, sum_of(at(alone, 0, 0.7))) << "near the ground it is darker";
