@@ -34,7 +34,7 @@ inline Exact random_controller(Random& random) {
     return exact;
 }
 
-// Three states a layer, alike but for their sync groups, and transitions between them.
+// Three states a layer, alike but for their sync groups or playing nothing, and transitions between them.
 inline void add_random_transitions(Random& random, Controller& controller) {
     using When = ControllerCondition::Test;
     for (ControllerLayer& layer : controller.layers) {
@@ -42,7 +42,10 @@ inline void add_random_transitions(Random& random, Controller& controller) {
             layer.states.push_back(layer.states[0]);
             layer.states.back().name = name;
         }
-        for (ControllerState& state : layer.states) state.sync = random.chance(0.5) ? "feet" : "";
+        for (ControllerState& state : layer.states) {
+            state.sync = random.chance(0.5) ? "feet" : "";
+            if (random.chance(0.25)) state = {.name = state.name};
+        }
         for (int i = 0; i < 6; ++i)
             layer.transitions.push_back(
                 {.to = layer.states[random.below(3)].name,

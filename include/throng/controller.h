@@ -49,7 +49,8 @@ struct BlendPoint {
 
 // One clip; or a blend space: of one parameter (points ascending in x; between two points their clips are mixed), or of
 // two (points triangulated; within a triangle its three clips, outside the nearest edge's two). Clips of a blend space
-// keep the same phase.
+// keep the same phase. Or nothing, without points: the layers below are seen as if this one had no weight, and a fade
+// from or to another state fades the layer in or out.
 struct ControllerState {
     std::string name{};
     std::vector<BlendPoint> points{};

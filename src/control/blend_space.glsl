@@ -1,5 +1,5 @@
 // The clips of a play and their weights: step 4 of docs/controller.md. C++ too (gpu/glsl.h). The includer declares
-// parameter_at(index), the functions of control/tables.glsl and those of control/rounded.glsl.
+// parameter_at(index), `layout_of_group`, the functions of control/tables.glsl and those of control/rounded.glsl.
 
 // Up to three clips that share a phase. Unused ones have weight 0.
 struct ClipMix {
@@ -9,6 +9,7 @@ struct ClipMix {
     uint loop;
     uint sync;
     bool backwards;  // a state that begins at its end
+    bool is_empty;   // a state that plays nothing: all weights are 0
 };
 
 // `do` with a `break` before its body: on a software device `while` goes round once more for all invocations. Without
@@ -67,7 +68,7 @@ void mix_edge(INOUT(ClipMix) clip_mix, ControlState state, float x, float y) {
 }
 
 ClipMix mix_of_state(ControlState state) {
-    ClipMix clip_mix = {uvec3(0), vec3(1, 0, 0), 0, state.loop, state.sync, state.speed < 0};
+    ClipMix clip_mix = {uvec3(0), vec3(1, 0, 0), 0, state.loop, state.sync, state.speed < 0, false};
     if (state.y_parameter != kNone) {
         const float x = parameter_at(state.x_parameter), y = parameter_at(state.y_parameter);
         if (!mix_triangle(clip_mix, state, x, y)) mix_edge(clip_mix, state, x, y);
@@ -82,11 +83,13 @@ ClipMix mix_of_state(ControlState state) {
     rate = product(rate, state.speed);
     if (state.speed_parameter != kNone) rate = product(rate, parameter_at(state.speed_parameter));
     clip_mix.rate = rate;
+    clip_mix.is_empty = clip_mix.clips.x == layout_of_group.clip_count;
+    if (clip_mix.is_empty) clip_mix.weights.x = 0;
     return clip_mix;
 }
 
 ClipMix mix_of_play(ControlLayer layer, LayerPlay play) {
-    ClipMix clip_mix = {uvec3(play.motion, 0, 0), vec3(1, 0, 0), play.speed, play.loop, kNone, false};
+    ClipMix clip_mix = {uvec3(play.motion, 0, 0), vec3(1, 0, 0), play.speed, play.loop, kNone, false, false};
     if (layer.state_count > 0)
         clip_mix = mix_of_state(load_state(layer.first_state + play.motion));
     else

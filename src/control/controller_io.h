@@ -25,6 +25,7 @@ struct ControlLayer {
     float weight;                   // a direct layer begins with it
     uint weight_parameter;          // or kNone
     uint model_rotations;           // 1: overrides in model space
+    uint has_empty_states;          // 1: some play nothing
 };
 THRONG_IO_CONSTANT kModeOverride = 0;
 THRONG_IO_CONSTANT kModeAdditive = 1;
@@ -42,7 +43,7 @@ struct ControlState {
 };
 
 struct ControlPoint {
-    uint clip;
+    uint clip;  // clip_count: the only point of a state that plays nothing
     float x, y;
     float inverse_span;  // one parameter: 1 / (x of the next - x); 0 for the last
 };

@@ -57,6 +57,7 @@ struct ControllerText : ArrayTables {
         const auto rows = RootRows(character.root_rows).subspan(clip.first_root, clip.root_count);
         add_weighted(update->move, move_between(rows, step.before, step.after, step.crossed), double{weight});
     }
+    void add_stand(float weight) { add_weighted(update->move, {}, double{weight}); }
 
     // Step 7: goes through the places of events in all cycles that the step touches.
     void emit_events(uint clip, const PhaseStep& step, uint layer) {
@@ -103,6 +104,7 @@ ControllerUpdate ControllerReference::update(float time_step_s) {
     ControllerUpdate update{.move = {.cos = 0}};  // moves are summed up in it
     io::ControllerText text{{arrays_}, character_, parameters, layers, {.time_step_s = time_step_s}, &update};
     text.layout_of_group.layer_count = static_cast<uint32_t>(layers.size());
+    text.layout_of_group.clip_count = static_cast<uint32_t>(character_.clips.size());
     for (; text.shown_layer < layers.size(); ++text.shown_layer) text.update_layer(text.shown_layer);
     text.reset_triggers();
     if (update.active_clips.empty()) text.add_rest_pose();

@@ -1,21 +1,22 @@
 // One update of a layer of an instance: the part of docs/controller.md that decides its state. C++ too, like
 // control/blend_space.glsl. The includer declares what that file needs, the buffers `layers` and `parameters`, `push`,
 // `layout_of_group`, `instance`, `first_parameter`, load_layer_state(index), and the functions that show the layer:
-// begin_layer(), add_active_clip(), add_move() and emit_events(). These use control/plays.glsl, so that comes first.
+// begin_layer(), add_active_clip(), add_move(), add_stand() and emit_events(). These use control/plays.glsl, so that
+// comes first.
 
 bool has_taken = false;  // a transition, in any layer
 // Duration of the inertial transition or play that this update begins with, in the highest layer that has one; 0: none
 float begun_duration_s = 0;
 
-void note_transition(LayerState state) {
-    if (state.taken == kNone) return;
+void note_transition(LayerState state, float layer_weight) {
+    if (state.taken == kNone || layer_weight <= 0) return;
     const ControlTransition transition = load_transition(state.taken);
     if ((transition.flags & kTransitionInertial) != 0 && transition.fade_rate > 0)
         begun_duration_s = 1 / transition.fade_rate;
 }
 
-void note_inertial_play(LayerState state) {
-    if (state.inertial_rate > 0) begun_duration_s = 1 / state.inertial_rate;
+void note_inertial_play(LayerState state, float layer_weight) {
+    if (state.inertial_rate > 0 && layer_weight > 0) begun_duration_s = 1 / state.inertial_rate;
 }
 
 // A layer's weight; a direct one's goes towards its goal.
@@ -43,14 +44,31 @@ void store_layer_state(uint index, LayerState state) {
     if (state.inertial_rate != 0) layers[index].inertial_rate = 0;
 }
 
-// Adds the clips of a play that have weight.
-void add_clips(ClipMix clip_mix, PhaseStep phase_step, float play_weight, bool moves) {
+// The weight of all plays but those of states that play nothing, through which the layers below are seen. Exactly 1
+// where there is no such play, and never so small that a weight could not be divided by it.
+float shown_part(LayerState state, ControlLayer layer, vec3 weights) {
+    float shown = 0;
+    bool shows_all = true;
+    uint k = 0;
+    do {
+        if (k >= state.play_count) break;
+        const ControlState played = load_state(layer.first_state + state.plays[k].motion);
+        if (load_point(played.first_point).clip == layout_of_group.clip_count)
+            shows_all = false;
+        else
+            shown = sum(shown, weights[k]);
+    } while (++k < state.play_count);
+    return shows_all ? 1 : max(shown, 1e-30f);
+}
+
+// Adds the clips of a play that have weight. `shown`: the part of the layer in which its plays' weights sum to 1.
+void add_clips(ClipMix clip_mix, PhaseStep phase_step, float play_weight, float shown, bool moves) {
     uint point = 0;
     do {
         const float weight = product(play_weight, clip_mix.weights[point]);
         if (weight > 0) {
             add_active_clip(clip_mix.clips[point], phase_step.after, weight);
-            if (moves) add_move(clip_mix.clips[point], phase_step, weight);
+            if (moves) add_move(clip_mix.clips[point], phase_step, product(weight, shown));
         }
     } while (++point < 3);
 }
@@ -68,6 +86,11 @@ struct Leading {
 // AMD's compiler hold values in registers throughout the loop around this (docs/performance.md).
 void show_plays(uint at, uint index, LayerState state, ControlLayer layer, vec3 weights, float layer_weight) {
     Leading leading = {kNone, 0, 0, 0, {0, 0, 0, false, 0}};
+    float shown = 1, inverse_shown = 1;
+    if (layer.has_empty_states != 0) {
+        shown = shown_part(state, layer, weights);
+        inverse_shown = 1 / shown;
+    }
     float common_rate = 0;
     bool finds_rate = state.play_count > 1, has_begun = false;
     uint k = 0;
@@ -102,14 +125,15 @@ void show_plays(uint at, uint index, LayerState state, ControlLayer layer, vec3 
             layers[at].plays[k].phase = play.phase;
             layers[at].plays[k].loops = play.loops;
             if (layer_weight > 0 && weights[k] > 0) {
-                if (!has_begun) begin_layer(state, layer, layer_weight);
-                has_begun = true;
-                add_clips(clip_mix, phase_step, weights[k], index == 0);
+                if (!has_begun && !clip_mix.is_empty) begin_layer(state, layer, product(layer_weight, shown));
+                has_begun = has_begun || !clip_mix.is_empty;
+                add_clips(clip_mix, phase_step, product(weights[k], inverse_shown), shown, index == 0);
             }
             if (layer_weight > 0 && k == 0) emit_events(heaviest(clip_mix), phase_step, index);
             ++k;
         }
     } while (k < state.play_count);
+    if (index == 0 && layer_weight > 0 && shown < 1) add_stand(1 - shown);
 }
 
 void update_layer(uint index) {
@@ -117,14 +141,12 @@ void update_layer(uint index) {
     const uint at = instance * layout_of_group.layer_count + index;
     LayerState state = load_layer_state(at);
     state.taken = kNone;  // so far
-    if (layer.state_count > 0) {
-        follow_transitions(state, layer);
-        note_transition(state);
-    }
-    note_inertial_play(state);
+    if (layer.state_count > 0) follow_transitions(state, layer);
     has_taken = has_taken || state.taken != kNone;
-    advance_fades(state, push.time_step_s);
     const float layer_weight = advance_weight(state, layer);
+    note_transition(state, layer_weight);
+    note_inertial_play(state, layer_weight);
+    advance_fades(state, push.time_step_s);
     store_layer_state(at, state);
     show_plays(at, index, state, layer, weights_of_plays(state), layer_weight);
 }

@@ -47,15 +47,20 @@ private:
                               .mask = layer.mask.empty() ? kNone : find_name(controller_.masks, layer.mask),
                               .weight = layer.weight,
                               .weight_parameter = parameter(layer.weight_parameter),
-                              .model_rotations = layer.model_space_rotations ? 1u : 0u});
+                              .model_rotations = layer.model_space_rotations ? 1u : 0u,
+                              .has_empty_states = has_empty_state(layer) ? 1u : 0u});
         std::vector<std::string> sync_groups;
         for (const ControllerState& state : layer.states) add_state(state, sync_groups);
         add_transitions(layer, first_state);
     }
 
+    static bool has_empty_state(const ControllerLayer& layer) {
+        return std::ranges::any_of(layer.states, [](const ControllerState& state) { return state.points.empty(); });
+    }
+
     void add_state(const ControllerState& state, std::vector<std::string>& sync_groups) {
         io::ControlState added{.first_point = count_of(out.points),
-                               .point_count = count_of(state.points),
+                               .point_count = std::max(count_of(state.points), 1u),
                                .first_triangle = count_of(out.triangles),
                                .first_edge = count_of(out.edges),
                                .x_parameter = parameter(state.x_parameter),
@@ -66,6 +71,7 @@ private:
                                .sync = state.sync.empty() ? kNone : group(sync_groups, state.sync)};
         for (const BlendPoint& point : state.points)
             out.points.push_back({find_name(character_.clips, point.clip), point.x, point.y, 0});
+        if (state.points.empty()) out.points.push_back({count_of(character_.clips), 0, 0, 0});
         if (!state.y_parameter.empty())
             add_blend_space(added, state);
         else if (!state.x_parameter.empty())

@@ -104,10 +104,10 @@ ControllerState read_state(const JsonView& state) {
     if (clip && (state.find("blend") || state.find("clips")))
         state.fail("has one 'clip', or a 'blend' of 'clips', not both");
     if (!clip && !state.find("blend") && !state.find("clips")) state.fail("'clip' is missing, or 'blend' and 'clips'");
-    if (clip)
-        out.points.push_back({clip->as_string()});
-    else
+    if (!clip)
         read_blend(state, out);
+    else if (!clip->is_null())
+        out.points.push_back({clip->as_string()});
     return out;
 }
 

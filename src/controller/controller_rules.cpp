@@ -41,7 +41,7 @@ void require_name(std::string_view name, const std::string& place) {
 void require_printable_name(std::string_view name, const std::string& place) {
     require_name(name, place);
     if (printable(name, kNameLimit) != name)
-        refuse(place, "a name must not have line breaks or other control characters");
+        refuse(place, "a name must not have line breaks, other control characters, or bytes that are no UTF-8");
 }
 
 void add_unique(KnownNames& names, std::string_view name, const std::string& place) {
@@ -117,6 +117,18 @@ private:
             check_factor(layer.weight, layer.weight_parameter, place_of(place, "weight"));
             check_states(layer, place);
         }
+        check_transition_count();
+    }
+
+    // Each state gets a list of its own (controller_arrays.cpp).
+    void check_transition_count() const {
+        uint64_t count = 0;
+        for (const ControllerLayer& layer : controller_.layers)
+            for (const ControllerTransition& transition : layer.transitions)
+                count += transition.from.empty() ? layer.states.size() : 1;
+        if (count <= kAllTransitionsLimit) return;
+        throw Failure(ErrorCode::kLimit, "layers", count, " transitions, more than the limit of ", kAllTransitionsLimit,
+                      ": one from any state counts for each state of its layer; give some 'from'");
     }
 
     void check_states(const ControllerLayer& layer, const std::string& place) const {
@@ -151,7 +163,7 @@ private:
         const std::string clips = place_of(place, "clips"), blend = place_of(place, "blend");
         const bool of_two = !state.y_parameter.empty();
         require_at_most(kBlendPointLimit, state.points.size(), clips, "clips");
-        if (state.points.empty()) refuse(clips, "a state has at least one clip");
+        if (state.points.empty()) return check_empty(state, place);
         if (state.x_parameter.empty() && (of_two || state.points.size() > 1))
             refuse(blend, "a state of several clips needs the parameter that chooses between them");
         if (!state.x_parameter.empty()) check_number(state.x_parameter, of_two ? place_of(blend, 0) : blend);
@@ -161,6 +173,14 @@ private:
             require_name(point.clip, state.x_parameter.empty() ? place_of(place, "clip") : place_of(clips, i, "clip"));
             if (!state.x_parameter.empty()) check_distances(state, i, place_of(clips, i, "at"));
         }
+    }
+
+    // A state that plays nothing has nothing that those fields could be said of.
+    static void check_empty(const ControllerState& state, const std::string& place) {
+        if (!state.x_parameter.empty() || !state.y_parameter.empty())
+            refuse(place_of(place, "clips"), "a blend has at least one clip");
+        if (!state.loop || state.speed != 1 || !state.speed_parameter.empty() || !state.sync.empty())
+            refuse(place, "plays nothing, so it has no 'loop', 'speed' or 'sync'");
     }
 
     static void check_distances(const ControllerState& state, size_t i, const std::string& place) {
@@ -186,6 +206,9 @@ private:
         const uint32_t to = states.require(transition.to, place_of(place, "to"));
         require_between(0, kExitLimit, transition.exit, exit);
         if (transition.fade_s != 0) require_between(kLeastFade_s, kMostFade_s, transition.fade_s, fade);
+        if (from != kNone && layer.states[from].points.empty() && transition.exit > 0)
+            refuse(exit, "is never reached: state '", printable(transition.from),
+                   "' plays nothing, so it counts no cycles; use 'when'");
         if (from != kNone && !layer.states[from].loop && transition.exit > 1)
             refuse(exit, "is never reached: state '", printable(transition.from),
                    "' does not loop, so it ends after 1 cycle; give 1 or less");

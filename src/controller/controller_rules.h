@@ -8,7 +8,9 @@ namespace throng {
 inline constexpr size_t kLayerLimit = 16;
 inline constexpr size_t kStateLimit = 1'024;       // of a layer
 inline constexpr size_t kTransitionLimit = 4'096;  // of a layer
-inline constexpr size_t kBlendPointLimit = 64;     // of a state
+// Of all layers; one from any state counts for each state of its layer
+inline constexpr size_t kAllTransitionsLimit = 1'048'576;
+inline constexpr size_t kBlendPointLimit = 64;  // of a state
 inline constexpr size_t kParameterLimit = 256;
 inline constexpr size_t kEventLimit = 4'096;
 inline constexpr size_t kMaskLimit = 256;

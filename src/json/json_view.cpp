@@ -146,6 +146,7 @@ JsonView JsonView::operator[](size_t index) const {
     return member;
 }
 
+bool JsonView::is_null() const { return json_->is_null(); }
 bool JsonView::is_bool() const { return json_->is_boolean(); }
 bool JsonView::is_number() const { return json_->is_number(); }
 bool JsonView::is_string() const { return json_->is_string(); }

@@ -89,6 +89,7 @@ public:
 
     // The value itself. Numbers fit a float, integers are below 2^53.
     const std::string& key() const { return *key_; }  // of a member of an object that was iterated over
+    bool is_null() const;
     bool is_bool() const;
     bool is_number() const;
     bool is_string() const;

@@ -20,6 +20,7 @@ namespace {
 
 struct Mixer : ArrayTables {
     std::array<float, 2> place;
+    ControllerLayout layout_of_group{.clip_count = kNone};
 
     float parameter_at(uint index) const { return place[index]; }
 #include "control/blend_space.glsl"

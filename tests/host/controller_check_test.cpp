@@ -5,6 +5,9 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
+#include <string>
+
 namespace throng {
 namespace {
 
@@ -78,8 +81,11 @@ TEST(CheckController, KeepsTheRulesOfFiles) {
               start + "layers[1].name: the name 'body' is taken; rename one");
     EXPECT_EQ(after([](Controller& c) { c.layers[0].states[1].name = "a"; }),
               start + "layers[0].states.a: the name 'a' is taken; rename one");
-    EXPECT_EQ(after([](Controller& c) { c.layers[0].states[1].points.clear(); }),
-              start + "layers[0].states.b.clips: a state has at least one clip");
+    EXPECT_EQ(after([](Controller& c) {
+                  c.layers[0].states[1].points.clear();
+                  c.layers[0].states[1].x_parameter = "speed";
+              }),
+              start + "layers[0].states.b.clips: a blend has at least one clip");
     EXPECT_EQ(
         after([](Controller& c) { c.layers[0].states[1].points.push_back({"fly"}); }),
         start + "layers[0].states.b.blend: a state of several clips needs the parameter that chooses between them");
@@ -95,6 +101,23 @@ TEST(CheckController, KeepsTheRulesOfFiles) {
               start + "parameters.p: must begin with 0 or 1");
     EXPECT_EQ(after([](Controller& c) { c.layers.resize(17, {.name = "x"}); }),
               start + "layers: 17 layers, more than the limit of 16");
+}
+
+// Each state has a list of its own, so that a few megabytes of JSON would take gigabytes.
+TEST(CheckController, TransitionsFromAnyStateCountForEachState) {
+    ControllerLayer layer;
+    for (int i = 0; i < 1024; ++i) layer.states.push_back({.name = "s" + std::to_string(i), .points = {{"idle"}}});
+    layer.transitions.resize(256, {.to = "s0", .exit = 1});
+    Controller controller{.name = "made"};
+    for (const char* name : {"a", "b", "c", "d"}) {
+        controller.layers.push_back(layer);
+        controller.layers.back().name = name;
+    }
+    EXPECT_EQ(error_of(controller), "");
+    controller.layers[1].transitions.push_back({.from = "s1", .to = "s2"});
+    EXPECT_EQ(error_of(controller),
+              "made with creature: layers: 1048577 transitions, more than the limit of 1048576: one from any state "
+              "counts for each state of its layer; give some 'from'");
 }
 
 TEST(CheckController, DirectLayersPlayWhatTheyAreTold) {

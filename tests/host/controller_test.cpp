@@ -145,6 +145,23 @@ TEST(Controller, InertialTransitionsCutAndSaySo) {
     EXPECT_EQ(instance.leading().fade_rate, 1);
 }
 
+TEST(Controller, InertialTransitionsOfALayerThatIsNotSeenMoveNobody) {
+    Controller controller = three_states({});
+    controller.layers.push_back(
+        {.name = "unseen",
+         .weight_parameter = "x",
+         .states = {one_clip("b"), one_clip("c")},
+         .transitions = {{.from = "b", .to = "c", .conditions = kGo, .fade_s = 1, .fade = FadeKind::kInertial}}});
+    for (const float weight : {0.0f, 0.5f}) {
+        Instance instance(controller);
+        instance.set("x", weight);
+        instance.update(0.1f);
+        instance.set("go", 1);
+        instance.update(0.1f);
+        EXPECT_EQ(instance.last.inertial_s, weight > 0 ? 1 : 0);
+    }
+}
+
 TEST(Controller, ExitWaitsForCycles) {
     Instance once(three_states({{.from = "a", .to = "b", .exit = 1}}, false));
     for (int i = 0; i < 4; ++i) once.update(0.25f);
@@ -292,6 +309,80 @@ TEST(Controller, WhatIsNotInStepCountsWithTheLeadingRate) {
     EXPECT_EQ(instance.leading().phase, phase_of_b + static_cast<uint32_t>(0.5 * 0x1p32))
         << "b was still there when a was pushed; a then goes at its own rate of 1";
     EXPECT_EQ(instance.play_count(), 2u);
+}
+
+// A body that plays "a", and a layer above it that rests, or plays "b" (2 s, with an event at its beginning).
+Controller body_and_gesture() {
+    Controller controller = three_states({});
+    controller.layers.push_back(
+        {.name = "gesture",
+         .weight = 0.5f,
+         .states = {{.name = "rest"}, one_clip("b", false)},
+         .transitions = {{.from = "rest", .to = "b", .conditions = kGo, .fade_s = 1},
+                         {.from = "b", .to = "rest", .exit = 1, .fade_s = 1, .fade = FadeKind::kCross}}});
+    controller.events = {{"begun", "b", 0}};
+    return controller;
+}
+
+TEST(Controller, AStateThatPlaysNothingShowsTheLayersBelow) {
+    Instance instance(body_and_gesture());
+    const auto gesture = [&]() -> const ControllerActiveClip& { return instance.last.active_clips.back(); };
+    instance.update(1);
+    ASSERT_EQ(instance.last.active_clips.size(), 1u);
+    EXPECT_EQ(gesture().layer, 0u);
+    EXPECT_EQ(instance.leading(1).phase, 0u) << "nothing has no time";
+    instance.set("go", 1);
+    instance.update(0.5f);
+    ASSERT_EQ(instance.last.active_clips.size(), 2u);
+    EXPECT_EQ(gesture().clip, 1u);
+    EXPECT_EQ(gesture().weight, 1) << "of the layer's clips it is the only one";
+    EXPECT_EQ(gesture().layer_weight, 0.25f) << "half of the layer's weight, as the fade is half done";
+    EXPECT_EQ(instance.events(), "begun@0");
+    instance.update(0.5f);
+    EXPECT_EQ(gesture().layer_weight, 0.5f);
+    instance.update(1);      // to its end
+    instance.update(0.25f);  // which leads away: eased, a quarter of the fade leaves 27/32
+    EXPECT_EQ(gesture().layer_weight, 0.5f * 27 / 32);
+    EXPECT_EQ(gesture().weight, 1);
+    instance.update(0.75f);
+    EXPECT_EQ(gesture().layer, 0u);
+}
+
+TEST(Controller, OfTwoPlaysOverNothingEachHasItsPart) {
+    Controller controller = three_states({{.from = "a", .to = "b", .conditions = kGo, .fade_s = 1},
+                                          {.from = "b", .to = "c", .fade_s = 1, .interrupts = true}});
+    controller.layers[0].states[0] = {.name = "a"};
+    Instance instance(controller);
+    instance.update(0);
+    EXPECT_EQ(instance.last.active_clips[0].clip, 3u) << "the rest pose";
+    instance.set("go", 1);
+    instance.update(0.5f);   // b: 1/2
+    instance.update(0.25f);  // c: 5/32; b: 27/32 of the rest, at a fade of 3/4
+    const double c = 5.0 / 32, b = 27.0 / 32 * 27 / 32;
+    ASSERT_EQ(instance.last.active_clips.size(), 3u);
+    EXPECT_EQ(instance.last.active_clips[0].layer, kNone) << "the rest pose lies below a layer that does not cover it";
+    EXPECT_NEAR(instance.weights()[2], c / (b + c), 1e-6);
+    EXPECT_NEAR(instance.weights()[1], b / (b + c), 1e-6);
+    EXPECT_NEAR(instance.last.active_clips[1].layer_weight, b + c, 1e-6);
+}
+
+TEST(Controller, APlayOfNothingStandsStill) {
+    Character character = character_of({1, 2, 4});
+    character.root_rows = {{0, 0, 1, 0}, {0, 2, 0, 1}};  // half a metre a quarter of the way, and a quarter turn
+    character.clips[1].root_row_count = 2;
+    Controller controller = three_states({{.from = "a", .to = "b", .conditions = kGo, .fade_s = 1}});
+    controller.layers[0].states[0] = {.name = "a"};
+    ControllerReference reference(controller, character);
+    EXPECT_EQ(reference.update(1).move.z, 0);
+    reference.apply({.kind = io::kCommandParameter, .target = 0, .value = 1});
+    const GroundMove half = reference.update(0.5f).move;  // a quarter of "b", at half its weight
+    ControllerReference alone(controller, character);
+    alone.apply({.kind = io::kCommandState, .target = 0, .motion = 1});
+    const GroundMove whole = alone.update(0.5f).move;
+    EXPECT_GT(whole.z, 0.1);
+    EXPECT_NEAR(half.z, whole.z / 2, 1e-6);
+    EXPECT_NEAR(std::atan2(half.sin, half.cos), std::atan2(whole.sin, whole.cos) / 2, 1e-6)
+        << "half as far, not just as far";
 }
 
 TEST(Controller, OneParameterMixesNeighbours) {

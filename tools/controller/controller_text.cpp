@@ -13,7 +13,8 @@ std::string number_text(float value) {
 }
 
 std::string motion_text(const ControllerState& state) {
-    if (state.x_parameter.empty()) return state.points.at(0).clip;
+    if (state.points.empty()) return "nothing";
+    if (state.x_parameter.empty()) return state.points[0].clip;
     const bool of_two = !state.y_parameter.empty();
     std::string text;
     for (const BlendPoint& point : state.points) {
