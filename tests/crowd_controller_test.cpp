@@ -282,7 +282,7 @@ TEST(CrowdController, TellsWhatLayersPlay) {
     EXPECT_EQ(watched[1].layers[0][1].fade, 1) << "nothing is behind it";
     ASSERT_EQ(watched[2].layers.size(), 2u);
     EXPECT_EQ(copy_of(watched[2].layers[0]),
-              std::vector{(PlayedMotion{.motion = 2, .phase = 0.25f, .loops = 0, .fade = 1})});
+              std::vector{(PlayedMotion{.motion = 2, .phase = 0.25f, .loops = 0, .fade = 1, .speed = 0})});
     ASSERT_EQ(watched[2].layers[1].size(), 2u);
     EXPECT_EQ(watched[2].layers[1][0].motion, kNone) << "the rest pose";
     EXPECT_NEAR(watched[2].layers[1][0].fade, 0.1 / 4, 1e-6);

@@ -39,5 +39,38 @@ TEST(Feedback, EventsComeByInstanceThenLayerThenTime) {
     for (size_t i = 0; i < times_s.size(); ++i) EXPECT_NEAR(times_s[i], kTimes_s[i % 3], 1e-5f) << i;
 }
 
+// What a game needs to make another instance play the same. A state has its own speed and loop.
+TEST(Feedback, TellsSpeedLoopAndWeight) {
+    const Character character = creature(20, 8);
+    const Controller direct = direct_layers(2);
+    const Controller stated{
+        .layers = {
+            {.name = "all",
+             .states = {{.name = "one", .points = {{.clip = character.clips[0].name}}, .loop = false, .speed = 3}}},
+            {.name = "over",
+             .weight = 0.25f,
+             .states = {{.name = "two", .points = {{.clip = character.clips[1].name}}}}}}};
+    Crowd crowd = create({.groups = {{.character = &character, .instance_count = 1, .controller = &direct},
+                                     {.character = &character, .instance_count = 1, .controller = &stated}}});
+    const InstanceHandle told{0};
+    ASSERT_TRUE(crowd.play(told, 0, {.clip = {.clip = 0, .speed = -1.5f, .loop = false}}));
+    ASSERT_TRUE(crowd.play(told, 1, {.clip = {.clip = 1, .speed = 2}}));
+    ASSERT_TRUE(crowd.set_layer(told, 1, {.weight = 0, .fade_s = 0.4f}));
+    ASSERT_TRUE(crowd.watch(std::array{InstanceHandle{1}, told}));
+    ASSERT_TRUE(crowd.update(0.1f));
+    const Feedback feedback = feedback_of(crowd);
+    const WatchedInstance &of_states = feedback.watched.at(0), &of_clips = feedback.watched.at(1);
+    EXPECT_EQ(of_clips.layers[0][0].speed, -1.5f);
+    EXPECT_FALSE(of_clips.layers[0][0].loop);
+    EXPECT_EQ(of_clips.layers[1][0].speed, 2);
+    EXPECT_TRUE(of_clips.layers[1][0].loop);
+    ASSERT_EQ(of_clips.layer_weights.size(), 2u);
+    EXPECT_EQ(of_clips.layer_weights[0], 1);
+    EXPECT_NEAR(of_clips.layer_weights[1], 0.75f, 1e-6f);
+    EXPECT_EQ(of_states.layers[0][0].speed, 1);
+    EXPECT_TRUE(of_states.layers[0][0].loop);
+    EXPECT_EQ(copy_of(of_states.layer_weights), (std::vector{1.0f, 0.25f}));
+}
+
 }  // namespace
 }  // namespace throng::test

@@ -420,6 +420,27 @@ TEST(Frames, WhatHasNotRunIsNotRead) {
     }
 }
 
+// Groups that come and go in between do not make it run.
+TEST(Frames, WhatHasNotRunIsNotSavedWhenGroupsHaveChanged) {
+    const Character character = creature(20, 8);
+    const CrowdSettings settings{.groups = {{.character = &character, .instance_count = 1}},
+                                 .path = UpdatePath::kDevice};
+    Crowd crowd = create(settings);
+    ASSERT_TRUE(crowd.update(0.1f));
+    Recorder recorder;
+    const VkCommandBuffer commands = recorder.record(
+        [&](VkCommandBuffer into) { EXPECT_TRUE(crowd.record(into, 0.1f)); });
+    const std::string why =
+        "crowd state: the commands of the last record() have not run: submit them, or call discard_last_record()";
+    const auto added = crowd.add_groups(create(settings));
+    ASSERT_TRUE(added) << refusal(added);
+    EXPECT_EQ(refusal(crowd.save_state()), why);
+    ASSERT_TRUE(crowd.remove_group(added->front()));
+    EXPECT_EQ(refusal(crowd.save_state()), why);
+    recorder.submit(commands);
+    EXPECT_EQ(refusal(crowd.save_state()), "");
+}
+
 // Nor drawn; and what was drawn as soon as it was submitted is there.
 TEST(Frames, WhatHasNotRunIsNotDrawn) {
     const Character character = creature(20, 8);

@@ -94,6 +94,13 @@ CrowdView view_of_box(const Vec3<float>& middle, float half) {
     return view;
 }
 
+void UpdateBits::add(std::span<const PlayedMotion> played) {
+    for (const auto& [motion, phase, loops, fade, speed, loop] : played) {
+        add(std::array{motion, loops, loop ? 1u : 0u});
+        add(std::array{phase, fade, speed});
+    }
+}
+
 void UpdateBits::add_results(Crowd& crowd) {
     for (const OutputBlock& block : crowd.outputs()) {
         add(block.host.skin);

@@ -48,6 +48,8 @@ public:
         const auto bytes = std::as_bytes(std::span(values));
         all.insert(all.end(), bytes.begin(), bytes.end());
     }
+    // Member by member, since there is padding.
+    void add(std::span<const PlayedMotion> played);
     // The outputs of a crowd on a native device, as its last update left them.
     void add_results(Crowd& crowd);
     void add_feedback(Crowd& crowd);

@@ -472,11 +472,11 @@ TEST(Population, WhoHasGoneIsInNobodysWay) {
     EXPECT_EQ(walk(true, true), alone);
 }
 
-// It was nobody's step that its predecessor took.
+// It was nobody's step that its predecessor took. Also where it is born in an update that takes no time.
 TEST(Population, ANewAgentSetsOutFromRest) {
     const Character character = creature(20, 8);
     const std::array ahead{Vec3<float>{0, 0, 500}};
-    const auto walk = [&](bool has_predecessor) {
+    const auto walk = [&](bool has_predecessor, float born_in_s) {
         Crowd crowd = create(
             {.groups = {{.character = &character, .steering = Steering{.radius = 0.5f, .speed = 3}, .capacity = 1}}});
         if (has_predecessor) {
@@ -486,13 +486,39 @@ TEST(Population, ANewAgentSetsOutFromRest) {
             EXPECT_TRUE(crowd.despawn(old));
         }
         EXPECT_TRUE(crowd.spawn(0, std::array{Affine{}}));
-        EXPECT_TRUE(crowd.update(0.01f));
+        EXPECT_TRUE(crowd.update(born_in_s));
         EXPECT_TRUE(crowd.set_destination(crowd.instances(), ahead));
         EXPECT_TRUE(crowd.watch(Instances::numbered(0)));
         EXPECT_TRUE(crowd.update(0.01f));
         return (*crowd.feedback()).back().watched.at(0).world_from_model.row;
     };
-    EXPECT_EQ(walk(true), walk(false));
+    for (const float born_in_s : {0.01f, 0.0f, -0.01f})
+        EXPECT_EQ(walk(true, born_in_s), walk(false, born_in_s)) << born_in_s;
+}
+
+// Who is told something and goes again before the next update leaves nothing of it behind, and takes nothing from who
+// stays.
+TEST(Population, CommandsForWhoHasGoneAreDropped) {
+    const Character character = creature(20, 8);
+    const Controller controller = example("dragon");
+    const uint32_t forward = parameter_of(controller, "forward");
+    Crowd crowd = create({.groups = {{.character = &character, .controller = &controller, .capacity = 2}}});
+    const InstanceHandle stays = *crowd.spawn(0, Affine{});
+    ASSERT_TRUE(crowd.set_parameter(stays, forward, 1.0f));
+    const auto come = [&](float value) {
+        const InstanceHandle one = *crowd.spawn(0, Affine{});
+        EXPECT_TRUE(crowd.set_parameter(one, forward, value));
+        return one;
+    };
+    EXPECT_TRUE(crowd.despawn(come(2)));
+    const size_t once_bytes = crowd.save_state()->size();
+    for (int life = 0; life < 2000; ++life) EXPECT_TRUE(crowd.despawn(come(3)));
+    EXPECT_LT(crowd.save_state()->size(), once_bytes + 1000);
+    ASSERT_TRUE(crowd.watch(std::array{stays, come(4)}));
+    ASSERT_TRUE(crowd.update(0));
+    const Feedback told = feedback_of(crowd);
+    EXPECT_EQ(told.watched.at(0).parameters[forward], 1);
+    EXPECT_EQ(told.watched.at(1).parameters[forward], 4);
 }
 
 // Births and deaths of a frame that is dropped are there in the next, whether they came before it was recorded or

@@ -309,6 +309,70 @@ TEST_F(SavedState, RefusesThatOfOtherSocketsAndOfMoreWhoAreWatched) {
     EXPECT_EQ(refused.error().code, ErrorCode::kInvalidArgument);
 }
 
+TEST_F(SavedState, RefusesThatOfMorePosesThanCanBeRequested) {
+    const auto with = [&](uint32_t pose_request_capacity) {
+        CrowdSettings made = settings();
+        made.pose_request_capacity = pose_request_capacity;
+        return create(made);
+    };
+    Crowd crowd = with(4), narrow = with(1);
+    ASSERT_TRUE(crowd.request_poses(Instances::numbered(0, 3)));
+    const Result<void> refused = narrow.restore_state(*crowd.save_state());
+    EXPECT_EQ(refusal(refused),
+              "crowd state: it does not fit this crowd: 3 poses are requested there, and "
+              "CrowdSettings::pose_request_capacity is 1");
+    ASSERT_FALSE(refused);
+    EXPECT_EQ(refused.error().code, ErrorCode::kInvalidArgument);
+    ASSERT_TRUE(narrow.update(0.1f));
+    EXPECT_TRUE(feedback_of(narrow).poses.empty());
+}
+
+// A clip of the same length in another's place, or another joint, would go unnoticed until it is seen.
+TEST_F(SavedState, RefusesThatOfOtherNames) {
+    Crowd crowd = create(settings());
+    ASSERT_TRUE(crowd.update(0.1f));
+    const std::vector<std::byte> saved = *crowd.save_state();
+    Character other_clips = character_, other_joints = character_;
+    std::swap(other_clips.clips[0].name, other_clips.clips[1].name);
+    std::swap(other_joints.rig.names[1], other_joints.rig.names[2]);
+    for (const Character* const other : {&other_clips, &other_joints}) {
+        CrowdSettings of = settings();
+        of.groups[0].character = other;
+        EXPECT_EQ(refusal(create(of).restore_state(saved)),
+                  "crowd state: it does not fit this crowd: a group has another character, controller or CrowdGroup "
+                  "setting there");
+    }
+}
+
+// Whatever the order in which room became free before.
+TEST_F(SavedState, PosesGoToTheSameRoomAfterIt) {
+    CrowdSettings of = settings();
+    of.groups[0].pose_capacity = 3;
+    Crowd crowd = create(of), other = create(of);
+    const std::vector<Trs<float>> pose(character_.rig.rest);
+    ASSERT_TRUE(crowd.set_pose(Instances::numbered(0, 3), pose));
+    ASSERT_TRUE(crowd.update(0.1f));
+    for (const uint32_t instance : {0u, 2u}) ASSERT_TRUE(crowd.clear_pose(InstanceHandle{instance}));
+    ASSERT_TRUE(other.restore_state(*crowd.save_state()));
+    for (Crowd* const one : {&crowd, &other}) {
+        ASSERT_TRUE(one->set_pose(InstanceHandle{3}, pose));
+        ASSERT_TRUE(one->update(0.1f));
+    }
+    EXPECT_TRUE(*crowd.save_state() == *other.save_state());
+}
+
+TEST_F(SavedState, GoesIntoMemoryThatIsThere) {
+    Crowd crowd = create(settings());
+    ASSERT_TRUE(crowd.update(0.1f));
+    std::vector<std::byte> out(1'000'000, std::byte{7});
+    const std::byte* const memory = out.data();
+    ASSERT_TRUE(crowd.save_state(out));
+    EXPECT_EQ(out.data(), memory);
+    EXPECT_TRUE(out == *crowd.save_state());
+    EXPECT_FALSE(Crowd().save_state(out));
+    EXPECT_TRUE(out == *crowd.save_state()) << "refused before anything was written";
+}
+
 TEST_F(SavedState, RefusesThatOfOtherRules) {
     const auto rules = [&](float frequency_hz, const char* target) {
         return ProceduralRules{.targets = {target},

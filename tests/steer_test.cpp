@@ -457,7 +457,8 @@ TEST(Steer, ADestinationIsTakenAwayOrWrittenOnTheGpu) {
                                       .steering = Steering{.speed_parameter = kSpeed}}}});
     const std::vector<Affine> places{turned_at(0, 0), turned_at(9, 0)};
     ASSERT_TRUE(crowd.set_placement(crowd.instances(), places) &&
-                crowd.set_destination(InstanceHandle{0}, Vec3<float>{0, 0, 9}));
+                crowd.set_destination(InstanceHandle{0}, Vec3<float>{0, 0, 9}) &&
+                crowd.update(0));  // placements can be read from now on
     const auto walk = [&] {
         const std::vector<Affine> before = placements_of(crowd);
         for (int update = 0; update < 10; ++update) EXPECT_TRUE(crowd.update(0.1f));

@@ -374,12 +374,13 @@ public:
     // Records one update into the caller's command buffer (recording, outside a render pass, of the adopted queue's
     // family, or of another one of AdoptedDevice::more_queue_families that computes): advances every instance by
     // `time_step_s` times its speed, then runs control, and sample, blend, scan and bind or all four in one. A playback
-    // set since the last record() starts at its time plus this step; a negative step plays backwards. The recorded
-    // commands must have finished before the crowd is destroyed, and may be submitted once. Commands must run in the
-    // order in which they were recorded, and update(), read_...() and save_state() submit some of their own, so submit
-    // what has been recorded before you call these. What was bound for compute (pipeline, descriptor sets, push
-    // constants) is no longer bound afterwards. On a native device the command buffer is VK_NULL_HANDLE, and the update
-    // is done when the call returns, as by update().
+    // set since the last record() starts at its time plus this step. With a negative step clips, states, root motion
+    // and wind go back, while fades and springs wait; with one of 0 or below agents stand, but transitions are taken
+    // and triggers used up as ever. The recorded commands must have finished before the crowd is destroyed, and may be
+    // submitted once. Commands must run in the order in which they were recorded, and update(), read_...() and
+    // save_state() submit some of their own, so submit what has been recorded before you call these. What was bound for
+    // compute (pipeline, descriptor sets, push constants) is no longer bound afterwards. On a native device the command
+    // buffer is VK_NULL_HANDLE, and the update is done when the call returns, as by update().
     //
     // With a view, which needs CrowdSettings::culling, time advances for all instances, but in groups that are fused
     // and have no sockets or inertial transitions only those that the view sees are animated (other groups are animated
@@ -414,22 +415,30 @@ public:
     Result<void> update(float time_step_s, const CrowdView* view = nullptr);
 
     // Everything that the next updates build on, as bytes: for a rollback, a replay, a game that is saved. They fit
-    // only crowds of the same characters, controllers, rules and capacities, so a saved game that is to survive changes
-    // of these also keeps its own (feedback() of watch()). A crowd that gets them back, this one or another with the
-    // same settings, goes on as this one does from here, bit for bit on the same device (except where more than 64
-    // agents crowd into one cell of the steering grid, whose order is left to chance): all that instances play, layers
-    // and parameters, placements, poses, springs, agents, who is there and their handles, who is watched, and what has
-    // been set and not yet been taken up. Matrices are left out, except where updates build on them
+    // only crowds of the same characters, controllers, rules and capacities, on the same kind of device: a native one,
+    // or one whose limits give the same path and scan method (path()), also where these are chosen automatically, and
+    // divide groups into the same OutputBlocks. So a saved game that is to survive changes of these, or another
+    // graphics card, also keeps the game's own data (feedback() of watch()). A crowd that gets them back, this one or
+    // another with the same settings, goes on as this one does from here, bit for bit on the same device (except where
+    // more than 64 agents crowd into one cell of the steering grid, whose order is left to chance): all that instances
+    // play, layers and parameters, placements, poses, springs, agents, who is there and their handles, who is watched,
+    // and what has been set and not yet been taken up. Matrices are left out, except where updates build on them
     // (CrowdSettings::keep_previous_matrices, Culling::skips_updates, inertial transitions). The same version of throng
     // reads them, on machines of the same byte order. Both calls submit and wait; updates that have been recorded must
     // have been submitted or discarded, and one for a view with occlusion must have had its second half.
     //
     // After restore_state(), outputs() still show what they did before (in a new crowd, nothing) until the next update,
-    // so call update(0) before you draw. Feedback that has not been fetched is gone, and updates are counted on from
-    // the number at which they were saved. After an error nothing has changed. Errors: kInvalidFile (damaged, of
-    // another version), kInvalidArgument (a crowd with other settings, and what differs; the last record() has not
-    // run; the second half of an update for a view with occlusion is still to come).
+    // so call update(0) before you draw. That is an ordinary update: it takes up calls and births that are pending, and
+    // transitions are taken. To go on exactly as saved, restore the state once more after drawing. Handles that were
+    // received after the state was saved must be forgotten: generations are restored too, so such a handle may name
+    // another instance later. Feedback that has not been fetched is gone, and updates are counted on from the number at
+    // which they were saved. After an error nothing has changed. Errors: kInvalidFile (damaged, of another version),
+    // kInvalidArgument (a crowd with other settings, and what differs; the last record() has not run; the second half
+    // of an update for a view with occlusion is still to come).
     Result<std::vector<std::byte>> save_state();
+    // The same into `out`, whose memory is used again if it is large enough. After an error `out` is as it was, or
+    // empty.
+    Result<void> save_state(std::vector<std::byte>& out);
     Result<void> restore_state(std::span<const std::byte> state);
 
     // The outputs of the last record(), or those of one frame slot. Each record() writes to the next slot, and after

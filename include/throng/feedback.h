@@ -25,6 +25,9 @@ struct PlayedMotion {
     uint32_t loops = 0;       // whole cycles since it was entered
     // How far it has replaced the next, older motion of its layer, 0..1, linear in time (docs/controller.md, step 5)
     float fade = 1;
+    // Of a clip, as play() was given them. 1 and true for a state, which has its own; set_state() ignores them
+    float speed = 1;
+    bool loop = true;
 
     bool operator==(const PlayedMotion&) const = default;
 };
@@ -39,6 +42,10 @@ struct WatchedInstance {
     std::span<const float> parameters{};  // [parameter_count] of its controller
     // [layer_count] of its controller; for each layer what it cross-fades, newest first: the first leads
     std::span<const std::span<const PlayedMotion>> layers{};
+    // [layer_count]: ControllerLayer::weight, or how far set_layer() has changed it so far. A layer's weight_parameter
+    // multiplies it. What else set_layer() and play() were given, a game remembers itself: mode, mask, and how long
+    // fades under way last
+    std::span<const float> layer_weights{};
 };
 
 // The pose that an instance showed after an update. Refers to its Feedback likewise.
@@ -65,6 +72,7 @@ struct Feedback {
         std::vector<float> parameters;
         std::vector<PlayedMotion> motions;
         std::vector<std::span<const PlayedMotion>> layers;
+        std::vector<float> layer_weights;
         std::vector<Trs<float>> joints;
     };
     Arrays arrays{};

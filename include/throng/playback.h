@@ -8,7 +8,9 @@
 
 namespace throng {
 
-// One clip as a character plays it.
+// One clip as a character plays it. In groups without a controller the time is a float to which each update adds its
+// step, so that after an hour at 60 updates a second it is off by some hundredths of a second (0.045 s for a clip of
+// 60 s). Controllers count in 2^-32 of a cycle, and do not drift.
 struct ClipPlayback {
     uint32_t clip = kNone;  // index of Character::clips; kNone is the rest pose
     double time_s = 0;

@@ -11,7 +11,8 @@ namespace throng {
 
 // An instance from its Crowd::spawn() to its Crowd::despawn(). Outputs name it by its number in the crowd, which later
 // goes to other instances with another generation. In groups without CrowdGroup::capacity that were made with the
-// crowd, the generation is 0.
+// crowd, the generation is 0. Crowd::restore_state() restores generations too: forget the handles received since that
+// state was saved, for they may name other instances.
 struct InstanceHandle {
     uint32_t instance = kNone;
     uint32_t generation = 0;  // how many had the number before; modulo 2^32

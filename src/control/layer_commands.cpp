@@ -108,11 +108,13 @@ void append_played(std::vector<PlayedMotion>& motions, const io::LayerState& lay
                    uint32_t clip_count) {
     for (uint32_t k = 0; k < layer.play_count; ++k) {
         const io::LayerPlay& play = layer.plays[k];
-        const bool rests = kind.state_count == 0 && play.motion == clip_count;
+        const bool has_states = kind.state_count > 0, rests = !has_states && play.motion == clip_count;
         motions.push_back({.motion = rests ? kNone : play.motion,
                            .phase = static_cast<float>(play.phase * 0x1p-32),
                            .loops = play.loops,
-                           .fade = k + 1 == layer.play_count ? 1 : play.fade});
+                           .fade = k + 1 == layer.play_count ? 1 : play.fade,
+                           .speed = has_states ? 1 : play.speed,
+                           .loop = has_states || play.loop != 0});
     }
 }
 

@@ -79,7 +79,26 @@ ControllerStage::ControllerStage(const StageContext& context)
 void ControllerStage::add(uint32_t batch, const io::ControlCommand& command) {
     ServedBatch& served = served_[served_of_batch_[batch]];
     if (!served.uploaded) make_uploads(served);  // here, since it may fail: an update that has begun may not
+    // So that what is kept stays in proportion to who is there, and each command is looked at only a few times
+    constexpr size_t kWorthIt = 1024;
+    if (command.kind == io::kCommandBegin && served.pending.size() >= std::max(kWorthIt, 2 * served.kept_count))
+        drop_superseded(served);
     served.pending.push_back(command);
+}
+
+// Drops pending commands of instances whose numbers others have got since: those begin anew, whatever came before.
+void ControllerStage::drop_superseded(ServedBatch& served) const {
+    std::vector<bool> begins_later(batches_[served.batch].instance_count);
+    std::vector<io::ControlCommand>& pending = served.pending;
+    size_t first_kept = pending.size();
+    for (size_t i = pending.size(); i-- > 0;) {
+        const io::ControlCommand command = pending[i];
+        if (begins_later[command.instance]) continue;
+        begins_later[command.instance] = command.kind == io::kCommandBegin;
+        pending[--first_kept] = command;
+    }
+    pending.erase(pending.begin(), pending.begin() + static_cast<ptrdiff_t>(first_kept));
+    served.kept_count = pending.size();
 }
 
 void ControllerStage::make_uploads(ServedBatch& served) {
@@ -123,6 +142,7 @@ void ControllerStage::begin(const Update& update) {
     for (ServedBatch& served : served_) {
         served.recorded.swap(served.pending);
         served.pending.clear();
+        served.kept_count = 0;
         std::ranges::stable_sort(served.recorded, {}, &io::ControlCommand::instance);
     }
     for (size_t first = 0; record_round(update.commands, first); first += kRound) {}
@@ -173,8 +193,11 @@ void ControllerStage::exchange_group(StateArchive& archive, uint32_t group) {
     for (ServedBatch& served : served_) {
         const Batch& batch = batches_[served.batch];
         if (batch.group != group) continue;
+        // Else the bytes would depend on when add() did so last
+        if (!archive.reads() && group_of(batch).varies) drop_superseded(served);
         archive.list(served.pending, UINT32_MAX);
         if (!archive.reads()) continue;
+        served.kept_count = 0;
         check_commands(served.pending, batch.instance_count, group_of(batch));
         served.recorded.clear();
         if (!served.pending.empty() && !served.uploaded) make_uploads(served);

@@ -31,10 +31,12 @@ private:
     struct ServedBatch {
         uint32_t batch = 0;
         std::vector<io::ControlCommand> pending, recorded;  // for the next update; of the last one
+        size_t kept_count = 0;                              // pending ones that drop_superseded() has left
         Buffer uploaded;                                    // kRound commands at a time; made when there are any
         Bindings commands, controller;
     };
     void make_uploads(ServedBatch& served);
+    void drop_superseded(ServedBatch& served) const;
     bool record_round(VkCommandBuffer commands, size_t first);
 
     Kernel command_kernel_, controller_kernel_;

@@ -260,7 +260,14 @@ Result<void> Crowd::discard_last_record() {
 }
 
 Result<std::vector<std::byte>> Crowd::save_state() {
-    return as_result([&] { return state().save_state(); }, "crowd");
+    std::vector<std::byte> bytes;
+    const Result<void> saved = save_state(bytes);
+    if (!saved) return saved.error();
+    return bytes;
+}
+
+Result<void> Crowd::save_state(std::vector<std::byte>& out) {
+    return as_result([&] { state().save_state(out); }, "crowd");
 }
 
 Result<void> Crowd::restore_state(std::span<const std::byte> bytes) {

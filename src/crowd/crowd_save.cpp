@@ -13,7 +13,7 @@ namespace throng {
 namespace {
 
 constexpr uint64_t kMagic = 0x6574617473676874;  // "thgstate"
-constexpr uint32_t kVersion = 6;
+constexpr uint32_t kVersion = 7;
 
 struct Head {
     uint64_t magic = kMagic;
@@ -64,6 +64,7 @@ void add_group(Checksum& made_of, const Group& group) {
     made_of.add_all(group.name);
     made_of.add_all(group.parents);
     made_of.add_all(group.clip_durations_s);
+    made_of.add(group.names_checksum);
     made_of.add(group.palette_count);
     made_of.add(uint32_t{group.varies});
     made_of.add(uint32_t{group.packed});
@@ -154,8 +155,12 @@ void CrowdState::exchange(StateArchive& archive) {
     if (watched.size() > watch_capacity_)
         throw Failure(ErrorCode::kInvalidArgument, "crowd state", "it does not fit this crowd: ", watched.size(),
                       " instances are watched there, and CrowdSettings::watch_capacity is ", watch_capacity_);
+    archive.list(pose_requests_, UINT32_MAX);
     // Twice the capacity: discard_last_record() puts the requests of its update back, in front of newer ones.
-    archive.list(pose_requests_, 2 * uint64_t{pose_request_capacity_});
+    if (pose_requests_.size() > 2 * uint64_t{pose_request_capacity_})
+        throw Failure(ErrorCode::kInvalidArgument, "crowd state", "it does not fit this crowd: ", pose_requests_.size(),
+                      " poses are requested there, and CrowdSettings::pose_request_capacity is ",
+                      pose_request_capacity_);
     if (!archive.reads()) return;
     recorded_pose_requests_.clear();
     std::vector<InstanceHandle> handles;
@@ -178,7 +183,7 @@ void CrowdState::clear_playbacks(std::span<const KeptBuffer> kept, std::span<std
     }
 }
 
-std::vector<std::byte> CrowdState::save_state() {
+void CrowdState::save_state(std::vector<std::byte>& out) {
     check_may_change("crowd state");
     check_last_has_run("crowd state");
     finish_uploads();
@@ -188,6 +193,7 @@ std::vector<std::byte> CrowdState::save_state() {
               .update_count = feedback ? feedback->update_count() : 0};
     for (const KeptBuffer& one : kept) head.buffers_bytes += one.buffer->size_bytes();
     StateArchive archive;
+    archive.write_into(std::move(out));
     constexpr uint64_t kHostBytes = 256;  // of an instance, roughly: a state that turns out larger is copied to grow
     const size_t sure_bytes = sizeof head + head.buffers_bytes;
     archive.reserve(sure_bytes + instance_count * kHostBytes, sure_bytes);
@@ -198,7 +204,7 @@ std::vector<std::byte> CrowdState::save_state() {
     exchange(archive);
     uint64_t checksum = crc64(archive.written());
     archive.value(checksum);
-    return archive.take();
+    out = archive.take();
 }
 
 void CrowdState::download_all(std::span<const KeptBuffer> kept, std::span<std::byte> contents) const {
@@ -267,7 +273,7 @@ void CrowdState::restore_state(std::span<const std::byte> state) {
     upload_all(kept, contents);
     has_updated_ = had_updated_ = (head.flags & kHasUpdated) != 0;
     was_native_ = (head.flags & kWasNative) != 0;
-    awaits_commands_ = can_discard_ = is_half_recorded_ = false;
+    awaits_commands_ = can_discard_ = may_be_pending_ = is_half_recorded_ = false;
     if (feedback) feedback->restart(head.update_count);
 }
 

@@ -173,7 +173,7 @@ bool CrowdState::updates_natively(bool occlusion) const { return gpu->is_native(
 void CrowdState::update(float time_step_s, const CrowdView* view) {
     if (!updates_natively(view && view->occlusion)) {
         gpu->submit_and_wait([&](VkCommandBuffer commands) { record(commands, time_step_s, view); });
-        can_discard_ = false;
+        can_discard_ = may_be_pending_ = false;
         free_what_may_go();
         return;
     }
@@ -199,7 +199,7 @@ void CrowdState::check_runs(bool natively) const {
 }
 
 void CrowdState::check_last_has_run(const char* what) const {
-    if ((!can_discard_ && !is_half_recorded_) || recorded_.has_last_run()) return;
+    if ((!may_be_pending_ && !is_half_recorded_) || recorded_.has_last_run()) return;
     gpu->wait_idle();
     if (!recorded_.has_last_run())
         throw Failure(ErrorCode::kInvalidArgument, what,
@@ -247,7 +247,7 @@ void CrowdState::record(VkCommandBuffer commands, float time_step_s, const Crowd
                    instance_commands ? consumers() | kShaderWrite | kTransferWrite : consumers());
     recorded_.record(commands);
     is_half_recorded_ = false;
-    can_discard_ = commands != VK_NULL_HANDLE;
+    can_discard_ = may_be_pending_ = commands != VK_NULL_HANDLE;
 }
 
 void CrowdState::record_disoccluded(VkCommandBuffer commands, const DepthImage& depths) {
@@ -282,7 +282,7 @@ void CrowdState::discard_last_record() {
                       "there is no record() to discard, or it has been discarded, or an update() has run since");
     if (recorded_.has_last_run())
         throw Failure(ErrorCode::kInvalidArgument, "discard", "the commands of the last record() have run");
-    can_discard_ = false;
+    can_discard_ = may_be_pending_ = false;
     recorded_.discard();
     has_updated_ = had_updated_;
     was_native_ = had_native_;

@@ -84,7 +84,7 @@ struct CrowdState {
     void discard_last_record();
     // Whether the last update is in a command buffer of the application's, and may not have run.
     bool awaits_commands() const { return awaits_commands_; }
-    std::vector<std::byte> save_state();
+    void save_state(std::vector<std::byte>& out);
     void restore_state(std::span<const std::byte> state);
     std::vector<DrawnInstance> read_drawn();
     std::vector<Affine> read_matrices(const InstanceHandle& instance, bool model);
@@ -231,7 +231,8 @@ private:
     bool had_updated_ = false;
     bool awaits_commands_ =
         false;                  // the last update was recorded into commands, which may have run or been dropped since
-    bool can_discard_ = false;  // the last record() has not been discarded
+    bool can_discard_ = false;  // the last record() has not been discarded, and groups have not changed since
+    bool may_be_pending_ = false;    // the commands of the last record() have not been discarded, and may not have run
     bool is_half_recorded_ = false;  // the last record() failed on its way
     float full_rate_factor_ = 1;     // the budget's factor on CrowdView::full_rate_pixels
     std::vector<Watched> watched_;

@@ -176,6 +176,7 @@ void FeedbackRing::read_watched(const Slot& slot, const std::byte*& at, Feedback
         for (size_t layer = 0; layer < layers.size(); ++layer) {
             append_played(arrays.motions, layers[layer], one.layer_kinds[layer], one.clip_count);
             motion_counts.push_back(layers[layer].play_count);
+            arrays.layer_weights.push_back(layers[layer].weight);
         }
     }
     size_t motion = 0, socket = 0, parameter = 0, layer = 0;
@@ -191,6 +192,7 @@ void FeedbackRing::read_watched(const Slot& slot, const std::byte*& at, Feedback
         };
         watched.sockets = next(arrays.sockets, socket, one.sockets.size_bytes / sizeof(Affine));
         watched.parameters = next(arrays.parameters, parameter, one.parameters.size_bytes / sizeof(float));
+        watched.layer_weights = std::span(arrays.layer_weights).subspan(layer, one.layer_kinds.size());
         watched.layers = next(arrays.layers, layer, one.layer_kinds.size());
     }
     const auto place_of = [&](uint32_t i) { return slot.update.watched[i].place; };

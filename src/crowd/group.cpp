@@ -49,6 +49,17 @@ std::vector<io::vec4> readable_root_rows(const Character& character) {
     return rows;
 }
 
+// With the zero that ends each, so that no other names give the same bytes.
+uint64_t checksum_of_names(const Character& character) {
+    uint64_t checksum = 0;
+    const auto add = [&](const std::string& name) {
+        checksum = crc64(std::as_bytes(std::span(name.c_str(), name.size() + 1)), checksum);
+    };
+    for (const Clip& clip : character.clips) add(clip.name);
+    for (const std::string& name : character.rig.names) add(name);
+    return checksum;
+}
+
 struct PoseBox {
     Vec3<float> min, max;
 };
@@ -170,6 +181,7 @@ Group::Group(Uploads& uploads, SharedRigs& rigs, const Character& character, con
         binds.push_back(entry.joint_from_bind);
     }
     for (const Clip& clip : character.clips) clip_durations_s.push_back(clip.duration_s);
+    names_checksum = checksum_of_names(character);
     buffers[io::kTimelineBuffer] = upload_table(uploads, name + ": clip timelines", clip_timelines(character));
     buffers[io::kTimesBuffer] = upload_table(uploads, name + ": key times", character.times_s);
     buffers[io::kRootRowsBuffer] = upload_table(uploads, name + ": root motion", readable_root_rows(character));

@@ -95,6 +95,7 @@ struct Group {
     std::vector<uint32_t> parents;  // [joint_count], joints or kNone
     uint32_t level_count = 0;
     std::vector<float> clip_durations_s;
+    uint64_t names_checksum = 0;  // of its clips and joints
     std::vector<MeshSection> sections;
     std::vector<AssetMaterial> materials;
     SharedImages images;

@@ -4,6 +4,7 @@
 #include "crowd/state_archive.h"
 
 #include <algorithm>
+#include <functional>
 
 namespace throng {
 namespace {
@@ -85,6 +86,7 @@ uint32_t PoseStage::take_slot(const InBatch& at) {
         poses.poses.resize(poses.poses.size() + group.joint_count);
         return used;
     }
+    std::ranges::pop_heap(poses.free_slots, std::greater());
     const uint32_t slot = poses.free_slots.back();
     poses.free_slots.pop_back();
     return slot;
@@ -107,7 +109,9 @@ bool PoseStage::take_back_slot(uint32_t group) {
 
 // Returns the next one.
 PoseStage::OverrideAt PoseStage::erase(uint32_t batch, OverrideAt at) {
-    of_groups_[batches_[batch].group].free_slots.push_back(at->second.slot);
+    std::vector<uint32_t>& free_slots = of_groups_[batches_[batch].group].free_slots;
+    free_slots.push_back(at->second.slot);
+    std::ranges::push_heap(free_slots, std::greater());
     return of_batches_[batch].overrides.erase(at);
 }
 
@@ -255,7 +259,7 @@ void PoseStage::find_free_slots(uint32_t group) {
         }
     });
     poses.free_slots.clear();
-    for (size_t slot = is_taken.size(); slot-- > 0;)
+    for (size_t slot = 0; slot < is_taken.size(); ++slot)  // ascending, which is such a heap
         if (!is_taken[slot]) poses.free_slots.push_back(static_cast<uint32_t>(slot));
 }
 

@@ -56,6 +56,7 @@ private:
         DirtyRanges changed;                     // of instances
     };
     struct GroupPoses {
+        // A heap with the lowest on top, which is taken next: the order in which slots became free is not saved
         std::vector<uint32_t> free_slots;
         std::vector<io::JointPose> poses;   // [slots ever used][joint_count]
         DirtyRanges changed;                // of slots

@@ -51,8 +51,14 @@ public:
             written_.insert(written_.end(), bytes.begin(), bytes.end());
         }
     }
+    // Writes into this memory, whatever it holds.
+    void write_into(std::vector<std::byte>&& memory) {
+        written_ = std::move(memory);
+        written_.clear();
+    }
     // Room for so many bytes, of which at least `sure_bytes` will be written.
     void reserve(size_t size_bytes, size_t sure_bytes) {
+        if (written_.capacity() >= size_bytes) return;  // memory that has been written to before
         written_.reserve(size_bytes);
         populate({written_.data(), sure_bytes});
     }

@@ -34,6 +34,21 @@ void check_layer(const io::LayerState& layer, const LayerKind& kind, uint32_t ma
     StateArchive::require(layer.mask == kNone || layer.mask < mask_count, "a mask that does not exist");
 }
 
+void check_layer_command(const io::ControlCommand& command, const GroupController& controller, uint32_t clip_count) {
+    const bool is_of_state = command.kind == io::kCommandState;
+    const bool is_inertial = command.kind == io::kCommandPlayInertial;
+    const bool is_of_clip = command.kind == io::kCommandPlay || is_inertial;
+    constexpr std::string_view kTakesNone = "a command for a layer that takes none";
+    StateArchive::require(command.target < controller.layer_count, kTakesNone);
+    const LayerKind& layer = controller.layer_kinds[command.target];
+    StateArchive::require((layer.state_count > 0) == is_of_state && (layer.inertial_plays || !is_inertial), kTakesNone);
+    StateArchive::require(is_of_state  ? command.motion < layer.state_count && command.loop <= io::kMostLoops
+                          : is_of_clip ? command.motion <= clip_count
+                                       : (command.motion == kNone || command.motion < controller.mask_count) &&
+                                             command.phase <= io::kModeAdditive,
+                          "a clip, state or mask that does not exist");
+}
+
 }  // namespace
 
 void check_playbacks(std::span<const io::InstancePlayback> playbacks, const Group& group) {
@@ -50,27 +65,16 @@ void check_layers(std::span<const io::LayerState> layers, const GroupController&
 }
 
 void check_commands(std::span<const io::ControlCommand> commands, uint32_t instance_count, const Group& group) {
-    const GroupController& controller = *group.controller;
     for (const io::ControlCommand& command : commands) {
-        const bool is_of_parameter = command.kind == io::kCommandParameter;
-        const bool is_of_layer = !is_of_parameter && command.kind != io::kCommandBegin;
-        const bool is_of_clip = command.kind == io::kCommandPlay || command.kind == io::kCommandPlayInertial;
         StateArchive::require(command.kind <= io::kCommandState && command.instance < instance_count,
                               "an unknown command, or one for nobody");
-        if (is_of_parameter)
-            StateArchive::require(command.target < controller.parameter_count, "a parameter that does not exist");
-        if (!is_of_layer) continue;
-        const bool is_of_state = command.kind == io::kCommandState;
-        const uint32_t state_count = command.target < controller.layer_count
-                                         ? controller.layer_kinds[command.target].state_count
-                                         : 0;
-        StateArchive::require(command.target < controller.layer_count && (state_count > 0) == is_of_state,
-                              "a command for a layer that takes none");
-        StateArchive::require(is_of_state  ? command.motion < state_count && command.loop <= io::kMostLoops
-                              : is_of_clip ? command.motion <= clip_count_of(group)
-                                           : (command.motion == kNone || command.motion < controller.mask_count) &&
-                                                 command.phase <= io::kModeAdditive,
-                              "a clip, state or mask that does not exist");
+        if (command.kind == io::kCommandParameter)
+            StateArchive::require(command.target < group.controller->parameter_count,
+                                  "a parameter that does not exist");
+        else if (command.kind == io::kCommandBegin)  // only these groups have what an instance begins with
+            StateArchive::require(group.varies, "an instance is born in a group without capacity");
+        else
+            check_layer_command(command, *group.controller, clip_count_of(group));
     }
 }
 

@@ -97,10 +97,17 @@ void SteerStage::discard() {
 }
 
 void SteerStage::record(const Update& update) {
-    if (served_.empty() || !(update.time_step_s > 0)) return;
-    for (const ServedBatch& served : served_) record_places(update.commands, served);
-    separate_kernels(update.commands);
-    for (const ServedBatch& served : served_) record_steps(update.commands, served, update.time_step_s);
+    const bool takes_steps = update.time_step_s > 0;
+    const auto has_work = [&](const ServedBatch& served) {
+        return takes_steps || group_of(batches_[served.batch]).varies;
+    };
+    if (std::ranges::none_of(served_, has_work)) return;
+    if (takes_steps) {
+        for (const ServedBatch& served : served_) record_places(update.commands, served);
+        separate_kernels(update.commands);
+    }
+    for (const ServedBatch& served : served_)
+        if (has_work(served)) record_steps(update.commands, served, update.time_step_s);
     separate_kernels(update.commands);
     update.end_stage("steer");
 }

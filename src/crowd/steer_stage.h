@@ -28,7 +28,8 @@ public:
     void begin(const Update& update) override;
     void discard() override;
     void exchange_group(StateArchive& archive, uint32_t group) override;
-    // Runs after control; later stages see where agents stand.
+    // Runs after control; later stages see where agents stand. Without time nobody takes a step, but those born in the
+    // update begin.
     void record(const Update& update) override;
     uint64_t size_bytes() const override { return places_.size_bytes() + buckets_.size_bytes(); }
 

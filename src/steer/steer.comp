@@ -77,12 +77,13 @@ void place_anew(vec4 x_axis, vec4 z_axis, vec3 shift, vec2 turn) {
 void main() {
     instance = gl_GlobalInvocationID.x;
     if (instance >= push.instance_count || !is_there(instance, push.birth)) return;
-    const vec4 destination = destinations[instance];
     AgentState state = states[instance];
     if (is_newborn(instance, push.birth)) {
         state = AgentState(0, 1, 0);
         states[instance] = state;
     }
+    if (!(push.time_step_s > 0)) return;
+    const vec4 destination = destinations[instance];
     const vec4 row0 = placements[3 * instance], row1 = placements[3 * instance + 1],
                row2 = placements[3 * instance + 2];
     const vec4 x_axis = vec4(row0.x, row1.x, row2.x, 0), z_axis = vec4(row0.z, row1.z, row2.z, 0);

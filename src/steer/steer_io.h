@@ -39,7 +39,7 @@ struct SteerPush {
     uint bucket_mask;
     float speed;               // at most
     float turn_cos, turn_sin;  // of the angle that it turns in this update at most, up to half a turn
-    float time_step_s;         // above 0
+    float time_step_s;         // at 0 or below, agents that are born begin and nothing else happens
     uint is_carried;           // by the root motion of its clips
     uint parameter_count;
     uint speed_parameter;  // or kNone

@@ -1,11 +1,13 @@
 // States that somebody has forged: refused, or gone on from, but never a crash. Natively, so that sanitizers see it.
 #include "base/crc64.h"
+#include "control/controller_io.h"
 #include "tests/test_rig.h"
 
 #include <throng/crowd.h>
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstring>
 
 namespace throng::test {
@@ -23,6 +25,22 @@ Controller controller_of(const Character& character) {
     Result<Controller> controller = parse_controller(json, "test");
     EXPECT_TRUE(controller) << controller.error().text();
     return std::move(*controller);
+}
+
+void mend_checksum(std::vector<std::byte>& forged) {
+    const size_t end = forged.size() - sizeof(uint64_t);
+    const uint64_t checksum = crc64(std::span(forged).first(end));
+    std::memcpy(forged.data() + end, &checksum, sizeof checksum);
+}
+
+// The state with another command in place of one that waits in it.
+std::vector<std::byte> with_command(std::vector<std::byte> state, const io::ControlCommand& waiting,
+                                    const io::ControlCommand& other) {
+    const auto found = std::ranges::search(state, std::as_bytes(std::span(&waiting, 1)));
+    EXPECT_EQ(found.size(), sizeof waiting);
+    std::ranges::copy(std::as_bytes(std::span(&other, 1)), found.begin());
+    mend_checksum(state);
+    return state;
 }
 
 TEST(ForgedState, NeverACrash) {
@@ -61,9 +79,7 @@ TEST(ForgedState, NeverACrash) {
             const size_t at = kHead_bytes + 4 * size_t{words_of_all - 1 - from_end};
             std::memcpy(forged.data() + at, &value, sizeof value);
         }
-        const size_t end = forged.size() - sizeof(uint64_t);
-        const uint64_t checksum = crc64(std::span(forged).first(end));
-        std::memcpy(forged.data() + end, &checksum, sizeof checksum);
+        mend_checksum(forged);
         const Result<void> restored = crowd.restore_state(forged);
         ++(restored ? taken : refused);
         EXPECT_TRUE(restored || restored.error().code == ErrorCode::kInvalidFile);
@@ -76,6 +92,40 @@ TEST(ForgedState, NeverACrash) {
     EXPECT_GT(refused, 100u);
     EXPECT_GT(taken, 100u);
     EXPECT_TRUE(crowd.save_state().value() == saved);
+}
+
+// A group has what births and inertial plays need only if its settings allow them.
+TEST(ForgedState, CommandsThatItsGroupCannotObeyAreRefused) {
+    const Device device = Device::create({.select = "native"}).value();
+    const Character character = make_character({.name = "some", .joint_count = 20});
+    const Controller controller = controller_of(character);
+    constexpr float kValue = 0.8125f;
+    const auto restored = [&](uint32_t capacity, const io::ControlCommand& waiting, uint32_t kind) {
+        Crowd crowd = Crowd::create(device, {.groups = {{.character = &character,
+                                                         .instance_count = 3,
+                                                         .controller = &controller,
+                                                         .capacity = capacity}}})
+                          .value();
+        EXPECT_TRUE(crowd.set_parameter(InstanceHandle{1}, 0, kValue));
+        EXPECT_TRUE(crowd.play(InstanceHandle{2}, 1, {.clip = {.clip = 0, .speed = kValue}, .fade_s = 0.5f}));
+        io::ControlCommand other = waiting;
+        other.kind = kind;
+        const Result<void> done = crowd.restore_state(with_command(crowd.save_state().value(), waiting, other));
+        return done ? std::string() : done.error().text();
+    };
+    const io::ControlCommand set{.instance = 1, .kind = io::kCommandParameter, .target = 0, .value = kValue};
+    const io::ControlCommand played{.instance = 2,
+                                    .kind = io::kCommandPlay,
+                                    .target = 1,
+                                    .motion = 0,
+                                    .phase = 0,
+                                    .loop = 1,
+                                    .value = kValue,
+                                    .fade_rate = 2};
+    EXPECT_EQ(restored(0, set, io::kCommandBegin), "crowd state: an instance is born in a group without capacity");
+    EXPECT_EQ(restored(4, set, io::kCommandBegin), "");
+    EXPECT_EQ(restored(0, played, io::kCommandPlayInertial), "crowd state: a command for a layer that takes none");
+    EXPECT_EQ(restored(0, played, io::kCommandPlay), "");
 }
 
 }  // namespace
