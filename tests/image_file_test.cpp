@@ -8,7 +8,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <cstdlib>
+#include <string_view>
+#include <vector>
 
 namespace throng::test {
 namespace {
@@ -85,6 +89,132 @@ TEST(ImageFile, WhatIsNoneIsSaid) {
     AssetImage moving{.name = "skin"};
     for (const unsigned char byte : animated) moving.encoded.push_back(static_cast<std::byte>(byte));
     expect_refused(moving, "cannot be decoded: an animated WebP file");
+}
+
+using ImageBytes = std::vector<uint8_t>;
+
+AssetImage encoded_image(const ImageBytes& bytes) {
+    AssetImage image{.name = "skin"};
+    for (const uint8_t byte : bytes) image.encoded.push_back(static_cast<std::byte>(byte));
+    return image;
+}
+
+void append_bytes(ImageBytes& bytes, const ImageBytes& more) { bytes.insert(bytes.end(), more.begin(), more.end()); }
+
+void append_chunk(ImageBytes& png, std::string_view type, const ImageBytes& data) {
+    for (const int shift : {24, 16, 8, 0}) png.push_back(static_cast<uint8_t>(data.size() >> shift));
+    for (const char c : type) png.push_back(static_cast<uint8_t>(c));
+    append_bytes(png, data);
+    append_bytes(png, {0, 0, 0, 0});  // checksums are not looked at
+}
+
+struct PngHeader {
+    uint8_t width = 0, height = 0, depth = 8, color = 6, interlaced = 0;
+};
+
+AssetImage png_of(const PngHeader& header, const ImageBytes& packed, const ImageBytes& palette = {}) {
+    ImageBytes png{0x89, 'P', 'N', 'G', '\r', '\n', 0x1A, '\n'};
+    append_chunk(png, "IHDR",
+                 {0, 0, 0, header.width, 0, 0, 0, header.height, header.depth, header.color, 0, 0, header.interlaced});
+    if (!palette.empty()) append_chunk(png, "PLTE", palette);
+    append_chunk(png, "IDAT", packed);
+    append_chunk(png, "IEND", {});
+    return encoded_image(png);
+}
+
+// A zlib stream of one stored block.
+ImageBytes stored_stream(const ImageBytes& raw) {
+    const auto low = static_cast<uint8_t>(raw.size()), high = static_cast<uint8_t>(raw.size() >> 8);
+    ImageBytes stream{0x78, 0x01, 0x01, low, high, static_cast<uint8_t>(~low), static_cast<uint8_t>(~high)};
+    append_bytes(stream, raw);
+    append_bytes(stream, {0, 0, 0, 0});
+    return stream;
+}
+
+// A zlib stream of zeros, one and then 258 at a time: a block of fixed codes (RFC 1951, 3.2.6).
+ImageBytes stream_of_zeros(size_t run_count) {
+    ImageBytes stream{0x78, 0x01};
+    uint32_t waiting = 0, waiting_bits = 0;
+    const auto add = [&](uint32_t bits, uint32_t bit_count) {
+        waiting |= bits << waiting_bits;
+        for (waiting_bits += bit_count; waiting_bits >= 8; waiting_bits -= 8, waiting >>= 8)
+            stream.push_back(static_cast<uint8_t>(waiting));
+    };
+    add(0b011, 3);                                                     // the last block, of fixed codes
+    add(0b00001100, 8);                                                // 0; codes begin at the lowest bit
+    for (size_t i = 0; i < run_count; ++i) add(0b00000'10100011, 13);  // 258 times the byte before
+    add(0, 7 + 8);                                                     // the end, and what is left of the last byte
+    append_bytes(stream, {0, 0, 0, 0});
+    return stream;
+}
+
+TEST(ImageFile, PngsOfAllKindsAreDecoded) {
+    const Picture deep = ImageFile(png_of({.width = 2, .height = 1, .depth = 16},
+                                          stored_stream({0, 10, 1, 20, 1, 30, 1, 40, 1, 50, 1, 60, 1, 70, 1, 80, 1})))
+                             .decode();
+    EXPECT_EQ(deep.rgba, (ImageBytes{10, 20, 30, 40, 50, 60, 70, 80}));
+
+    // 8 by 8 pixels of one bit in seven passes, each row with its filter: only the pixel in the upper left corner,
+    // which is the first pass, has the second colour.
+    ImageBytes passes{0, 0x80};
+    passes.resize(2 * (1 + 1 + 1 + 2 + 2 + 4 + 4));
+    const Picture interlaced = ImageFile(png_of({.width = 8, .height = 8, .depth = 1, .color = 3, .interlaced = 1},
+                                                stored_stream(passes), {1, 2, 3, 4, 5, 6}))
+                                   .decode();
+    ASSERT_EQ(interlaced.rgba.size(), 8u * 8 * 4);
+    for (size_t i = 0; i < interlaced.rgba.size(); i += 4)
+        EXPECT_EQ(ImageBytes(&interlaced.rgba[i], &interlaced.rgba[i] + 4),
+                  i == 0 ? (ImageBytes{4, 5, 6, 255}) : (ImageBytes{1, 2, 3, 255}));
+
+    // 64 by 64 pixels of 8 bytes, and the filters of 120 rows: stb's block doubles once.
+    const PngHeader deep_passes{.width = 64, .height = 64, .depth = 16, .interlaced = 1};
+    const Picture packed = ImageFile(png_of(deep_passes, stream_of_zeros(128))).decode();
+    EXPECT_EQ(packed.rgba, ImageBytes(64 * 64 * 4));
+}
+
+TEST(ImageFile, APngMustNotUnpackToFarMoreThanItsPixels) {
+    expect_refused(png_of({.width = 1, .height = 1}, stream_of_zeros(1 << 14)),
+                   "cannot be decoded: its data are larger than 1 x 1 pixels can be: a damaged PNG file");
+    // The limit is that file's alone.
+    const Picture large = ImageFile(png_of({.width = 255, .height = 255}, stream_of_zeros(1010))).decode();
+    EXPECT_EQ(large.rgba, ImageBytes(255 * 255 * 4));
+}
+
+// A progressive JPEG of 8 by 8 grey pixels: a scan for the mean, and the others for nothing.
+AssetImage jpeg_of(int scan_count) {
+    ImageBytes jpeg{0xFF, 0xD8};
+    const auto append_segment = [&](uint8_t marker, const ImageBytes& data) {
+        append_bytes(
+            jpeg, {0xFF, marker, static_cast<uint8_t>((data.size() + 2) >> 8), static_cast<uint8_t>(data.size() + 2)});
+        append_bytes(jpeg, data);
+    };
+    ImageBytes scans_of_others;
+    for (int i = 0; i < 200; ++i) append_bytes(scans_of_others, {0xFF, 0xDA});
+    append_segment(0xE1, scans_of_others);      // as in a thumbnail
+    ImageBytes quantization(65, 1), codes(18);  // one code, for 0
+    quantization[0] = 0;
+    append_segment(0xDB, quantization);
+    append_segment(0xC2, {8, 0, 8, 0, 8, 1, 1, 0x11, 0});
+    for (const uint8_t table : ImageBytes{0x00, 0x10}) {
+        codes[0] = table;
+        codes[1] = 1;
+        append_segment(0xC4, codes);
+    }
+    for (int i = 0; i < scan_count; ++i) {
+        append_segment(0xDA, {1, 1, 0, static_cast<uint8_t>(i > 0), static_cast<uint8_t>(i > 0 ? 63 : 0), 0});
+        jpeg.push_back(0);
+    }
+    append_bytes(jpeg, {0xFF, 0xD9});
+    append_bytes(jpeg, scans_of_others);  // as in a video behind the picture
+    return encoded_image(jpeg);
+}
+
+TEST(ImageFile, AJpegHasAtMostOneHundredScans) {
+    const Picture grey = ImageFile(jpeg_of(100)).decode();
+    EXPECT_EQ(grey.width, 8u);
+    ASSERT_EQ(grey.rgba.size(), 8u * 8 * 4);
+    EXPECT_EQ(grey.rgba[0], 128);
+    expect_refused(jpeg_of(101), "cannot be decoded: a JPEG file of 101 scans, more than the limit of 100");
 }
 
 }  // namespace

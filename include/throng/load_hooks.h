@@ -13,6 +13,8 @@ struct LoadHooks {
     // Asked very often, so it should be no more than a look at a flag. Once it says true, the call ends with
     // kCancelled, most often within 50 ms; but nobody asks while a mesh is decompressed or its vertices are sorted,
     // which takes a second for a million triangles.
+    // A Draco mesh that is made to be slow keeps libdraco busy for hours, and cannot be cancelled: read files of
+    // strangers in a process that can be ended.
     std::function<bool()> is_cancelled{};
 };
 

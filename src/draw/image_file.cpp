@@ -4,9 +4,41 @@
 
 #include <webp/decode.h>
 
+#include <algorithm>
+#include <cstdlib>
 #include <cstring>
 #include <limits>
 #include <memory>
+
+namespace throng {
+namespace {
+
+constexpr uint64_t kUnlimited_bytes = std::numeric_limits<uint64_t>::max();
+
+// What stb may allocate at once on this thread. stb unpacks a PNG file to whatever size its data ask for: a megabyte of
+// them can ask for a gigabyte.
+thread_local uint64_t stb_limit_bytes = kUnlimited_bytes;
+thread_local bool stb_asked_for_more = false;
+
+void* reallocate_for_stb(void* memory, size_t size_bytes) {
+    if (size_bytes <= stb_limit_bytes) return std::realloc(memory, size_bytes);
+    stb_asked_for_more = true;
+    return nullptr;
+}
+
+class StbLimit {
+public:
+    explicit StbLimit(uint64_t limit_bytes) {
+        stb_limit_bytes = limit_bytes;
+        stb_asked_for_more = false;
+    }
+    ~StbLimit() { stb_limit_bytes = kUnlimited_bytes; }
+    StbLimit(const StbLimit&) = delete;
+    StbLimit& operator=(const StbLimit&) = delete;
+};
+
+}  // namespace
+}  // namespace throng
 
 // Static, so that an application may have an stb of its own.
 #define STB_IMAGE_STATIC
@@ -15,6 +47,9 @@
 #define STBI_ONLY_JPEG
 #define STBI_NO_STDIO
 #define STBI_MAX_DIMENSIONS 16384
+#define STBI_MALLOC(size) throng::reallocate_for_stb(nullptr, size)
+#define STBI_REALLOC(memory, size) throng::reallocate_for_stb(memory, size)
+#define STBI_FREE(memory) std::free(memory)
 #include <stb/stb_image.h>
 
 namespace throng {
@@ -23,14 +58,52 @@ static_assert(STBI_MAX_DIMENSIONS == kTextureDimensionLimit);  // WebP's own lim
 
 namespace {
 
-Failure undecodable(const std::string& place, const char* why) {
-    return Failure(ErrorCode::kInvalidFile, place, "cannot be decoded: ", why);
+constexpr size_t kScanLimit = 100;  // of a JPEG file; encoders write some ten
+
+template <class... Why>
+Failure undecodable(const std::string& place, const Why&... why) {
+    return Failure(ErrorCode::kInvalidFile, place, "cannot be decoded: ", why...);
 }
 
 // "RIFF", a size, "WEBP".
 bool is_webp(std::span<const uint8_t> bytes) {
     return bytes.size() >= 12 && std::memcmp(bytes.data(), "RIFF", 4) == 0 &&
            std::memcmp(bytes.data() + 8, "WEBP", 4) == 0;
+}
+
+bool is_png(std::span<const uint8_t> bytes) {
+    return bytes.size() >= 4 && std::memcmp(bytes.data(), "\x89PNG", 4) == 0;
+}
+
+bool is_jpeg(std::span<const uint8_t> bytes) { return bytes.size() >= 2 && bytes[0] == 0xFF && bytes[1] == 0xD8; }
+
+// The size of the largest block of memory that a PNG file can need: its packed data, gathered in blocks that double;
+// or its rows, each with a byte for its filter, of up to four channels of 16 bits. Interlaced files have more rows, for
+// which the block doubles once.
+uint64_t largest_of_png_bytes(uint64_t file_bytes, uint64_t width, uint64_t height) {
+    constexpr uint64_t kLeast_bytes = 4096;
+    return std::max(2 * file_bytes + kLeast_bytes, 2 * (width * 8 + 1) * height);
+}
+
+// A scan of a JPEG file is decoded for the whole picture, however little data it has.
+size_t scan_count(std::span<const uint8_t> jpeg) {
+    constexpr uint8_t kBeginsMarker = 0xFF, kFirstRestart = 0xD0, kPictureBegins = 0xD8, kPictureEnds = 0xD9,
+                      kScan = 0xDA;
+    size_t count = 0;
+    for (size_t at = 0; at + 4 <= jpeg.size();) {
+        const uint8_t marker = jpeg[at + 1];
+        if (jpeg[at] != kBeginsMarker || marker == kBeginsMarker) {
+            ++at;
+            continue;
+        }
+        if (marker == kPictureEnds) break;
+        if (marker == kScan) ++count;
+        at += 2;
+        // These have no length: a byte of packed data that looks like a marker, and markers within packed data
+        if (marker == 0 || (marker >= kFirstRestart && marker <= kPictureBegins)) continue;
+        at += size_t{jpeg[at]} << 8 | jpeg[at + 1];
+    }
+    return count;
 }
 
 }  // namespace
@@ -67,11 +140,18 @@ Picture ImageFile::decode() const {
             throw undecodable(place_, "a damaged WebP file");
         return picture;
     }
+    if (const size_t scans = is_jpeg(bytes_) ? scan_count(bytes_) : 0; scans > kScanLimit)
+        throw undecodable(place_, "a JPEG file of ", scans, " scans, more than the limit of ", kScanLimit,
+                          "; save it again, not progressive");
+    const StbLimit limit(is_png(bytes_) ? largest_of_png_bytes(bytes_.size(), width_, height_) : kUnlimited_bytes);
     int width = 0, height = 0, channels = 0;
     const std::unique_ptr<stbi_uc, decltype(&stbi_image_free)> pixels(
         stbi_load_from_memory(bytes_.data(), static_cast<int>(bytes_.size()), &width, &height, &channels,
                               STBI_rgb_alpha),
         &stbi_image_free);
+    if (stb_asked_for_more)
+        throw undecodable(place_, "its data are larger than ", width_, " x ", height_,
+                          " pixels can be: a damaged PNG file");
     if (!pixels) throw undecodable(place_, stbi_failure_reason());
     picture.rgba.assign(pixels.get(), pixels.get() + size_bytes);
     return picture;

@@ -57,6 +57,14 @@ public:
         const bool too_large = element_bytes > 0 && count > limit_bytes_ / element_bytes;
         charge(too_large ? limit_bytes_ + 1 : count * element_bytes, place);
     }
+    // The compiled meshes are as limited as what was read, but apart from that: nodes that show the same mesh again and
+    // again cost a file next to nothing.
+    void require_room_for_compiled(uint64_t size_bytes) const {
+        if (size_bytes > limit_bytes_)
+            throw Failure(ErrorCode::kLimit, "meshes", "they take ", size_bytes >> 20,
+                          " MiB once compiled, each counted for every node that shows it; the limit is ",
+                          limit_bytes_ >> 20, " MiB (384, or ", kMemoryOfFile, " times the size of the file)");
+    }
 
     // Polls; to be called at each step of a loop over decoded data.
     void poll_at(uint64_t step) const { progress_.poll_at(step); }

@@ -1,4 +1,5 @@
 #include "base/count.h"
+#include "import/compiled_size.h"
 #include "import/readers.h"
 
 namespace throng::gltf {
@@ -62,6 +63,7 @@ void read_mesh_instances(Reading& reading, std::span<const NeededJoints> of_mesh
         instance.weights = read_morph_weights(reading, json, count_of(asset.meshes[instance.mesh].weights));
         asset.mesh_instances.push_back(std::move(instance));
     }
+    reading.budget.require_room_for_compiled(compiled_size(asset).size_bytes);
 }
 
 }  // namespace throng::gltf

@@ -462,6 +462,7 @@ TEST(CharacterFile, CraftedExactTracksAreRefused) {
                                                                                     2);
              },
              "[1]"},
+            {"a stride of one less", [](Forged& f) { f.at<ClipRecord>(S::kClips, 1).row_stride -= 1; }, "share keys"},
             {"rows that begin later", [](Forged& f) { f.at<ClipRecord>(S::kClips, 1).first_row = 1; }, "clips[1]"},
             {"scales that are not uniform", [](Forged& f) { f.at<ScalarsRecord>(S::kScalars).uniform_scale = 1; },
              "uniform"},
@@ -492,6 +493,12 @@ TEST(CharacterFile, CraftedPackedTracksAreRefused) {
              [](Forged& f) { FirstTrack::tail(f)[3] = 32 * f.at<ClipRecord>(S::kClips, 0).row_stride; }, "a row"},
             {"the largest first bit", [](Forged& f) { FirstTrack::tail(f)[3] = kAllOnes; }, ""},
             {"the largest first bit of a word", [](Forged& f) { FirstTrack::tail(f)[3] = kAllOnes & ~31u; }, "a row"},
+            {"tracks of the same bits",
+             [](Forged& f) {
+                 FirstTrack::tracks(f).translation = FirstTrack::tracks(f).rotation;
+                 FirstTrack::tracks(f).scale = FirstTrack::tracks(f).rotation;
+             },
+             "share keys"},
             {"a minimum that is not finite",
              [](Forged& f) { f.at<std::array<float, 4>>(S::kKeys, FirstTrack::tracks(f).rotation)[0] = kInfinity; },
              "finite"},

@@ -1,4 +1,6 @@
 // Fewer triangles for a mesh that moves: what must stay, and what may go.
+#include "base/failure.h"
+#include "base/progress.h"
 #include "compile/mesh/decimate.h"
 #include "compile/mesh/four_triangles.h"
 #include "compile/mesh/triangle_index.h"
@@ -117,6 +119,103 @@ TEST(WeldedMesh, HasOnePointForVerticesThatStayTogether) {
     EXPECT_EQ(welded.places(welded.point_of(6))->at(3), (Vec3<float>{0, 0, 1})) << "the last pose again";
     EXPECT_EQ(welded.most_like(0, welded.point_of(3)).vertex, 0u);
     EXPECT_EQ(welded.most_like(3, welded.point_of(0)).vertex, 3u);
+}
+
+// Without distances between all pairs of vertices, for which there would be no end.
+TEST(WeldedMesh, AnyNumberOfVerticesLieAtOnePlace) {
+    Mesh mesh;
+    constexpr uint32_t kVertices = 100'000, kTexcoords = 1000;
+    for (uint32_t i = 0; i < kVertices; ++i) {
+        mesh.add({}, {static_cast<float>(i % kTexcoords), 0});
+        mesh.indices.push_back(i);
+    }
+    const WeldedMesh together(mesh.character, mesh.indices, std::array{mesh.rest});
+    EXPECT_EQ(together.point_count(), 1u);
+    EXPECT_TRUE(together.faces().empty());
+    EXPECT_EQ(together.most_like(kVertices - 1, 0).vertex, kTexcoords - 1);
+    EXPECT_TRUE(together.most_like(kVertices - 1, 0).is_of_same_chart);
+
+    Places apart = mesh.rest;
+    for (uint32_t i = 0; i < kVertices; ++i) apart[i].y = static_cast<float>(i / 2);
+    const WeldedMesh parting(mesh.character, mesh.indices, std::array{mesh.rest, apart});
+    EXPECT_EQ(parting.point_count(), kVertices / 2);
+    for (uint32_t i = 0; i < kVertices; i += 2) ASSERT_EQ(parting.point_of(i), parting.point_of(i + 1));
+}
+
+// At one place at rest, and a little apart in other poses: a vertex belongs to the first that it stays together with.
+TEST(WeldedMesh, PointsAreThoseOfComparingAllPairs) {
+    constexpr float kClose = 1e-6f;  // the character's size is 1
+    Random random(7);
+    uint32_t joined_count = 0, parted_count = 0;
+    for (int round = 0; round < 50; ++round) {
+        Mesh mesh;
+        std::vector<Places> poses(1 + round % 9);
+        const auto part = [&] { return random.chance(0.5) ? 0 : 1.5f * kClose * static_cast<float>(random.unit()); };
+        for (uint32_t i = 0; i < 60; ++i) {
+            mesh.indices.push_back(mesh.add({}));
+            poses[0].push_back({});
+            for (size_t pose = 1; pose < poses.size(); ++pose) poses[pose].push_back({part(), part(), part()});
+        }
+        const WeldedMesh welded(mesh.character, mesh.indices, poses);
+        Indices firsts;
+        for (uint32_t vertex = 0; vertex < 60; ++vertex) {
+            const auto stays_together = [&](uint32_t first) {
+                return std::ranges::all_of(poses, [&](const Places& places) {
+                    const Vec3<float> apart = places[vertex] - places[first];
+                    return dot(apart, apart) <= kClose * kClose;
+                });
+            };
+            const auto found = std::ranges::find_if(firsts, stays_together);
+            const bool is_first = found == firsts.end();
+            if (is_first) firsts.push_back(vertex);
+            ++(is_first ? parted_count : joined_count);
+            EXPECT_EQ(welded.point_of(vertex), welded.point_of(is_first ? vertex : *found));
+            EXPECT_EQ(welded.point_of(vertex),
+                      is_first ? firsts.size() - 1 : static_cast<size_t>(found - firsts.begin()));
+        }
+        EXPECT_EQ(welded.point_count(), firsts.size());
+    }
+    EXPECT_GT(joined_count, 500u);
+    EXPECT_GT(parted_count, 500u);
+}
+
+// Texture coordinates that are equal join what has them, though others lie between them.
+TEST(WeldedMesh, ChartsMeetWhereTexturesAgree) {
+    Mesh mesh;
+    const std::array<std::array<float, 2>, 3> at_corner{{{0.0f, 0.5f}, {0.25f, 0.5f}, {-0.0f, 0.5f}}};
+    for (uint32_t i = 0; i < 3; ++i) {
+        const float turn = static_cast<float>(i), u = 10 * turn;
+        mesh.indices.push_back(mesh.add({0, 0, 0}, at_corner[i]));
+        mesh.indices.push_back(mesh.add({std::cos(turn), std::sin(turn), 0}, {u + 1, 0}));
+        mesh.indices.push_back(mesh.add({std::cos(turn + 0.5f), std::sin(turn + 0.5f), 0}, {u + 2, 0}));
+    }
+    const WeldedMesh welded(mesh.character, mesh.indices, std::array{mesh.rest});
+    EXPECT_EQ(welded.point_count(), 7u);
+    EXPECT_TRUE(welded.most_like(1, welded.point_of(7)).is_of_same_chart);
+    EXPECT_FALSE(welded.most_like(1, welded.point_of(4)).is_of_same_chart);
+
+    // A triangle of another section, which has the same texture coordinates as two of them, joins nothing.
+    mesh.character.sections.push_back({});
+    for (const uint32_t vertex : {1u, 4u, 7u}) {
+        const std::array<float, 2> texcoord = mesh.character.vertices[vertex].texcoord;
+        mesh.indices.push_back(mesh.add(mesh.rest[vertex], texcoord));
+    }
+    const WeldedMesh both(mesh.character, mesh.indices, std::array{mesh.rest});
+    EXPECT_EQ(both.point_count(), 7u);
+    EXPECT_FALSE(both.most_like(1, both.point_of(4)).is_of_same_chart);
+}
+
+TEST(WeldedMesh, CanBeCancelled) {
+    Mesh mesh;
+    add_grid(mesh, {}, 0);
+    LoadHooks hooks;
+    hooks.is_cancelled = [] { return true; };
+    try {
+        (void)WeldedMesh(mesh.character, mesh.indices, std::array{mesh.rest}, Progress(hooks));
+        ADD_FAILURE() << "went on";
+    } catch (const Failure& failure) {
+        EXPECT_EQ(failure.error.code, ErrorCode::kCancelled);
+    }
 }
 
 TEST(WeldedMesh, FindsNoVertexOfAnotherSection) {

@@ -356,5 +356,30 @@ TEST(Import, Modes) {
     expect_refused(b, "meshes[0].primitives[0].mode", "99 is unknown");
 }
 
+// So a file of a few kilobytes could be gigabytes of vertices, or of names.
+TEST(Import, MeshesCountForEachNodeThatShowsThem) {
+    constexpr uint64_t kVertices = 99'999;  // 32 bytes, influences of 24 and an index of 4 each
+    GlbBuilder b = tiny_character();
+    b.json["accessors"].push_back({{"componentType", kFloat}, {"count", kVertices}, {"type", "VEC3"}});
+    attributes(b) = {{"POSITION", b.json["accessors"].size() - 1}};
+    primitive(b).erase("indices");
+    b.json.erase("scenes");
+    b.json.erase("scene");
+    for (uint64_t shown_bytes = kVertices * 60; shown_bytes + kVertices * 60 < gltf::kMemoryLimitBytes;
+         shown_bytes += kVertices * 60)
+        b.json["nodes"].push_back({{"mesh", 0}});
+    EXPECT_EQ(loaded(b).mesh_instances.size(), b.json["nodes"].size() - 2);
+    b.json["nodes"].push_back({{"mesh", 0}});
+    expect_refused(load(b), ErrorCode::kLimit, "meshes", "each counted for every node that shows it");
+
+    b = tiny_character();
+    b.json["nodes"][0]["name"] = std::string(size_t{1} << 20, 'n');
+    const GltfJson one = primitive(b);
+    for (int i = 1; i < 383; ++i) b.json["meshes"][0]["primitives"].push_back(one);
+    EXPECT_EQ(loaded(b).meshes[0].primitives.size(), 383u);
+    for (int i = 0; i < 2; ++i) b.json["meshes"][0]["primitives"].push_back(one);
+    expect_refused(load(b), ErrorCode::kLimit, "meshes", "they take 385 MiB once compiled");
+}
+
 }  // namespace
 }  // namespace throng::test

@@ -184,16 +184,18 @@ private:
         if (rows_end > room) fail(at("clips", clip), "its rows end at ", rows_end, " of ", room);
         if (!c_.packed && of.first_row != 0)
             fail(at("clips", clip), "its rows begin at word ", of.first_row, ", but its keys are not packed");
+        uint64_t in_row = 0;  // keys, or bits where they are packed
         for (size_t joint = 0; joint < c_.rig.joint_count(); ++joint) {
             const size_t index = clip * c_.rig.joint_count() + joint;
             const JointTracks& tracks = c_.tracks[index];
-            for (const uint32_t word : {tracks.rotation, tracks.translation, tracks.scale}) {
-                if (c_.packed)
-                    check_packed_track(index, word, of, is_rest);
-                else
-                    check_exact_track(index, word, of, is_rest);
-            }
+            for (const uint32_t word : {tracks.rotation, tracks.translation, tracks.scale})
+                in_row += c_.packed ? check_packed_track(index, word, of, is_rest)
+                                    : check_exact_track(index, word, of, is_rest);
         }
+        // Or a small file would have clips that take hours to go through
+        if (in_row > uint64_t{of.row_stride} * (c_.packed ? 32 : 1))
+            fail(at("clips", clip), "its tracks share keys: they have ", in_row, c_.packed ? " bits" : " keys",
+                 " a row, and its rows lie ", of.row_stride, c_.packed ? " words" : " keys", " apart");
     }
 
     // Position of the last key of a track of exact keys or weights.
@@ -202,13 +204,17 @@ private:
         return (word & kTrackPosition) + (animated ? (row_count - uint64_t{1}) * row_stride : 0);
     }
 
-    void check_exact_track(size_t index, uint32_t word, const Clip& clip, bool is_rest) const {
-        if ((word & kTrackAnimated) != 0 && is_rest) fail(at("tracks", index), "is animated, in the rest pose");
+    // How many keys it has in each row.
+    uint64_t check_exact_track(size_t index, uint32_t word, const Clip& clip, bool is_rest) const {
+        const bool animated = (word & kTrackAnimated) != 0;
+        if (animated && is_rest) fail(at("tracks", index), "is animated, in the rest pose");
         const uint64_t last = last_key(word, clip.row_count, clip.row_stride);
         if (last >= c_.keys.size()) fail(at("tracks", index), "has a key at ", last, " of ", c_.keys.size());
+        return animated ? 1 : 0;
     }
 
-    void check_packed_track(size_t index, uint32_t position, const Clip& clip, bool is_rest) const {
+    // How many bits it has in each row.
+    uint64_t check_packed_track(size_t index, uint32_t position, const Clip& clip, bool is_rest) const {
         const auto refuse = [&](const auto&... what) { fail(at("tracks", index), what...); };
         if (position >= c_.keys.size()) refuse("is at key ", position, " of ", c_.keys.size());
         PackedTrack track;
@@ -223,7 +229,7 @@ private:
                 refuse("has a component of ", count, " bits");
             bits += count;
         }
-        if (bits == 0) return;
+        if (bits == 0) return 0;
         if (is_rest) refuse("is animated, in the rest pose");
         if (position + uint64_t{1} >= c_.keys.size())
             refuse("is at key ", position, " of ", c_.keys.size(), ", and takes two");
@@ -237,6 +243,7 @@ private:
                       "three words hold a track, wherever it begins in the first");
         const uint64_t end = uint64_t{track.first_bit} + bits, row_bits = uint64_t{clip.row_stride} * 32;
         if (end > row_bits) refuse("ends at bit ", end, " of ", row_bits, " a row");
+        return bits;
     }
 
     // ---- Skin and mesh
@@ -405,7 +412,7 @@ private:
     void check_text() const {
         file::visit_strings(c_, [&](const std::string& string) {
             if (printable(string, std::string::npos) != string)
-                fail("text", "'", printable(string), "' has control characters in it");
+                fail("text", "'", printable(string), "' has control characters in it, or is no UTF-8");
         });
     }
 

@@ -15,8 +15,8 @@ constexpr uint64_t kStepsBetweenReports = 1000;  // some 20 ms
 class Decimation {
 public:
     Decimation(const Character& character, std::span<const uint32_t> indices,
-               std::span<const std::vector<Vec3<float>>> positions)
-        : fine_(character, indices, positions),
+               std::span<const std::vector<Vec3<float>>> positions, const Progress& progress)
+        : fine_(character, indices, positions, progress),
           mesh_(fine_),
           meter_(fine_, mesh_, indices, positions[0]),
           plans_(fine_.point_count()) {}
@@ -108,7 +108,7 @@ std::vector<std::vector<uint32_t>> decimate(const Character& character, std::spa
                                             std::span<const std::vector<Vec3<float>>> positions,
                                             std::span<const size_t> index_counts, const Progress& progress) {
     constexpr double kPlanned = 0.1;  // part of the work
-    Decimation decimation(character, indices, positions);
+    Decimation decimation(character, indices, positions, progress);
     decimation.plan_all(progress.between(0, kPlanned));
     std::vector<std::vector<uint32_t>> meshes;
     for (const size_t count : index_counts) {

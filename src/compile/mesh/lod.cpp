@@ -13,7 +13,9 @@
 #include <meshoptimizer.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
+#include <future>
 #include <limits>
 #include <utility>
 
@@ -116,6 +118,16 @@ struct Coarse {
     NearTriangles near_lost;     // of `lost`, in `index`
     NearTriangles near_middles;  // of its middles, in the fine mesh
 };
+
+// Runs `body` on another thread, so that this one, on which the hooks are called, can ask meanwhile whether to go on.
+// Where the system has no more threads, this one runs it.
+template <class Body>
+void run_while_polling(const Progress& progress, const Body& body) {
+    constexpr std::chrono::milliseconds kInterval(10);
+    std::future<void> other = std::async(body);
+    while (other.wait_for(kInterval) == std::future_status::timeout) progress.poll();
+    other.get();
+}
 
 // All sections as one mesh: indices of the character's vertices.
 std::vector<uint32_t> joined_indices(const Character& character) {
@@ -224,8 +236,10 @@ uint64_t make_lods(Character& character, const Progress& progress) {
     for (size_t pose = 0; pose < positions.size(); ++pose) {
         measuring.report(pose, positions.size());
         fine.move(positions[pose]);
-        for_each_job(threads, count_of(levels),
-                     [&](uint32_t level) { levels[level].measure(fine, positions[pose], measuring); });
+        run_while_polling(measuring, [&] {
+            for_each_job(threads, count_of(levels),
+                         [&](uint32_t level) { levels[level].measure(fine, positions[pose], measuring); });
+        });
     }
     keep_levels(levels, character);
     uint64_t steps = 0;

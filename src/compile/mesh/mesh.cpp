@@ -3,6 +3,7 @@
 #include "base/count.h"
 #include "base/failure.h"
 #include "compile/limits.h"
+#include "import/compiled_size.h"
 #include "import/normals.h"
 
 #include <algorithm>
@@ -96,25 +97,8 @@ public:
     }
 
 private:
-    uint64_t drawn_bytes(uint32_t mesh) const {
-        uint64_t size_bytes = 0;
-        for (const uint32_t index : drawn_[mesh]) {
-            const AssetPrimitive& primitive = asset_.meshes[mesh].primitives[index];
-            const uint64_t influence_sets = std::max(1u, primitive.influence_count / 4);
-            size_bytes += primitive.positions.size() * (sizeof(Vertex) + influence_sets * sizeof(Influences)) +
-                          primitive.indices.size() * sizeof(uint32_t);
-        }
-        return size_bytes;
-    }
-
     void check_size() const {
-        std::vector<uint64_t> bytes_of(asset_.meshes.size());
-        for (uint32_t mesh = 0; mesh < bytes_of.size(); ++mesh) bytes_of[mesh] = drawn_bytes(mesh);
-        uint64_t section_count = 0, size_bytes = 0;
-        for (const AssetMeshInstance& instance : asset_.mesh_instances) {
-            section_count += drawn_[instance.mesh].size();
-            size_bytes += bytes_of[instance.mesh] + drawn_[instance.mesh].size() * name_of(instance).size();
-        }
+        const auto [section_count, size_bytes] = compiled_size(asset_);
         constexpr const char* kCounted = ", each counted for every node that shows it; the limit is ";
         if (section_count > kSectionLimit)
             throw Failure(ErrorCode::kLimit, asset_.name, "its meshes have ", section_count, " primitives", kCounted,
@@ -122,11 +106,6 @@ private:
         if (size_bytes > kMeshLimit_bytes)
             throw Failure(ErrorCode::kLimit, asset_.name, "its meshes take ", size_bytes >> 20, " MiB", kCounted,
                           kMeshLimit_bytes >> 20, " MiB");
-    }
-
-    const std::string& name_of(const AssetMeshInstance& instance) const {
-        const std::string& node_name = asset_.nodes[instance.node].name;
-        return node_name.empty() ? asset_.meshes[instance.mesh].name : node_name;
     }
 
     uint32_t add_entries(const std::vector<PaletteEntry>& entries) {
@@ -178,7 +157,7 @@ private:
                                          {{1, 0, 0, 0}, {static_cast<uint16_t>(rigid_entry(instance.node)), 0, 0, 0}});
         add_indices(primitive, determinant_signs_[instance.node] < 0);
         character_.sections.push_back(section);
-        character_.section_names.push_back(printable(name_of(instance), std::string::npos));
+        character_.section_names.push_back(printable(section_name(asset_, instance), std::string::npos));
     }
 
     void add_vertices(const AssetPrimitive& primitive) {

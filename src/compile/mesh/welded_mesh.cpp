@@ -3,7 +3,9 @@
 #include "base/count.h"
 
 #include <algorithm>
+#include <bit>
 #include <limits>
+#include <map>
 #include <numeric>
 #include <tuple>
 
@@ -30,14 +32,64 @@ float squared_difference(uint32_t octahedral, uint32_t other) {
     return squared;
 }
 
+// Where vertices are in one of the poses, along one of its axes.
+struct Axis {
+    std::span<const Vec3<float>> places;  // [vertices]
+    float Vec3<float>::*axis = &Vec3<float>::x;
+
+    double operator()(uint32_t vertex) const { return double{places[vertex].*axis}; }
+};
+
+// The one along which the vertices are farthest apart.
+Axis widest_axis(std::span<const uint32_t> vertices, std::span<const std::vector<Vec3<float>>> positions) {
+    Axis widest{positions[0]};
+    double most = 0;
+    for (const std::vector<Vec3<float>>& in_pose : positions) {
+        for (float Vec3<float>::*axis : {&Vec3<float>::x, &Vec3<float>::y, &Vec3<float>::z}) {
+            const Axis along{in_pose, axis};
+            const auto [low, high] = std::ranges::minmax(vertices, {}, along);
+            if (!(along(high) - along(low) > most)) continue;
+            most = along(high) - along(low);
+            widest = along;
+        }
+    }
+    return widest;
+}
+
+// Sets the first vertex of each one's point, for vertices that lie at one place at rest, in ascending order. Those that
+// begin a point are kept sorted along an axis, since a file can let any number of them part from one place.
+void find_firsts(std::span<const uint32_t> vertices, std::span<const std::vector<Vec3<float>>> positions, float close,
+                 const Progress& progress, std::vector<uint32_t>& first_of) {
+    const auto stay_together = [&](uint32_t a, uint32_t b) {
+        return std::ranges::all_of(positions, [&](const std::vector<Vec3<float>>& in_pose) {
+            const Vec3<float> apart = in_pose[a] - in_pose[b];
+            return dot(apart, apart) <= close * close;
+        });
+    };
+    const double reach = 1.01 * double{close};  // the squares above are rounded
+    const Axis place = widest_axis(vertices, positions);
+    std::multimap<double, uint32_t> firsts;
+    uint64_t steps = 0;
+    for (const uint32_t vertex : vertices) {
+        const double at = place(vertex);
+        uint32_t first = vertex;
+        for (auto near = firsts.lower_bound(at - reach); near != firsts.end() && near->first <= at + reach; ++near) {
+            progress.poll_at(steps++);
+            if (near->second < first && stay_together(near->second, vertex)) first = near->second;
+        }
+        first_of[vertex] = first;
+        if (first == vertex) firsts.emplace(at, vertex);
+    }
+}
+
 }  // namespace
 
 WeldedMesh::WeldedMesh(const Character& character, std::span<const uint32_t> indices,
-                       std::span<const std::vector<Vec3<float>>> positions)
+                       std::span<const std::vector<Vec3<float>>> positions, const Progress& progress)
     : character_(character), groups_((positions.size() + kLanes - 1) / kLanes) {
     for (uint32_t section = 0; section < character.sections.size(); ++section)
         section_of_.insert(section_of_.end(), character.sections[section].vertex_count, section);
-    weld(indices, positions, kClose * character.size);
+    weld(indices, positions, kClose * character.size, progress);
     for (size_t t = 0; t < indices.size(); t += 3) {
         WeldedFace face;
         for (size_t k = 0; k < 3; ++k) {
@@ -62,7 +114,7 @@ WeldedMesh::WeldedMesh(const Character& character, std::span<const uint32_t> ind
 
 // Points are numbered as the triangles come to them, so that neighbours are neighbours in memory.
 void WeldedMesh::weld(std::span<const uint32_t> indices, std::span<const std::vector<Vec3<float>>> positions,
-                      float close) {
+                      float close, const Progress& progress) {
     std::vector<uint32_t> order(indices.begin(), indices.end());
     std::ranges::sort(order);
     order.erase(std::unique(order.begin(), order.end()), order.end());
@@ -71,20 +123,14 @@ void WeldedMesh::weld(std::span<const uint32_t> indices, std::span<const std::ve
         return std::tuple(place.x, place.y, place.z);
     };
     std::ranges::stable_sort(order, {}, rest);
-    const auto stay_together = [&](uint32_t a, uint32_t b) {
-        return std::ranges::all_of(positions, [&](const std::vector<Vec3<float>>& in_pose) {
-            const Vec3<float> apart = in_pose[a] - in_pose[b];
-            return dot(apart, apart) <= close * close;
-        });
-    };
     std::vector<uint32_t> first_of(positions[0].size(), kNone);  // [vertices], the first one of their points
-    std::vector<uint32_t> firsts;                                // at one place
-    for (size_t i = 0; i < order.size(); ++i) {
-        const uint32_t vertex = order[i];
-        if (i > 0 && rest(vertex) != rest(order[i - 1])) firsts.clear();
-        const auto found = std::ranges::find_if(firsts, [&](uint32_t first) { return stay_together(first, vertex); });
-        first_of[vertex] = found != firsts.end() ? *found : vertex;
-        if (found == firsts.end()) firsts.push_back(vertex);
+    for (size_t begin = 0, end = 0; begin < order.size(); begin = end) {
+        progress.poll_at(begin);
+        for (end = begin + 1; end < order.size() && rest(order[end]) == rest(order[begin]);) ++end;
+        if (end - begin == 1)
+            first_of[order[begin]] = order[begin];
+        else
+            find_firsts(std::span(order).subspan(begin, end - begin), positions, close, progress, first_of);
     }
     point_of_.assign(first_of.size(), kNone);
     uint32_t point_count = 0;
@@ -106,13 +152,19 @@ void WeldedMesh::make_charts() {
         unite(face.vertices[0], face.vertices[1]);
         unite(face.vertices[1], face.vertices[2]);
     }
-    const auto texcoord = [&](uint32_t vertex) { return character_.vertices[vertex].texcoord; };
-    for (const std::vector<uint32_t>& vertices : vertices_of_)
-        for (size_t i = 1; i < vertices.size(); ++i)
-            for (size_t other = 0; other < i; ++other)
-                if (texcoord(vertices[i]) == texcoord(vertices[other]) &&
-                    section_of_[vertices[i]] == section_of_[vertices[other]])
-                    unite(vertices[i], vertices[other]);
+    // Bits can be sorted whatever the numbers are; -0 gets those of 0, which it is equal to.
+    const auto seam = [&](uint32_t vertex) {
+        const auto& [u, v] = character_.vertices[vertex].texcoord;
+        return std::tuple(section_of_[vertex], std::bit_cast<uint32_t>(u + 0.0f), std::bit_cast<uint32_t>(v + 0.0f));
+    };
+    // Sorted, so that only neighbours need to be compared: a file can put all of its vertices at one point.
+    std::vector<uint32_t> sorted;
+    for (const std::vector<uint32_t>& vertices : vertices_of_) {
+        sorted = vertices;
+        std::ranges::sort(sorted, {}, seam);
+        for (size_t i = 1; i < sorted.size(); ++i)
+            if (seam(sorted[i - 1]) == seam(sorted[i])) unite(sorted[i - 1], sorted[i]);
+    }
     for (uint32_t vertex = 0; vertex < chart_of_.size(); ++vertex) chart_of_[vertex] = root_of(chart_of_, vertex);
 }
 

@@ -2,6 +2,7 @@
 // mesh holds together where its vertices are duplicated for the sake of normals and texture coordinates.
 #pragma once
 
+#include "base/progress.h"
 #include "compile/mesh/four_triangles.h"
 
 #include <throng/character.h>
@@ -20,9 +21,9 @@ struct WeldedFace {
 class WeldedMesh {
 public:
     // Every three `indices`, vertices of the character, form a triangle; those with two corners at one point are left
-    // out. `positions` are [poses][vertices], the rest pose first.
+    // out. `positions` are [poses][vertices], the rest pose first. `progress` is only polled.
     WeldedMesh(const Character& character, std::span<const uint32_t> indices,
-               std::span<const std::vector<Vec3<float>>> positions);
+               std::span<const std::vector<Vec3<float>>> positions, const Progress& progress = {});
 
     size_t point_count() const { return vertices_of_.size(); }
     const std::vector<WeldedFace>& faces() const { return faces_; }
@@ -41,7 +42,8 @@ public:
     Corner most_like(uint32_t vertex, uint32_t point) const;
 
 private:
-    void weld(std::span<const uint32_t> indices, std::span<const std::vector<Vec3<float>>> positions, float close);
+    void weld(std::span<const uint32_t> indices, std::span<const std::vector<Vec3<float>>> positions, float close,
+              const Progress& progress);
     void make_charts();
 
     const Character& character_;
