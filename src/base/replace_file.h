@@ -5,6 +5,7 @@
 
 #include <cerrno>
 #include <cstddef>
+#include <cstdio>
 #include <fcntl.h>
 #include <filesystem>
 #include <span>
@@ -24,6 +25,17 @@ inline std::filesystem::path link_target(std::filesystem::path path) {
     return path;
 }
 
+// Creates an empty file beside `path`, under a temporary name that it stores in `unfinished`, and opens it for writing.
+// Returns -1 and sets errno if that fails.
+inline int open_beside(const std::filesystem::path& path, std::filesystem::path& unfinished) {
+    // O_EXCL: no two calls write to one file, and no link of that name is followed
+    for (unsigned attempt = 0;; ++attempt) {
+        unfinished = path.string() + ".part" + std::to_string(getpid()) + "." + std::to_string(attempt);
+        const int file = ::open(unfinished.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+        if (file >= 0 || errno != EEXIST) return file;
+    }
+}
+
 // Writes a new file beside `name`, or beside what that links to, then gives it that name by `take_name`, which is
 // rename() or behaves like it. If a file is replaced, the new one has its permissions. Returns the errno of what
 // failed, or 0.
@@ -38,13 +50,8 @@ int write_beside(const std::filesystem::path& name, std::span<const std::byte> b
     if (there.type() != fs::file_type::not_found && !replaces) fail("is there, and not a plain file");
 
     fs::path unfinished;
-    int file = -1;
-    // O_EXCL: no two calls write to one file, and no link of that name is followed
-    for (unsigned attempt = 0; file < 0; ++attempt) {
-        unfinished = path.string() + ".part" + std::to_string(getpid()) + "." + std::to_string(attempt);
-        file = ::open(unfinished.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-        if (file < 0 && errno != EEXIST) fail("cannot be written: " + std::generic_category().message(errno));
-    }
+    const int file = open_beside(path, unfinished);
+    if (file < 0) fail("cannot be written: " + std::generic_category().message(errno));
     int reason = 0;
     if (replaces) ::fchmod(file, static_cast<mode_t>(there.permissions() & fs::perms::all));
     while (!bytes.empty() && reason == 0) {
@@ -71,11 +78,24 @@ inline void replace_file(const std::filesystem::path& path, std::span<const std:
     check_written(path, write_beside(path, bytes, ::rename));
 }
 
-// The same, but a file that is there already stays: of several calls at once, one creates it.
+// Like rename(), but fails with EEXIST if there is a file of that name.
+inline int take_free_name(const char* unfinished, const char* name) {
+    if (::link(unfinished, name) == 0) return ::unlink(unfinished);
+    if (errno != EPERM && errno != EOPNOTSUPP && errno != ENOSYS) return -1;
+    // The file system has no hard links
+    if (::renameat2(AT_FDCWD, unfinished, AT_FDCWD, name, RENAME_NOREPLACE) == 0) return 0;
+    if (errno != EINVAL && errno != ENOSYS) return -1;
+    // Nor this kind of renaming: whoever creates the file, empty for a moment, may replace it
+    const int created = ::open(name, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+    if (created < 0) return -1;
+    ::close(created);
+    return ::rename(unfinished, name);
+}
+
+// The same, but a file that is there already stays: of several calls at once, one creates it. On file systems without
+// hard links and renameat2() readers may see it empty for a moment.
 inline void create_file(const std::filesystem::path& path, std::span<const std::byte> bytes) {
-    const int reason = write_beside(path, bytes, [](const char* unfinished, const char* name) {
-        return ::link(unfinished, name) == 0 ? ::unlink(unfinished) : -1;
-    });
+    const int reason = write_beside(path, bytes, take_free_name);
     if (reason != EEXIST) check_written(path, reason);
 }
 

@@ -57,6 +57,19 @@ protected:
         *(there + 1) = value;
         return run_tool(all);
     }
+    // One frame.
+    static Words short_film(const std::string& out) {
+        return "render walker.glb --size 64x36 --frames 0:1" + Words{"--out", out};
+    }
+    // With an ffmpeg that writes a word to its output, then does this.
+    static RunSettings with_ffmpeg(const std::string& then) {
+        const std::string program = write("bin/ffmpeg",
+                                          "#!/bin/sh\nfor out; do :; done\n[ \"$out\" != -version ] || exit 0\n"
+                                          "printf pictures >\"$out\"\n" +
+                                              then);
+        fs::permissions(program, fs::perms::owner_all);
+        return {.environment = {{"PATH", file("bin") + ":" + std::getenv("PATH")}}};
+    }
     static std::map<std::string, std::string> contents(const std::string& folder) {
         std::map<std::string, std::string> files;
         for (const auto& entry : fs::directory_iterator(folder))
@@ -252,6 +265,39 @@ TEST_F(CliFilm, AFilmHasItsFrames) {
     EXPECT_NE(read_file(out), before);
 }
 
+// Where SIGCHLD is ignored, the system does not tell how a child process ended.
+TEST_F(CliFilm, AnEncoderThatFailsIsNoticedWhateverTheParentIgnored) {
+    const std::string folder = new_folder("ignored"), out = folder + "/film.mp4";
+    RunSettings settings = with_ffmpeg("echo no room >&2; exit 1");
+    settings.program = "env";
+    const Outcome outcome = run_tool(Words{"--ignore-signal=CHLD", THRONG_TOOL} + short_film(out), settings);
+    EXPECT_TRUE(outcome.refused("film.mp4: ffmpeg: no room")) << outcome;
+    EXPECT_TRUE(fs::exists(out + ".frames/000000.png")) << "frames are kept until there is a film of them";
+    EXPECT_EQ(std::distance(fs::directory_iterator(folder), {}), 1) << "no half of a film";
+}
+
+TEST_F(CliFilm, NoLinkIsFollowedToWriteAFilm) {
+    const std::string folder = new_folder("links"), out = folder + "/film.mp4", other = write("links/other", "other");
+    RunSettings settings = with_ffmpeg("");
+    fs::create_symlink(other, out + ".lock");
+    const Outcome refused = run_tool(short_film(out), settings);
+    EXPECT_TRUE(refused.refused("film.mp4.lock: is a symbolic link")) << refused;
+    EXPECT_EQ(read_file(other), "other");
+    fs::remove(out + ".lock");
+
+    bool are_linked = false;
+    settings.watch = [&](int process, const std::string&) {
+        if (std::exchange(are_linked, true)) return;
+        for (const std::string end : {"", ".0"})
+            fs::create_symlink(other, out + ".part" + std::to_string(process) + end);
+    };
+    const Outcome drawn = run_tool(short_film(out), settings);
+    EXPECT_TRUE(drawn.succeeded()) << drawn;
+    EXPECT_EQ(read_file(other), "other");
+    EXPECT_FALSE(fs::is_symlink(out));
+    EXPECT_EQ(read_file(out), "pictures");
+}
+
 // Both wait for whoever holds the film; then one draws, and the other finds all that it was asked for.
 TEST_F(CliFilm, TwoProcessesDoNotDrawTheSameFrames) {
     const std::string folder = new_folder("at_once");
@@ -292,6 +338,37 @@ TEST_F(CliFilm, TwoProcessesDoNotDrawTheSameFrames) {
     for (const auto& [name, content] : contents(folder)) names.insert(name);
     EXPECT_EQ(names, (std::set<std::string>{"film.mp4", "frame_0.png", "frame_1.png", "frame_2.png", "frame_3.png",
                                             "frame_settings.json"}));
+}
+
+// Shards share the lock that a run of all frames has for itself.
+TEST_F(CliFilm, ShardsWaitForARunOfAllFramesAndItForThem) {
+    const std::string folder = new_folder("beside"), lock = folder + "/settings.json.lock";
+    const Words all = "render walker.glb --size 64x36 --frames 0:2" + Words{"--out", folder + "/%d.png"},
+                shard = all + "--shard 0/2";
+    int held = -1;
+    const auto hold = [&](int operation) {
+        held = open(lock.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
+        ASSERT_EQ(flock(held, operation), 0);
+    };
+    const auto let_go = [&] {
+        if (held >= 0) close(std::exchange(held, -1));
+    };
+    const auto let_go_when_it_waits = [&](int, const std::string& err) {
+        if (contains(err, "waiting for it")) let_go();
+    };
+    hold(LOCK_SH);
+    const Outcome beside_another = run_tool(shard, {.time_limit_s = 20});
+    EXPECT_TRUE(beside_another.succeeded()) << beside_another;
+    EXPECT_TRUE(fs::exists(lock)) << "another one holds it still";
+    let_go();
+    for (const auto& [operation, command] : {std::pair{LOCK_EX, shard}, {LOCK_SH, all}}) {
+        hold(operation);
+        const Outcome outcome = run_tool(command, {.time_limit_s = 20, .watch = let_go_when_it_waits});
+        EXPECT_EQ(outcome.exit_code, 0) << outcome;
+        EXPECT_TRUE(contains(outcome.err, "waiting for it")) << outcome;
+        let_go();
+        EXPECT_FALSE(fs::exists(lock)) << "nobody holds it any more";
+    }
 }
 
 TEST_F(CliFilm, AnotherFilmThatIsDrawnMeanwhileIsNotTakenForThisOne) {

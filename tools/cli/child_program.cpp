@@ -38,6 +38,16 @@ std::string content(std::FILE* file) {
     return all;
 }
 
+// Waits for the end of a child process.
+int status_of(pid_t child, const std::string& program) {
+    int status = 0;
+    while (waitpid(child, &status, 0) < 0)
+        if (errno != EINTR)
+            throw Failure(ErrorCode::kFile, program,
+                          std::string("it is not known how it ended: ") + std::strerror(errno));
+    return status;
+}
+
 }  // namespace
 
 ChildOutput run_child_program(std::vector<std::string> name_and_arguments, const std::string& input) {
@@ -61,9 +71,7 @@ ChildOutput run_child_program(std::vector<std::string> name_and_arguments, const
     const int spawned = posix_spawnp(&child, program.c_str(), &files, nullptr, words.data(), environ);
     posix_spawn_file_actions_destroy(&files);
 
-    int status = 0;
-    if (spawned == 0)
-        while (waitpid(child, &status, 0) < 0 && errno == EINTR) continue;
+    const int status = spawned == 0 ? status_of(child, program) : 0;
     if (spawned == ENOENT || (WIFEXITED(status) && WEXITSTATUS(status) == 127))
         return {.output = {}, .errors = {}, .status = -1, .start = ChildOutput::Start::kMissing};
     if (spawned != 0)

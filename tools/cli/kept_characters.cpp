@@ -48,6 +48,13 @@ bool add_build(Key& key) {
     return true;
 }
 
+// Whether the JSON of a file may name side files, whose changes the key would not show. A key can also be written with
+// escapes; exporters escape other letters than these.
+bool may_have_side_files(std::string_view json) {
+    constexpr std::array<std::string_view, 4> kSigns{"\"uri\"", "\\u0075", "\\u0072", "\\u0069"};
+    return std::ranges::any_of(kSigns, [&](std::string_view sign) { return json.find(sign) != json.npos; });
+}
+
 // Adds all of a .glb file that has no side files. False if it is anything else.
 bool add_file(Key& key, const std::string& file) {
     struct Head {
@@ -65,7 +72,7 @@ bool add_file(Key& key, const std::string& file) {
     if (const uint64_t size_bytes = fs::file_size(file, error); error || head.json_bytes > size_bytes) return false;
     std::string part(head.json_bytes, '\0');
     stream.read(part.data(), head.json_bytes);
-    if (!stream || part.find("\"uri\"") != std::string::npos) return false;
+    if (!stream || may_have_side_files(part)) return false;
     key.add_number(head);
     constexpr size_t kPart_bytes = 1 << 20;
     for (; !part.empty(); part.resize(static_cast<size_t>(stream.gcount()))) {
@@ -122,7 +129,8 @@ Result<Character> load_kept_character(const std::string& file, const CompileSett
         }
     }
     Result<Character> character = load_character(file, settings, hooks);
-    if (!character || !kept) return character;
+    // A file that was changed after its checksum was taken may have been compiled in its new form
+    if (!character || !kept || kept_file(file, settings) != kept) return character;
     fs::create_directories(kept->parent_path(), unimportant);
     if (!unimportant && save_character(*character, *kept)) remove_oldest(kept->parent_path());
     return character;

@@ -26,6 +26,7 @@ void become(const OwnProgram& program, char** argv) {
 
 int run_program(int argc, char** argv, void (*run)(int argc, char** argv)) {
     std::signal(SIGXFSZ, SIG_IGN);  // a file that gets too large is an error with a message
+    std::signal(SIGCHLD, SIG_DFL);  // if the parent ignored it, nobody would learn how a child program ended
     try {
         run(argc, argv);
     } catch (const UsageError& error) {

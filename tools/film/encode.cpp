@@ -1,9 +1,12 @@
 #include "tools/film/encode.h"
 
+#include "base/replace_file.h"
 #include "tools/cli/child_program.h"
 #include "tools/cli/command.h"
 
+#include <cerrno>
 #include <cstdio>
+#include <cstring>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -44,7 +47,12 @@ void check_ffmpeg() { run_ffmpeg({"-version"}, "ffmpeg"); }
 
 void encode_film(const FilmPictures& pictures, const std::filesystem::path& out) {
     namespace fs = std::filesystem;
-    const fs::path absolute = fs::absolute(out), unfinished = absolute.string() + ".part" + std::to_string(getpid());
+    const fs::path absolute = fs::absolute(out);
+    fs::path unfinished;
+    // ffmpeg would follow a link of that name, so the file is created before
+    const int file = open_beside(absolute, unfinished);
+    if (file < 0) throw CommandError(out.string() + ": cannot be written: " + std::strerror(errno));
+    ::close(file);
     char rate[32];
     std::snprintf(rate, sizeof(rate), "%.10g", pictures.fps);
     std::error_code ignored;

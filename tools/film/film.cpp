@@ -28,6 +28,7 @@
 #include <functional>
 #include <future>
 #include <iostream>
+#include <optional>
 
 namespace throng::tools {
 namespace {
@@ -48,11 +49,15 @@ struct FilmPlan {
             throw UsageError("--size " + options.size + ": an .mp4 needs an even width and height");
     }
 
-    // The lock held by the process that draws these frames.
-    fs::path lock_path() const {
-        fs::path path = is_film ? fs::path(out) : files.settings_path();
-        if (shard.count > 1) path += "." + std::to_string(shard.index) + "-of-" + std::to_string(shard.count);
-        return path += ".lock";
+    bool is_shared() const { return shard.count > 1; }
+    // The lock held by the process that draws all frames, or by those that draw shards.
+    fs::path lock_path() const { return lock_path_of(""); }
+    // The lock held by the process that draws this shard.
+    fs::path shard_lock_path() const {
+        return lock_path_of("." + std::to_string(shard.index) + "-of-" + std::to_string(shard.count));
+    }
+    fs::path lock_path_of(const std::string& part) const {
+        return (is_film ? fs::path(out) : files.settings_path()).string() + part + ".lock";
     }
 
     RendererSettings size;
@@ -291,20 +296,22 @@ void render_film(const RenderOptions& options) {
     keep_inputs(input_files(options.scene), outs_of(options, plan));
     if (plan.is_film && fs::exists(options.out) && !options.force)
         throw CommandError("--out " + options.out + ": there is a film already; --force draws it anew");
-    const bool encodes = plan.is_film && plan.shard.count == 1;
+    const bool encodes = plan.is_film && !plan.is_shared();
     if (encodes) check_ffmpeg();
     const auto asked = static_cast<size_t>(
         std::ranges::count_if(plan.range.frames(), [&](uint32_t frame) { return plan.shard.has(frame); }));
     nlohmann::json settings = settings_of(options);
-    const std::string asked_for = settings.dump() + options.frames + options.shard;
-    const FilmLock lock(plan.lock_path());
+    const std::string asked_for = settings.dump() + options.frames;
+    const FilmLock lock(plan.lock_path(), plan.is_shared() ? FilmLock::Kind::kShared : FilmLock::Kind::kExclusive);
+    std::optional<FilmLock> shard_lock;
+    if (plan.is_shared()) shard_lock.emplace(plan.shard_lock_path());
     if (plan.is_film && fs::exists(options.out) && !options.force) {  // another process has drawn one meanwhile
         if (lock.text_before() == asked_for) return print_film(options, {}, {}, asked);
         throw CommandError("--out " + options.out +
                            ": another process has just drawn another film there; --force draws this one over it");
     }
     const Interruption interruption;
-    lock.write(asked_for);
+    if (!plan.is_shared()) lock.write(asked_for);
     plan.files.check_settings(settings);
     const std::vector<uint32_t> frames = missing_frames(plan, interruption);
     Film film;

@@ -2,6 +2,7 @@
 
 #include "tools/cli/command.h"
 
+#include <cerrno>
 #include <fcntl.h>
 #include <iostream>
 #include <sys/file.h>
@@ -15,19 +16,23 @@ constexpr size_t kLongest = 1 << 20;  // of a text, bytes
 
 }  // namespace
 
-FilmLock::FilmLock(std::filesystem::path file) : path_(std::move(file)) {
+FilmLock::FilmLock(std::filesystem::path file, Kind kind) : path_(std::move(file)), kind_(kind) {
     while (!lock()) {}
 }
 
 // Fails if the previous holder has removed the file while this waited: another file may have its name by now.
 bool FilmLock::lock() {
-    file_ = ::open(path_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
+    // O_NOFOLLOW: write() would empty what a link leads to
+    file_ = ::open(path_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0666);
+    if (file_ < 0 && errno == ELOOP)
+        throw CommandError(path_.string() + ": is a symbolic link, in the place of a film's lock: remove it");
     if (file_ < 0) return true;
-    if (::flock(file_, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
+    const int operation = kind_ == Kind::kShared ? LOCK_SH : LOCK_EX;
+    if (::flock(file_, operation | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
         if (!has_waited_)
             std::cerr << "throng: another process draws this film; waiting for it (" << path_.string() << ")\n";
         has_waited_ = true;
-        if (::flock(file_, LOCK_EX) != 0) return true;
+        if (::flock(file_, operation) != 0) return true;
         text_before_.resize(kLongest);
         const ssize_t length = ::pread(file_, text_before_.data(), text_before_.size(), 0);
         text_before_.resize(length > 0 ? static_cast<size_t>(length) : 0);
@@ -48,7 +53,9 @@ void FilmLock::write(const std::string& text) const {
 
 FilmLock::~FilmLock() {
     if (file_ < 0) return;
-    ::unlink(path_.c_str());
+    // Only others that share the lock prevent this; the last of them removes the file
+    const bool is_shared = ::flock(file_, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK;
+    if (!is_shared) ::unlink(path_.c_str());
     ::close(file_);
 }
 

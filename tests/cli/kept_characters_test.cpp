@@ -1,0 +1,91 @@
+// Which compiled characters are kept in the cache folder, here one of the tests' own, and for which files.
+#include "tools/cli/kept_characters.h"
+#include "tests/glb_builder.h"
+#include "tests/tool_runner.h"
+
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <cstring>
+#include <filesystem>
+#include <iterator>
+#include <optional>
+#include <string>
+#include <system_error>
+#include <utility>
+
+namespace throng::tools {
+namespace {
+
+using test::GlbBuilder, test::tiny_character;
+
+class KeptCharacters : public test::ToolTest {
+protected:
+    void SetUp() override {
+        if (const char* cache = std::getenv("XDG_CACHE_HOME")) before_ = cache;
+        setenv("XDG_CACHE_HOME", file("cache").c_str(), 1);
+    }
+    void TearDown() override {
+        before_ ? setenv("XDG_CACHE_HOME", before_->c_str(), 1) : unsetenv("XDG_CACHE_HOME");
+        std::filesystem::remove_all(file("cache"));
+    }
+    static auto kept_count() {
+        std::error_code none_yet;
+        return std::distance(std::filesystem::directory_iterator(file("cache/throng/characters"), none_yet), {});
+    }
+    static std::string with_clip(const std::string& name) {
+        GlbBuilder character = tiny_character();
+        character.json["animations"][0]["name"] = name;
+        return character.glb();
+    }
+
+    std::optional<std::string> before_;
+};
+
+TEST_F(KeptCharacters, AFileThatChangesBeforeItIsReadIsNotKeptAsWhatItWas) {
+    const std::string fox = write("fox.glb", with_clip("turn"));
+    bool is_changed = false;
+    const auto change = [&](double) {
+        if (!std::exchange(is_changed, true)) write("fox.glb", with_clip("spin"));
+    };
+    const Result<Character> changed = load_kept_character(fox, {}, {.progress = change});
+    ASSERT_TRUE(changed) << changed.error().text();
+    ASSERT_EQ(changed->clips.at(0).name, "spin") << "it must change before it is read";
+    write("fox.glb", with_clip("turn"));
+    for (int times = 0; times < 2; ++times) EXPECT_EQ(load_kept_character(fox, {})->clips.at(0).name, "turn");
+    EXPECT_EQ(kept_count(), 1) << "of the file that did not change";
+}
+
+TEST_F(KeptCharacters, FilesWithSideFilesAreNotKeptHoweverTheirKeysAreWritten) {
+    GlbBuilder character = tiny_character();
+    character.json["buffers"] = {{{"side_uri", "side.bin"}, {"byteLength", character.bin.size()}}};
+    const std::string glb = character.glb();
+    const std::string side(reinterpret_cast<const char*>(character.bin.data()), character.bin.size());
+    std::string wider = side;
+    const float x = -1;  // of the first position, which is 0
+    std::memcpy(wider.data(), &x, sizeof x);
+    // As long as the key in their place, so that the file's lengths stay right
+    for (const char* key : {"\\u0075ri", "u\\u0072i", "ur\\u0069"}) {
+        std::string escaped = glb;
+        const std::string fox = write("fox.glb", escaped.replace(escaped.find("side_uri"), 8, key));
+        write("side.bin", side);
+        const Result<Character> narrow = load_kept_character(fox, {});
+        ASSERT_TRUE(narrow) << narrow.error().text();
+        write("side.bin", wider);
+        const Result<Character> wide = load_kept_character(fox, {});
+        ASSERT_TRUE(wide) << wide.error().text();
+        EXPECT_LT(narrow->size, wide->size) << key;
+    }
+    EXPECT_EQ(kept_count(), 0);
+}
+
+// Some exporters escape all letters that are not ASCII.
+TEST_F(KeptCharacters, EscapesInNamesDoNotPreventIt) {
+    std::string named = with_clip("rotate");
+    const std::string fox = write("fox.glb", named.replace(named.find("rotate"), 6, "\\u00e9"));
+    EXPECT_EQ(load_kept_character(fox, {})->clips.at(0).name, "\u00e9");
+    EXPECT_EQ(kept_count(), 1);
+}
+
+}  // namespace
+}  // namespace throng::tools
