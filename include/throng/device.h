@@ -72,7 +72,8 @@ struct AdoptedDevice {
     std::shared_ptr<JobSystem> jobs{};
     // Families of other queues whose commands use throng's buffers: one that computes, for updates beside the drawing,
     // or one that copies, for Crowd::record_uploads(). Buffers are shared by all of them at once
-    // (VK_SHARING_MODE_CONCURRENT), so none changes owners.
+    // (VK_SHARING_MODE_CONCURRENT), so none changes owners. Crowds of a character share its tables (Crowd::create()):
+    // the first update of a crowd on another queue waits, by a semaphore of yours, for the queue that uploaded them.
     std::vector<uint32_t> more_queue_families{};
 };
 
@@ -84,8 +85,10 @@ class Gpu;  // internal
 
 // A handle; copies share one device, which lives as long as the last copy and the last crowd made with it.
 // Several devices may live side by side. Creation is thread-safe; crowds of one device share its queue, so calls that
-// submit (Crowd::update, read_*, Renderer::render) need the caller's lock when made from several threads. A native
-// device has no queue: its crowds may be updated side by side, each by one thread at a time.
+// use it need the caller's lock when made from several threads: Crowd::update(), read_...(), save_state() and
+// restore_state(); Renderer::prepare(), render(), render_frame() and update(); and Renderer::record() and
+// record_drawing() for crowds with groups that this renderer has neither drawn nor prepared, and after restore_state().
+// A native device has no queue: its crowds may be updated side by side, each by one thread at a time.
 class Device {
 public:
     // All physical devices of this machine, and the native one, which is the last. Errors: kVulkan.

@@ -142,9 +142,10 @@ public:
     // will never be submitted, call Crowd::discard_last_record() for each crowd that record() was given. What was bound
     // for graphics and compute, the index buffer, and the states that the pipelines set dynamically (viewport, scissor,
     // cull mode) are undefined afterwards. After an error no crowd has been updated, except for one whose own record()
-    // failed half-way. Frames may be recorded before the last has finished. For a crowd that this renderer has
-    // neither drawn nor prepared, it uploads textures and waits. The device draws whatever the path, since the crowd is
-    // updated there. Errors: kUnsupported (a native device).
+    // failed half-way. Frames may be recorded before the last has finished. For groups that this renderer has neither
+    // drawn nor prepared it uploads textures, and after Crowd::restore_state() it reads where shaders had moved
+    // instances: then it submits and waits. The device draws whatever the path, since the crowd is updated there.
+    // Errors: kUnsupported (a native device).
     Result<void> record(VkCommandBuffer commands, Crowd& crowd, float time_step_s, const Camera& camera);
     Result<void> record(VkCommandBuffer commands, std::span<Crowd* const> crowds, float time_step_s,
                         const Camera& camera);

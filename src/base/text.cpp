@@ -2,31 +2,63 @@
 
 #include <throng/asset.h>
 
+#include <array>
+#include <bit>
+
 namespace throng {
+namespace {
+
+constexpr uint32_t kNoCharacter = 0xFFFFFFFF;
+
+struct Utf8Character {
+    uint32_t code = kNoCharacter;
+    size_t byte_count = 1;
+};
+
+// The character that the text begins with; kNoCharacter, of one byte, where that is no UTF-8.
+Utf8Character first_of(std::string_view text) {
+    constexpr std::array<uint32_t, 5> kLeast{0, 0, 0x80, 0x800, 0x10000};  // of characters of so many bytes
+    const auto first = static_cast<uint8_t>(text[0]);
+    if (first < 0x80) return {first, 1};
+    const auto byte_count = static_cast<size_t>(std::countl_one(first));
+    if (byte_count < 2 || byte_count > 4 || byte_count > text.size()) return {};
+    uint32_t code = first & (0x7Fu >> byte_count);
+    for (size_t i = 1; i < byte_count; ++i) {
+        const auto next = static_cast<uint8_t>(text[i]);
+        if ((next & 0xC0) != 0x80) return {};
+        code = code << 6 | (next & 0x3Fu);
+    }
+    const bool is_surrogate = code >= 0xD800 && code < 0xE000;
+    return code < kLeast[byte_count] || code > 0x10FFFF || is_surrogate ? Utf8Character{}
+                                                                        : Utf8Character{code, byte_count};
+}
+
+bool is_printable(uint32_t code) {
+    const auto is_within = [code](uint32_t low, uint32_t high) { return code >= low && code <= high; };
+    const bool is_control = code < 0x20 || is_within(0x7F, 0x9F);
+    const bool ends_line = is_within(0x2028, 0x2029);
+    const bool turns_around = is_within(0x202A, 0x202E) || is_within(0x2066, 0x2069);  // the direction of what follows
+    return code != kNoCharacter && !is_control && !ends_line && !turns_around;
+}
+
+}  // namespace
 
 std::string numbered(std::string_view thing, uint32_t index) {
     return index == kNone ? joined(thing, " kNone (of a name that was not found?)") : joined(thing, " ", index);
 }
 
 std::string printable(std::string_view text, size_t limit) {
-    const bool cut = text.size() > limit;
-    if (cut) {
-        text = text.substr(0, limit);
-        // Not in the middle of a character of UTF-8.
-        while (!text.empty() && (uint8_t(text.back()) & 0xC0) == 0x80) text.remove_suffix(1);
-        if (!text.empty() && uint8_t(text.back()) >= 0xC0) text.remove_suffix(1);
-    }
     std::string out;
-    for (size_t i = 0; i < text.size(); ++i) {
-        const auto byte = [&](size_t k) { return i + k < text.size() ? uint8_t(text[i + k]) : uint8_t(0); };
-        const bool c0 = byte(0) < 0x20 || byte(0) == 0x7F;
-        const bool c1 = byte(0) == 0xC2 && byte(1) >= 0x80 && byte(1) < 0xA0;  // U+0080 to U+009F
-        const bool separator = byte(0) == 0xE2 && byte(1) == 0x80 &&
-                               (byte(2) == 0xA8 || byte(2) == 0xA9);  // U+2028, U+2029
-        out.push_back(c0 || c1 || separator ? '?' : text[i]);
-        i += c1 ? 1 : separator ? 2 : 0;
+    for (size_t at = 0; at < text.size();) {
+        const auto [code, byte_count] = first_of(text.substr(at));
+        if (at + byte_count > limit) return out + "...";
+        if (is_printable(code))
+            out += text.substr(at, byte_count);
+        else
+            out += '?';
+        at += byte_count;
     }
-    return cut ? out + "..." : out;
+    return out;
 }
 
 }  // namespace throng

@@ -25,8 +25,9 @@ std::string joined(const Parts&... parts) {
 // "joint 7", for a number that the caller gave; for kNone, which looking up an unknown name returns, it says so.
 std::string numbered(std::string_view thing, uint32_t index);
 
-// `text` from a file, made fit for a message of one line: control characters become '?', and what is longer than
-// `limit` bytes is cut.
+// `text` from a file, made fit for a message of one line: what is no UTF-8 becomes '?', as do control characters, which
+// can rewrite a terminal, and those that turn around the direction of writing. What is longer than `limit` bytes is
+// cut, between two characters.
 std::string printable(std::string_view text, size_t limit = 60);
 
 // By ASCII alone, whatever the application's locale is: in a Turkish one, std::tolower('I') is no 'i'.

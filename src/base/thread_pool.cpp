@@ -3,7 +3,7 @@
 #include "base/processor.h"
 
 #include <algorithm>
-#include <system_error>
+#include <exception>
 
 namespace throng {
 
@@ -11,8 +11,8 @@ ThreadPool::ThreadPool(uint32_t concurrency) {
     if (concurrency == 0) concurrency = processor_threads();
     try {
         for (uint32_t i = 1; i < concurrency; ++i) threads_.emplace_back([this] { work(); });
-    } catch (const std::system_error&) {
-        // The machine allows no more threads: the existing ones do the work
+    } catch (const std::exception&) {
+        // There is no room for more threads, or no memory: the existing ones do the work
     }
 }
 
@@ -27,19 +27,19 @@ ThreadPool::~ThreadPool() {
 
 void ThreadPool::run(uint32_t count, void (*job)(void* context, uint32_t index), void* context) {
     const Loop loop{count, job, context};
-    const std::unique_lock caller(callers_, std::try_to_lock);
-    if (!caller || threads_.empty()) {
-        for (uint32_t i = 0; i < count; ++i) job(context, i);
-        return;
-    }
+    std::unique_lock caller(callers_, std::defer_lock);
+    uint32_t first = 0;
+    // Looks before each job, so that another caller's short loop does not cost this one all threads
+    while (first < count && (threads_.empty() || !caller.try_lock())) job(context, first++);
+    if (first == count) return;
     {
         const std::lock_guard lock(mutex_);
-        next_ = 0;
+        next_ = first;
         loop_ = loop;
         ++loop_number_;
         is_open_ = true;
     }
-    for (size_t i = std::min<size_t>(count > 0 ? count - 1 : 0, threads_.size()); i > 0; --i) begun_.notify_one();
+    for (size_t i = std::min<size_t>(count - first - 1, threads_.size()); i > 0; --i) begun_.notify_one();
     take_part(loop);
     std::unique_lock lock(mutex_);
     // Threads that the system has not woken by now are not waited for

@@ -14,8 +14,8 @@
 
 namespace throng {
 
-// The calling thread takes part. A call that finds the threads busy with another one runs on its own thread alone: many
-// small crowds on many threads do not wait for each other.
+// The calling thread takes part. A call that finds the threads busy with another one runs on its own thread alone until
+// they are free: many small crowds on many threads do not wait for each other.
 class ThreadPool : public JobSystem {
 public:
     // `concurrency` threads in all, the calling one included; 0: as many as the processor runs side by side.

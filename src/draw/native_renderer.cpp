@@ -73,8 +73,8 @@ void NativeRenderer::prepare(Crowds crowds) {
 
 RenderResult NativeRenderer::render(Crowds crowds, const Camera& camera) {
     accept(crowds);
-    const std::vector<NativeGroups> kept = kept_of(crowds);
     if (!gpu->is_native()) gpu->wait_idle();  // what was submitted may write what is read now
+    const std::vector<NativeGroups> kept = kept_of(crowds);
     const auto [width, height] = extent();
     RenderResult result{
         .picture = {width, height, std::vector<uint8_t>(size_t{4} * width * height)}, .draw_ms = 0, .warnings = {}};
@@ -90,7 +90,8 @@ RenderResult NativeRenderer::render(Crowds crowds, const Camera& camera) {
 
 RenderResult NativeRenderer::render_frame(Crowds crowds, float time_step_s, const Camera& camera) {
     accept(crowds);
-    make_view(camera, 1);  // refuses an invalid camera before time advances
+    make_view(camera, 1);                     // refuses an invalid camera before time advances
+    if (!gpu->is_native()) gpu->wait_idle();  // what was submitted may write the meshes that are read now
     kept_of(crowds);
     update(crowds, time_step_s, camera);
     return render(crowds, camera);

@@ -73,7 +73,7 @@ inline uint atomicExchange(uint& word, uint by) {
     return std::atomic_ref(word).exchange(by, std::memory_order_relaxed);
 }
 inline void atomicMax(uint& word, uint at_least) {
-    uint known = word;
+    uint known = std::atomic_ref(word).load(std::memory_order_relaxed);
     while (known < at_least &&
            !std::atomic_ref(word).compare_exchange_weak(known, at_least, std::memory_order_relaxed)) {}
 }

@@ -67,11 +67,10 @@ std::array<uint32_t, 2> packed(const std::array<int64_t, 4>& words) {
 
 class GpuRowMaker {
 public:
-    GpuRowMaker(const Character& character, std::span<const RowJoint> joints)
-        : character_(character), joints_(joints), values_(character, true, row_cursors(character, joints)) {}
+    GpuRowMaker(const Character& character, std::span<const RowJoint> joints, std::vector<ClipRowCursors> cursors)
+        : character_(character), joints_(joints), values_(character, true, std::move(cursors)) {}
 
     std::optional<GpuRows> make(uint64_t most_bytes) {
-        if (uint64_t{values_.row_count()} * joints_.size() * sizeof out_.rows[0] > most_bytes) return std::nullopt;
         measure();
         if (uint64_t{values_.row_count()} * out_.column_count * sizeof out_.rows[0] > most_bytes) return std::nullopt;
         out_.rows.resize(values_.row_count() * out_.column_count);
@@ -211,7 +210,11 @@ private:
 
 std::optional<GpuRows> make_gpu_rows(const Character& character, std::span<const native::RowJoint> joints,
                                      uint64_t most_bytes) {
-    return GpuRowMaker(character, joints).make(most_bytes);
+    const uint64_t row_bytes = joints.size() * sizeof(GpuRows::rows[0]);  // of rotations alone
+    std::optional<std::vector<ClipRowCursors>> cursors = row_cursors(character, joints,
+                                                                     most_bytes / std::max<uint64_t>(row_bytes, 1));
+    if (!cursors) return std::nullopt;
+    return GpuRowMaker(character, joints, *std::move(cursors)).make(most_bytes);
 }
 
 }  // namespace throng

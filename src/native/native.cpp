@@ -1,5 +1,6 @@
 #include "native/native.h"
 
+#include "base/default_floats.h"
 #include "bind/skin_format.h"
 #include "native/kernels.h"
 
@@ -65,6 +66,7 @@ std::byte* scratch(size_t size) {
 template <class Run>
 void for_instances(const NativeRig& rig, const NativeUpdate& update, uint32_t first, uint32_t end,
                    const native::Kernel& kernel, const Run& run_kernel) {
+    const DefaultFloats floats;  // also outside of jobs: joint samplers, and poses that are made with a crowd
     const native::KernelRig& of = rig.kernel();
     native::KernelUpdate buffers{.cursors = update.cursors,
                                  .active_clips = update.active_clips,

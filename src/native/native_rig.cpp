@@ -32,6 +32,7 @@ NativeRig::NativeRig(const Character& character, const NativeRigSettings& settin
                                            .palette = palette,
                                            .keeps_model = settings.keeps_model && !settings.sockets_only,
                                            .sockets = settings.sockets});
+    native::check_key_rows(character, walk.joints.size());
     // Poses from outside may have any scale
     const native::RowSpaces spaces(character, settings.all_move);
     const bool uniform_scale = spaces.uniform_scale;

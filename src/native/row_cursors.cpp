@@ -12,8 +12,10 @@ constexpr uint32_t kMostPieces = 256;
 
 // How the joints go from one row of keys to the next.
 struct Interval {
-    double pieces = 1;     // into which the longest arc must be cut
+    double pieces = 1;     // into which the longest arc must be cut; whole
     bool is_left = false;  // a track steps: it does not end where the next interval begins
+
+    uint32_t row_count() const { return static_cast<uint32_t>(pieces) + (is_left ? 1 : 0); }
 };
 
 bool differ(TrackTarget target, const TrackValue& a, const TrackValue& b) {
@@ -56,16 +58,21 @@ std::vector<Interval> intervals_of(const Character& character, size_t clip, std:
 
 }  // namespace
 
-std::vector<ClipRowCursors> row_cursors(const Character& character, std::span<const RowJoint> joints) {
+std::optional<std::vector<ClipRowCursors>> row_cursors(const Character& character, std::span<const RowJoint> joints,
+                                                       uint64_t most_rows) {
     std::vector<ClipRowCursors> cursors;
+    uint64_t row_count = 1;  // of the rest pose
     for (size_t clip = 0; clip < character.clips.size(); ++clip) {
+        const std::vector<Interval> intervals = intervals_of(character, clip, joints);
+        for (const Interval& interval : intervals) row_count += interval.row_count();
+        ++row_count;  // that of the last key
+        if (row_count > most_rows) return std::nullopt;
         ClipRowCursors& of = cursors.emplace_back();
         uint32_t key = 0;
-        for (const Interval& interval : intervals_of(character, clip, joints)) {
-            const auto pieces = static_cast<uint32_t>(interval.pieces);
-            of.spans.push_back({static_cast<uint32_t>(of.rows.size()), static_cast<float>(pieces)});
-            for (uint32_t piece = 0; piece < pieces + (interval.is_left ? 1 : 0); ++piece)
-                of.rows.push_back({key, key + 1, static_cast<double>(piece) / pieces});
+        for (const Interval& interval : intervals) {
+            of.spans.push_back({static_cast<uint32_t>(of.rows.size()), static_cast<float>(interval.pieces)});
+            for (uint32_t piece = 0; piece < interval.row_count(); ++piece)
+                of.rows.push_back({key, key + 1, static_cast<double>(piece) / interval.pieces});
             ++key;
         }
         of.spans.push_back({static_cast<uint32_t>(of.rows.size()), 1});

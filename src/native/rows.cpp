@@ -14,6 +14,25 @@ constexpr double kStill = 1e-7;          // parts of the character's size below 
 constexpr double kFineError = 2e-6;      // and above which a joint's words are floats
 constexpr double kPart = 1 / kMostWord;  // a fraction between two rows is off by half of it
 
+constexpr size_t kLimit_bytes = size_t{1} << 30;  // of rows
+
+[[noreturn]] void refuse_rows(const Character& character) {
+    throw Failure(ErrorCode::kLimit, character.name + ": native update",
+                  "more than " + std::to_string(kLimit_bytes >> 20) +
+                      " MiB of rows of its clips: UpdatePath::kStaged does without");
+}
+
+// How many rows the rotations of so many joints leave room for.
+uint64_t row_limit(size_t joint_count) {
+    return kLimit_bytes / (std::max(Rows::rounded_up(joint_count), kBlockJoints) * 4 * sizeof(int16_t));
+}
+
+std::vector<ClipRowCursors> checked_cursors(const Character& character, std::span<const RowJoint> joints) {
+    std::optional<std::vector<ClipRowCursors>> cursors = row_cursors(character, joints, row_limit(joints.size()));
+    if (!cursors) refuse_rows(character);
+    return *std::move(cursors);
+}
+
 // The largest error of any of these components.
 double error_of(const RowRange& range, size_t first, size_t end) {
     double error = 0;
@@ -28,9 +47,8 @@ public:
         : character_(character),
           joints_(joints),
           settings_(settings),
-          values_(character, settings.uniform_scale, row_cursors(character, joints)) {
+          values_(character, settings.uniform_scale, checked_cursors(character, joints)) {
         rows_.row_count = values_.row_count();
-        check_size(rows_.row_count * Rows::rounded_up(joints.size()) * 4 * sizeof(int16_t));  // of rotations alone
     }
 
     Rows make() {
@@ -48,14 +66,6 @@ public:
     }
 
 private:
-    void check_size(size_t size_bytes) const {
-        constexpr size_t kLimit_bytes = size_t{1} << 30;
-        if (size_bytes > kLimit_bytes)
-            throw Failure(ErrorCode::kLimit, character_.name + ": native update",
-                          "more than " + std::to_string(kLimit_bytes >> 20) +
-                              " MiB of rows of its clips: UpdatePath::kStaged does without");
-    }
-
     void add_clips() {
         size_t span_count = 0;
         for (const ClipRowCursors& clip : values_.cursors()) span_count += clip.spans.size();
@@ -133,7 +143,7 @@ private:
                 at[4 * kBlockJoints] = static_cast<float>(ranges_[place].half[c] / kMostWord / kMostWord);
             }
         const size_t size = rows_.row_bytes * rows_.row_count;
-        check_size(size);
+        if (size > kLimit_bytes) refuse_rows(character_);
         rows_.bytes = aligned_bytes(size);
         std::memset(rows_.bytes.get(), 0, size);
         // Places without a joint turn nothing: words of 0 are the middle
@@ -177,6 +187,12 @@ private:
 uint64_t Rows::size_bytes() const {
     return row_bytes * row_count + spans.size() * sizeof(RowSpan) + clips.size() * sizeof(RowClip) +
            blocks.size() * (sizeof(RowBlock) + 8 * kBlockJoints * sizeof(float));
+}
+
+void check_key_rows(const Character& character, size_t joint_count) {
+    uint64_t row_count = 1;  // of the rest pose
+    for (const Clip& clip : character.clips) row_count += clip.row_count;
+    if (row_count > row_limit(joint_count)) refuse_rows(character);
 }
 
 Rows make_rows(const Character& character, std::span<const RowJoint> joints, const RowSettings& settings) {

@@ -1,4 +1,5 @@
 // The pipeline in double precision for a character with a controller: control, sample, blend, scan, bind.
+#include "base/default_floats.h"
 #include "base/failure.h"
 #include "blend/blend_reference.h"
 #include "blend/inertia_reference.h"
@@ -224,6 +225,7 @@ AffineT<double> ReferenceCharacter::placement() const { return state_->placement
 
 Result<void> ReferenceCharacter::update(float time_step_s) {
     return as_result([&] {
+        const DefaultFloats floats;  // crowds compute states in it too
         if (!std::isfinite(time_step_s)) throw Failure(ErrorCode::kInvalidArgument, "time step", "must be finite");
         state_->last = state_->controller.update(time_step_s);
         if (state_->is_inertial) state_->show(state_->mix(), std::max(time_step_s, 0.0f));

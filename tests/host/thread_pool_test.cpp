@@ -6,6 +6,8 @@
 
 #include <array>
 #include <cfenv>
+#include <chrono>
+#include <latch>
 #include <set>
 
 namespace throng {
@@ -77,6 +79,33 @@ TEST(ThreadPool, HasAsManyThreadsAsTheProcessMayUse) {
         threads = ThreadPool(0).concurrency();
     }).join();
     EXPECT_EQ(threads, 1u);
+}
+
+TEST(ThreadPool, TakesItsThreadsWhenAnotherCallerIsDone) {
+    ThreadPool pool(2);
+    std::latch begun(1), may_end(1);
+    std::thread other([&] {
+        for_each_job(pool, 2, [&](uint32_t i) {
+            if (i == 0) begun.count_down();
+            may_end.wait();
+        });
+    });
+    begun.wait();
+    std::mutex mutex;
+    std::set<std::thread::id> ids;
+    std::condition_variable both_there;
+    for_each_job(pool, 3, [&](uint32_t i) {
+        if (i == 0) {  // the pool's threads are the other caller's now, and no more when this returns
+            may_end.count_down();
+            other.join();
+            return;
+        }
+        std::unique_lock lock(mutex);
+        ids.insert(std::this_thread::get_id());
+        both_there.notify_all();
+        both_there.wait_for(lock, std::chrono::seconds(20), [&] { return ids.size() == 2; });  // or the test fails
+    });
+    EXPECT_EQ(ids.size(), 2u);
 }
 
 TEST(ThreadPool, ServesCallersOnManyThreads) {
