@@ -257,8 +257,10 @@ TEST_F(GroupChanges, BetweenUpdatesThatAreUnderWay) {
     Crowd other = playing();
     recorder.submit(recorder.record([&](VkCommandBuffer commands) { ASSERT_TRUE(other.record_uploads(commands)); }));
     ASSERT_TRUE(crowd.add_groups(std::move(other)));
-    EXPECT_EQ(refusal(crowd.discard_last_record()),
-              "discard: there is no record() to discard, or it has been discarded, or an update() has run since");
+    EXPECT_EQ(
+        refusal(crowd.discard_last_record()),
+        "discard: there is no record() to discard, or it has been discarded, or an update() has run or groups have "
+        "changed since");
     record(crowd);
     ASSERT_TRUE(crowd.discard_last_record());
     recorded.pop_back();

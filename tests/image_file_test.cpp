@@ -214,7 +214,10 @@ TEST(ImageFile, AJpegHasAtMostOneHundredScans) {
     EXPECT_EQ(grey.width, 8u);
     ASSERT_EQ(grey.rgba.size(), 8u * 8 * 4);
     EXPECT_EQ(grey.rgba[0], 128);
-    expect_refused(jpeg_of(101), "cannot be decoded: a JPEG file of 101 scans, more than the limit of 100");
+    AssetImage many = jpeg_of(101);
+    expect_refused(many, "cannot be decoded: a JPEG file of 101 scans, more than the limit of 100");
+    many.encoded.insert(many.encoded.begin(), many.encoded.front());  // as a byte that fills up to a marker
+    expect_refused(many, "cannot be decoded: a JPEG file of 101 scans");
 }
 
 }  // namespace

@@ -395,8 +395,9 @@ TEST(RootMotionOfClips, AFileKeepsIt) {
 // A crowd of walkers with a layer to play on, and what the reference makes of each.
 class Walking {
 public:
-    Walking(const Character& character, uint32_t count, bool moves_placements, UpdatePath path = UpdatePath::kAuto)
-        : controller_(direct_layers(1)),
+    Walking(const Character& character, uint32_t count, bool moves_placements, UpdatePath path = UpdatePath::kAuto,
+            Controller controller = direct_layers(1))
+        : controller_(std::move(controller)),
           crowd_(create({.groups = {{.character = &character,
                                      .instance_count = count,
                                      .controller = &controller_,
@@ -510,6 +511,21 @@ TEST(RootMotionOnTheGpu, PlacementsFollowTheClips) {
             walking.steps(200, 1);
             EXPECT_GT(walking.distance_m(0), 10);
         }
+}
+
+TEST(RootMotionOnTheGpu, AStateThatPlaysNothingStands) {
+    const Character character = walkers(0);
+    Controller controller{.name = "stop and go"};
+    controller.layers = {{.name = "body",
+                          .states = {{.name = "stand"}, {.name = "stroll", .points = {{"stroll"}}}},
+                          .transitions = {{.from = "stand", .to = "stroll", .fade_s = 0.5f},
+                                          {.from = "stroll", .to = "stand", .exit = 0.5f, .fade_s = 0.5f}}}};
+    for (const UpdatePath path : {UpdatePath::kAuto, UpdatePath::kStaged}) {
+        Walking walking(character, 2, true, path, controller);
+        walking.stand(1, kSomewhere);
+        walking.steps(200, 9);
+        EXPECT_GT(walking.distance_m(0), 2);
+    }
 }
 
 // Each step is rounded to what a float holds at such a distance: by itself fifteen times the bound.

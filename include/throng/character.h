@@ -34,7 +34,7 @@ struct Rig {
 // Where a joint's three tracks lie in Character::keys. Each word is a position in float4s, in a character of exact keys
 // together with flags. kTrackAnimated: the key of row r is at position + r * Clip::row_stride; without it, the only
 // value is at the position. kTrackStep: the value of the earlier row holds until the next one. In a packed character
-// each word is the position of a PackedTrack, without flags.
+// each word is the position of a PackedTrack, without flags. Animated tracks of a clip share no keys, nor bits.
 struct JointTracks {
     uint32_t rotation = 0, translation = 0, scale = 0, unused = 0;
 };

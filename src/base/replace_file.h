@@ -89,7 +89,11 @@ inline int take_free_name(const char* unfinished, const char* name) {
     const int created = ::open(name, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
     if (created < 0) return -1;
     ::close(created);
-    return ::rename(unfinished, name);
+    if (::rename(unfinished, name) == 0) return 0;
+    const int reason = errno;
+    ::unlink(name);
+    errno = reason;
+    return -1;
 }
 
 // The same, but a file that is there already stays: of several calls at once, one creates it. On file systems without

@@ -67,6 +67,8 @@ void mix_edge(INOUT(ClipMix) clip_mix, ControlState state, float x, float y) {
     } while (++k < state.edge_count);
 }
 
+bool plays_nothing(ControlState state) { return load_point(state.first_point).clip == layout_of_group.clip_count; }
+
 ClipMix mix_of_state(ControlState state) {
     ClipMix clip_mix = {uvec3(0), vec3(1, 0, 0), 0, state.loop, state.sync, state.speed < 0, false};
     if (state.y_parameter != kNone) {
@@ -83,7 +85,7 @@ ClipMix mix_of_state(ControlState state) {
     rate = product(rate, state.speed);
     if (state.speed_parameter != kNone) rate = product(rate, parameter_at(state.speed_parameter));
     clip_mix.rate = rate;
-    clip_mix.is_empty = clip_mix.clips.x == layout_of_group.clip_count;
+    clip_mix.is_empty = plays_nothing(state);
     if (clip_mix.is_empty) clip_mix.weights.x = 0;
     return clip_mix;
 }

@@ -52,8 +52,7 @@ float shown_part(LayerState state, ControlLayer layer, vec3 weights) {
     uint k = 0;
     do {
         if (k >= state.play_count) break;
-        const ControlState played = load_state(layer.first_state + state.plays[k].motion);
-        if (load_point(played.first_point).clip == layout_of_group.clip_count)
+        if (plays_nothing(load_state(layer.first_state + state.plays[k].motion)))
             shows_all = false;
         else
             shown = sum(shown, weights[k]);
@@ -61,7 +60,8 @@ float shown_part(LayerState state, ControlLayer layer, vec3 weights) {
     return shows_all ? 1 : max(shown, 1e-30f);
 }
 
-// Adds the clips of a play that have weight. `shown`: the part of the layer in which its plays' weights sum to 1.
+// Adds the clips of a play that have weight. `play_weight` is its part of what the layer shows; times `shown`, it is
+// its part of the whole layer, by which clips move the character.
 void add_clips(ClipMix clip_mix, PhaseStep phase_step, float play_weight, float shown, bool moves) {
     uint point = 0;
     do {
@@ -84,13 +84,9 @@ struct Leading {
 // all of them show. Plays in step with the leading one advance at a common rate; if there can be any, a first round
 // through all plays only adds up that rate. All variables are initialized, and no `continue` is used: either would make
 // AMD's compiler hold values in registers throughout the loop around this (docs/performance.md).
-void show_plays(uint at, uint index, LayerState state, ControlLayer layer, vec3 weights, float layer_weight) {
+void show_plays(uint at, uint index, LayerState state, ControlLayer layer, vec3 weights, float layer_weight,
+                float shown) {
     Leading leading = {kNone, 0, 0, 0, {0, 0, 0, false, 0}};
-    float shown = 1, inverse_shown = 1;
-    if (layer.has_empty_states != 0) {
-        shown = shown_part(state, layer, weights);
-        inverse_shown = 1 / shown;
-    }
     float common_rate = 0;
     bool finds_rate = state.play_count > 1, has_begun = false;
     uint k = 0;
@@ -127,7 +123,7 @@ void show_plays(uint at, uint index, LayerState state, ControlLayer layer, vec3 
             if (layer_weight > 0 && weights[k] > 0) {
                 if (!has_begun && !clip_mix.is_empty) begin_layer(state, layer, product(layer_weight, shown));
                 has_begun = has_begun || !clip_mix.is_empty;
-                add_clips(clip_mix, phase_step, product(weights[k], inverse_shown), shown, index == 0);
+                add_clips(clip_mix, phase_step, weights[k] / shown, shown, index == 0);
             }
             if (layer_weight > 0 && k == 0) emit_events(heaviest(clip_mix), phase_step, index);
             ++k;
@@ -148,7 +144,10 @@ void update_layer(uint index) {
     note_inertial_play(state, layer_weight);
     advance_fades(state, push.time_step_s);
     store_layer_state(at, state);
-    show_plays(at, index, state, layer, weights_of_plays(state), layer_weight);
+    const vec3 weights = weights_of_plays(state);
+    float shown = 1;
+    if (layer.has_empty_states != 0) shown = shown_part(state, layer, weights);
+    show_plays(at, index, state, layer, weights, layer_weight, shown);
 }
 
 // Resets the triggers that transitions taken in this update tested.

@@ -41,7 +41,9 @@ void require_name(std::string_view name, const std::string& place) {
 void require_printable_name(std::string_view name, const std::string& place) {
     require_name(name, place);
     if (printable(name, kNameLimit) != name)
-        refuse(place, "a name must not have line breaks, other control characters, or bytes that are no UTF-8");
+        refuse(place,
+               "a name must not have line breaks, other control characters, marks that turn the direction of writing, "
+               "or bytes that are no UTF-8");
 }
 
 void add_unique(KnownNames& names, std::string_view name, const std::string& place) {

@@ -79,7 +79,7 @@ ControllerStage::ControllerStage(const StageContext& context)
 void ControllerStage::add(uint32_t batch, const io::ControlCommand& command) {
     ServedBatch& served = served_[served_of_batch_[batch]];
     if (!served.uploaded) make_uploads(served);  // here, since it may fail: an update that has begun may not
-    // So that what is kept stays in proportion to who is there, and each command is looked at only a few times
+    // So that of each number only what its last instance was told is kept, and each command is looked at a few times
     constexpr size_t kWorthIt = 1024;
     if (command.kind == io::kCommandBegin && served.pending.size() >= std::max(kWorthIt, 2 * served.kept_count))
         drop_superseded(served);

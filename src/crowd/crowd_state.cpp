@@ -203,7 +203,10 @@ void CrowdState::check_last_has_run(const char* what) const {
     gpu->wait_idle();
     if (!recorded_.has_last_run())
         throw Failure(ErrorCode::kInvalidArgument, what,
-                      "the commands of the last record() have not run: submit them, or call discard_last_record()");
+                      can_discard_
+                          ? "the commands of the last record() have not run: submit them, or call discard_last_record()"
+                          : "the commands of the last record() have not run: submit them, or record and submit an "
+                            "update after it");
 }
 
 void CrowdState::record(VkCommandBuffer commands, float time_step_s, const CrowdView* view) {
@@ -278,11 +281,13 @@ void CrowdState::discard_last_record() {
         throw Failure(ErrorCode::kInvalidArgument, "discard",
                       "the last record() failed on its way: restore a saved state instead");
     if (!can_discard_)
-        throw Failure(ErrorCode::kInvalidArgument, "discard",
-                      "there is no record() to discard, or it has been discarded, or an update() has run since");
+        throw Failure(
+            ErrorCode::kInvalidArgument, "discard",
+            "there is no record() to discard, or it has been discarded, or an update() has run or groups have "
+            "changed since");
     if (recorded_.has_last_run())
         throw Failure(ErrorCode::kInvalidArgument, "discard", "the commands of the last record() have run");
-    can_discard_ = may_be_pending_ = false;
+    can_discard_ = false;  // the one before it may be pending still
     recorded_.discard();
     has_updated_ = had_updated_;
     was_native_ = had_native_;

@@ -232,7 +232,7 @@ private:
     bool awaits_commands_ =
         false;                  // the last update was recorded into commands, which may have run or been dropped since
     bool can_discard_ = false;  // the last record() has not been discarded, and groups have not changed since
-    bool may_be_pending_ = false;    // the commands of the last record() have not been discarded, and may not have run
+    bool may_be_pending_ = false;    // commands of a record() that has not been discarded may not have run
     bool is_half_recorded_ = false;  // the last record() failed on its way
     float full_rate_factor_ = 1;     // the budget's factor on CrowdView::full_rate_pixels
     std::vector<Watched> watched_;

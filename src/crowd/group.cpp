@@ -49,7 +49,7 @@ std::vector<io::vec4> readable_root_rows(const Character& character) {
     return rows;
 }
 
-// With the zero that ends each, so that no other names give the same bytes.
+// With the zero that ends each name; how many there are of each is compared beside it.
 uint64_t checksum_of_names(const Character& character) {
     uint64_t checksum = 0;
     const auto add = [&](const std::string& name) {

@@ -75,8 +75,6 @@ bool is_png(std::span<const uint8_t> bytes) {
     return bytes.size() >= 4 && std::memcmp(bytes.data(), "\x89PNG", 4) == 0;
 }
 
-bool is_jpeg(std::span<const uint8_t> bytes) { return bytes.size() >= 2 && bytes[0] == 0xFF && bytes[1] == 0xD8; }
-
 // The size of the largest block of memory that a PNG file can need: its packed data, gathered in blocks that double;
 // or its rows, each with a byte for its filter, of up to four channels of 16 bits. Interlaced files have more rows, for
 // which the block doubles once.
@@ -140,7 +138,7 @@ Picture ImageFile::decode() const {
             throw undecodable(place_, "a damaged WebP file");
         return picture;
     }
-    if (const size_t scans = is_jpeg(bytes_) ? scan_count(bytes_) : 0; scans > kScanLimit)
+    if (const size_t scans = is_png(bytes_) ? 0 : scan_count(bytes_); scans > kScanLimit)
         throw undecodable(place_, "a JPEG file of ", scans, " scans, more than the limit of ", kScanLimit,
                           "; save it again, not progressive");
     const StbLimit limit(is_png(bytes_) ? largest_of_png_bytes(bytes_.size(), width_, height_) : kUnlimited_bytes);

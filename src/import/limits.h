@@ -20,6 +20,8 @@ inline constexpr uint64_t kFileLimitBytes = uint64_t(2) << 30;  // a file, and a
 // the size of the file and its side files, whichever is more. Twelve, because JSON takes up to that many times its
 // text.
 inline constexpr uint64_t kMemoryLimitBytes = uint64_t(384) << 20, kMemoryOfFile = 12;
+// What the meshes may take once compiled: as much as the content, and at least so much.
+inline constexpr uint64_t kCompiledFloor_bytes = uint64_t(1) << 30;
 // All that is ever decoded, also what is given back, may be this many times that: decoding takes time, and a file can
 // name the same data again and again.
 inline constexpr uint64_t kDecodedOfMemory = 16;
@@ -57,13 +59,15 @@ public:
         const bool too_large = element_bytes > 0 && count > limit_bytes_ / element_bytes;
         charge(too_large ? limit_bytes_ + 1 : count * element_bytes, place);
     }
-    // The compiled meshes are as limited as what was read, but apart from that: nodes that show the same mesh again and
-    // again cost a file next to nothing.
+    // The compiled meshes have a limit of their own: nodes that show the same mesh again and again cost a file next to
+    // nothing, and honest files do so a thousand times.
     void require_room_for_compiled(uint64_t size_bytes) const {
-        if (size_bytes > limit_bytes_)
+        const uint64_t limit_bytes = std::max(kCompiledFloor_bytes, limit_bytes_);
+        if (size_bytes > limit_bytes)
             throw Failure(ErrorCode::kLimit, "meshes", "they take ", size_bytes >> 20,
                           " MiB once compiled, each counted for every node that shows it; the limit is ",
-                          limit_bytes_ >> 20, " MiB (384, or ", kMemoryOfFile, " times the size of the file)");
+                          limit_bytes >> 20, " MiB (", kCompiledFloor_bytes >> 20, ", or ", kMemoryOfFile,
+                          " times the size of the file): show fewer of them, or simpler ones");
     }
 
     // Polls; to be called at each step of a loop over decoded data.

@@ -59,7 +59,7 @@ struct RowSettings {
     bool all_move = false;       // as if no joint stood still
 };
 // Throws kLimit where the clips have more rows of keys than make_rows() may make for so many joints; it never makes
-// fewer. To be called before anything looks at every row: in a small crafted file all may be the same one.
+// fewer. To be called before anything looks at every row: in a character made by hand all may be the same one.
 void check_key_rows(const Character& character, size_t joint_count);
 // Makes rows of the joints given, in their order. Throws kLimit.
 Rows make_rows(const Character& character, std::span<const RowJoint> joints, const RowSettings& settings);

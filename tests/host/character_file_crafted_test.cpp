@@ -394,6 +394,8 @@ TEST(CharacterFile, CraftedContentIsRefused) {
                  "morph tracks[0]"},
                 {"the largest stride of weights",
                  [](Forged& f) { f.at<ClipRecord>(S::kClips).morph_row_stride = kAllOnes; }, "morph tracks["},
+                {"weights that tracks share", [](Forged& f) { f.at<ClipRecord>(S::kClips).morph_row_stride = 0; },
+                 "share weights"},
                 {"rows of weights of another clip",
                  [](Forged& f) { f.at<ClipRecord>(S::kClips, 1).first_morph_time = kAllOnes; }, "clips[1]"},
                 {"one row of weights more", [](Forged& f) { f.at<ClipRecord>(S::kClips, 1).morph_row_count += 1; },

@@ -1,4 +1,4 @@
-// How an application's thread rounds, and which floating-point exceptions it traps, changes no result.
+// How an application's thread rounds, and which floating-point exceptions it traps, changes no sample and no update.
 #include "tests/host/native_cases.h"
 
 #include <throng/joint_sampler.h>

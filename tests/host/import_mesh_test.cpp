@@ -365,7 +365,7 @@ TEST(Import, MeshesCountForEachNodeThatShowsThem) {
     primitive(b).erase("indices");
     b.json.erase("scenes");
     b.json.erase("scene");
-    for (uint64_t shown_bytes = kVertices * 60; shown_bytes + kVertices * 60 < gltf::kMemoryLimitBytes;
+    for (uint64_t shown_bytes = kVertices * 60; shown_bytes + kVertices * 60 < gltf::kCompiledFloor_bytes;
          shown_bytes += kVertices * 60)
         b.json["nodes"].push_back({{"mesh", 0}});
     EXPECT_EQ(loaded(b).mesh_instances.size(), b.json["nodes"].size() - 2);
@@ -375,10 +375,10 @@ TEST(Import, MeshesCountForEachNodeThatShowsThem) {
     b = tiny_character();
     b.json["nodes"][0]["name"] = std::string(size_t{1} << 20, 'n');
     const GltfJson one = primitive(b);
-    for (int i = 1; i < 383; ++i) b.json["meshes"][0]["primitives"].push_back(one);
-    EXPECT_EQ(loaded(b).meshes[0].primitives.size(), 383u);
+    for (int i = 1; i < 1023; ++i) b.json["meshes"][0]["primitives"].push_back(one);
+    EXPECT_EQ(loaded(b).meshes[0].primitives.size(), 1023u);
     for (int i = 0; i < 2; ++i) b.json["meshes"][0]["primitives"].push_back(one);
-    expect_refused(load(b), ErrorCode::kLimit, "meshes", "they take 385 MiB once compiled");
+    expect_refused(load(b), ErrorCode::kLimit, "meshes", "they take 1025 MiB once compiled");
 }
 
 }  // namespace

@@ -52,7 +52,7 @@ Character swinging(uint32_t row_count, uint32_t row_stride) {
     return character;
 }
 
-// A small file can say that each of billions of rows is the same one: none is looked at.
+// A character made by hand can say that each of billions of rows is the same one: none is looked at.
 TEST(NativeRows, AreRefusedWhereThereAreTooManyRowsOfKeys) {
     Character character = swinging(4'000'000'000, 0);
     for (JointTracks& tracks : character.tracks) tracks.scale |= kTrackAnimated;

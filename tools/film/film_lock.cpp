@@ -53,7 +53,7 @@ void FilmLock::write(const std::string& text) const {
 
 FilmLock::~FilmLock() {
     if (file_ < 0) return;
-    // Only others that share the lock prevent this; the last of them removes the file
+    // Others that share the lock prevent this, and one that waits may take it meanwhile: the last one removes the file
     const bool is_shared = ::flock(file_, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK;
     if (!is_shared) ::unlink(path_.c_str());
     ::close(file_);

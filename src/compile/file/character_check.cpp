@@ -380,6 +380,7 @@ private:
 
     void check_morph_tracks() const {
         check_count("morph tracks", c_.morph_tracks.size(), c_.clips.size() * uint64_t{c_.morphs.size()});
+        std::vector<uint64_t> in_row(c_.clips.size());  // weights
         for (size_t i = 0; i < c_.morph_tracks.size(); ++i) {
             const uint32_t word = c_.morph_tracks[i];
             if (word == kNone) continue;
@@ -389,7 +390,12 @@ private:
             const uint64_t last = last_key(word, clip.morph_row_count, clip.morph_row_stride);
             if (last >= c_.morph_values.size())
                 fail(at("morph tracks", i), "has a weight at ", last, " of ", c_.morph_values.size());
+            in_row[i / c_.morphs.size()] += (word & kTrackAnimated) != 0;
         }
+        for (size_t clip = 0; clip < c_.clips.size(); ++clip)
+            if (in_row[clip] > c_.clips[clip].morph_row_stride)  // as for joints
+                fail(at("clips", clip), "its tracks share weights of morphs: they have ", in_row[clip],
+                     " a row, and its rows lie ", c_.clips[clip].morph_row_stride, " apart");
         check_finite("morph values", c_.morph_values);
     }
 
@@ -412,7 +418,10 @@ private:
     void check_text() const {
         file::visit_strings(c_, [&](const std::string& string) {
             if (printable(string, std::string::npos) != string)
-                fail("text", "'", printable(string), "' has control characters in it, or is no UTF-8");
+                fail("text", "'", printable(string),
+                     "' has control characters or marks that turn the direction of writing in it, or is no UTF-8; "
+                     "compile "
+                     "it anew");
         });
     }
 

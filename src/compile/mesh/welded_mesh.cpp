@@ -56,10 +56,15 @@ Axis widest_axis(std::span<const uint32_t> vertices, std::span<const std::vector
     return widest;
 }
 
+// A file can let any number of vertices part from one place, and lie together again along the axis that is looked at.
+// Those that have been compared so often without success begin a point of their own; nothing is wrong but that the mesh
+// does not hold together there.
+constexpr uint32_t kMostCompared = 256;
+
 // Sets the first vertex of each one's point, for vertices that lie at one place at rest, in ascending order. Those that
-// begin a point are kept sorted along an axis, since a file can let any number of them part from one place.
+// begin a point are kept sorted along an axis, so that only near ones are compared. `steps` counts comparisons.
 void find_firsts(std::span<const uint32_t> vertices, std::span<const std::vector<Vec3<float>>> positions, float close,
-                 const Progress& progress, std::vector<uint32_t>& first_of) {
+                 const Progress& progress, uint64_t& steps, std::vector<uint32_t>& first_of) {
     const auto stay_together = [&](uint32_t a, uint32_t b) {
         return std::ranges::all_of(positions, [&](const std::vector<Vec3<float>>& in_pose) {
             const Vec3<float> apart = in_pose[a] - in_pose[b];
@@ -69,11 +74,12 @@ void find_firsts(std::span<const uint32_t> vertices, std::span<const std::vector
     const double reach = 1.01 * double{close};  // the squares above are rounded
     const Axis place = widest_axis(vertices, positions);
     std::multimap<double, uint32_t> firsts;
-    uint64_t steps = 0;
     for (const uint32_t vertex : vertices) {
+        progress.poll_at(steps++);
         const double at = place(vertex);
-        uint32_t first = vertex;
-        for (auto near = firsts.lower_bound(at - reach); near != firsts.end() && near->first <= at + reach; ++near) {
+        uint32_t first = vertex, compared = 0;
+        for (auto near = firsts.lower_bound(at - reach);
+             near != firsts.end() && near->first <= at + reach && compared < kMostCompared; ++near, ++compared) {
             progress.poll_at(steps++);
             if (near->second < first && stay_together(near->second, vertex)) first = near->second;
         }
@@ -124,13 +130,14 @@ void WeldedMesh::weld(std::span<const uint32_t> indices, std::span<const std::ve
     };
     std::ranges::stable_sort(order, {}, rest);
     std::vector<uint32_t> first_of(positions[0].size(), kNone);  // [vertices], the first one of their points
+    uint64_t steps = 0;
     for (size_t begin = 0, end = 0; begin < order.size(); begin = end) {
-        progress.poll_at(begin);
+        progress.poll_at(steps++);
         for (end = begin + 1; end < order.size() && rest(order[end]) == rest(order[begin]);) ++end;
         if (end - begin == 1)
             first_of[order[begin]] = order[begin];
         else
-            find_firsts(std::span(order).subspan(begin, end - begin), positions, close, progress, first_of);
+            find_firsts(std::span(order).subspan(begin, end - begin), positions, close, progress, steps, first_of);
     }
     point_of_.assign(first_of.size(), kNone);
     uint32_t point_count = 0;

@@ -17,13 +17,9 @@ bool has_uniform_header(const PackedTrack& track) {
 
 bool has_uniform_scale(const Character& character) {
     const size_t joint_count = character.rig.joint_count();
-    // No two compiled tracks have a key, or a bit, in common
-    uint64_t rows_left = character.keys.size() + character.words.size() * 32;
     for (size_t index = 0; index < character.tracks.size(); ++index) {
         const TrackReader track(character, index / joint_count, index % joint_count, TrackTarget::kScale);
         if (character.packed && !has_uniform_header(track.packed())) return false;
-        if (track.row_count() > 1 && track.row_count() > rows_left) return false;
-        if (track.row_count() > 1) rows_left -= track.row_count();
         for (uint32_t row = 0; row < track.row_count(); ++row)
             if (!is_same(track.at_row(row))) return false;
     }
