@@ -1,7 +1,7 @@
 // The clips of a play and their weights: step 4 of docs/controller.md. C++ too (gpu/glsl.h). The includer declares
 // parameter_at(index), `layout_of_group`, the functions of control/tables.glsl and those of control/rounded.glsl.
 
-// Up to three clips that share a phase. Unused ones have weight 0.
+// Up to three clips that share a phase. Unused ones have weight 0, and so have all where a state plays nothing.
 struct ClipMix {
     uvec3 clips;
     vec3 weights;
@@ -9,7 +9,6 @@ struct ClipMix {
     uint loop;
     uint sync;
     bool backwards;  // a state that begins at its end
-    bool is_empty;   // a state that plays nothing: all weights are 0
 };
 
 // `do` with a `break` before its body: on a software device `while` goes round once more for all invocations. Without
@@ -70,7 +69,7 @@ void mix_edge(INOUT(ClipMix) clip_mix, ControlState state, float x, float y) {
 bool plays_nothing(ControlState state) { return load_point(state.first_point).clip == layout_of_group.clip_count; }
 
 ClipMix mix_of_state(ControlState state) {
-    ClipMix clip_mix = {uvec3(0), vec3(1, 0, 0), 0, state.loop, state.sync, state.speed < 0, false};
+    ClipMix clip_mix = {uvec3(0), vec3(1, 0, 0), 0, state.loop, state.sync, state.speed < 0};
     if (state.y_parameter != kNone) {
         const float x = parameter_at(state.x_parameter), y = parameter_at(state.y_parameter);
         if (!mix_triangle(clip_mix, state, x, y)) mix_edge(clip_mix, state, x, y);
@@ -85,13 +84,12 @@ ClipMix mix_of_state(ControlState state) {
     rate = product(rate, state.speed);
     if (state.speed_parameter != kNone) rate = product(rate, parameter_at(state.speed_parameter));
     clip_mix.rate = rate;
-    clip_mix.is_empty = plays_nothing(state);
-    if (clip_mix.is_empty) clip_mix.weights.x = 0;
+    if (plays_nothing(state)) clip_mix.weights.x = 0;
     return clip_mix;
 }
 
 ClipMix mix_of_play(ControlLayer layer, LayerPlay play) {
-    ClipMix clip_mix = {uvec3(play.motion, 0, 0), vec3(1, 0, 0), play.speed, play.loop, kNone, false, false};
+    ClipMix clip_mix = {uvec3(play.motion, 0, 0), vec3(1, 0, 0), play.speed, play.loop, kNone, false};
     if (layer.state_count > 0)
         clip_mix = mix_of_state(load_state(layer.first_state + play.motion));
     else

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace throng {
 namespace io {
@@ -57,7 +58,11 @@ struct ControllerText : ArrayTables {
         const auto rows = RootRows(character.root_rows).subspan(clip.first_root, clip.root_count);
         add_weighted(update->move, move_between(rows, step.before, step.after, step.crossed), double{weight});
     }
-    void add_stand(float weight) { add_weighted(update->move, {}, double{weight}); }
+    void scale_move(float shown) {
+        const GroundMove moved = std::exchange(update->move, {.cos = 0});
+        add_weighted(update->move, moved, double{shown});
+        add_weighted(update->move, {}, 1 - double{shown});
+    }
 
     // Step 7: goes through the places of events in all cycles that the step touches.
     void emit_events(uint clip, const PhaseStep& step, uint layer) {

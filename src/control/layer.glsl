@@ -1,7 +1,7 @@
 // One update of a layer of an instance: the part of docs/controller.md that decides its state. C++ too, like
 // control/blend_space.glsl. The includer declares what that file needs, the buffers `layers` and `parameters`, `push`,
 // `layout_of_group`, `instance`, `first_parameter`, load_layer_state(index), and the functions that show the layer:
-// begin_layer(), add_active_clip(), add_move(), add_stand() and emit_events(). These use control/plays.glsl, so that
+// begin_layer(), add_active_clip(), add_move(), scale_move() and emit_events(). These use control/plays.glsl, so that
 // comes first.
 
 bool has_taken = false;  // a transition, in any layer
@@ -44,31 +44,26 @@ void store_layer_state(uint index, LayerState state) {
     if (state.inertial_rate != 0) layers[index].inertial_rate = 0;
 }
 
-// The weight of all plays but those of states that play nothing, through which the layers below are seen. Exactly 1
-// where there is no such play, and never so small that a weight could not be divided by it.
+// Of a layer that has states that play nothing: the weight of all other plays, which is how much the layer shows. Never
+// so small that weights could not be divided by it.
 float shown_part(LayerState state, ControlLayer layer, vec3 weights) {
     float shown = 0;
-    bool shows_all = true;
     uint k = 0;
     do {
         if (k >= state.play_count) break;
-        if (plays_nothing(load_state(layer.first_state + state.plays[k].motion)))
-            shows_all = false;
-        else
-            shown = sum(shown, weights[k]);
+        if (!plays_nothing(load_state(layer.first_state + state.plays[k].motion))) shown = sum(shown, weights[k]);
     } while (++k < state.play_count);
-    return shows_all ? 1 : max(shown, 1e-30f);
+    return max(shown, 1e-30f);
 }
 
-// Adds the clips of a play that have weight. `play_weight` is its part of what the layer shows; times `shown`, it is
-// its part of the whole layer, by which clips move the character.
-void add_clips(ClipMix clip_mix, PhaseStep phase_step, float play_weight, float shown, bool moves) {
+// Adds the clips of a play that have weight.
+void add_clips(ClipMix clip_mix, PhaseStep phase_step, float play_weight, bool moves) {
     uint point = 0;
     do {
         const float weight = product(play_weight, clip_mix.weights[point]);
         if (weight > 0) {
             add_active_clip(clip_mix.clips[point], phase_step.after, weight);
-            if (moves) add_move(clip_mix.clips[point], phase_step, product(weight, shown));
+            if (moves) add_move(clip_mix.clips[point], phase_step, weight);
         }
     } while (++point < 3);
 }
@@ -82,10 +77,10 @@ struct Leading {
 
 // Advances plays in time and shows them, the leading one first: one at a time, since a GPU lacks the registers for what
 // all of them show. Plays in step with the leading one advance at a common rate; if there can be any, a first round
-// through all plays only adds up that rate. All variables are initialized, and no `continue` is used: either would make
-// AMD's compiler hold values in registers throughout the loop around this (docs/performance.md).
-void show_plays(uint at, uint index, LayerState state, ControlLayer layer, vec3 weights, float layer_weight,
-                float shown) {
+// through all plays only adds up that rate. Then `weights` become those of clips within what the layer shows. All
+// variables are initialized, and no `continue` is used: either would make AMD's compiler hold values in registers
+// throughout the loop around this (docs/performance.md).
+void show_plays(uint at, uint index, LayerState state, ControlLayer layer, vec3 weights, float layer_weight) {
     Leading leading = {kNone, 0, 0, 0, {0, 0, 0, false, 0}};
     float common_rate = 0;
     bool finds_rate = state.play_count > 1, has_begun = false;
@@ -105,6 +100,11 @@ void show_plays(uint at, uint index, LayerState state, ControlLayer layer, vec3 
             finds_rate = k + 1 < state.play_count;
             k = finds_rate ? k + 1 : 0;
         } else {
+            if (k == 0 && layer.has_empty_states != 0) {
+                const float shown = shown_part(state, layer, weights);
+                layer_weight = product(layer_weight, shown);
+                weights = weights / vec3(shown);
+            }
             PhaseStep phase_step = leading.phase_step;
             if (k > 0 && in_step) {
                 play.phase = leading.phase;
@@ -121,15 +121,17 @@ void show_plays(uint at, uint index, LayerState state, ControlLayer layer, vec3 
             layers[at].plays[k].phase = play.phase;
             layers[at].plays[k].loops = play.loops;
             if (layer_weight > 0 && weights[k] > 0) {
-                if (!has_begun && !clip_mix.is_empty) begin_layer(state, layer, product(layer_weight, shown));
-                has_begun = has_begun || !clip_mix.is_empty;
-                add_clips(clip_mix, phase_step, weights[k] / shown, shown, index == 0);
+                const bool has_clips = clip_mix.weights.x > 0 || clip_mix.weights.y > 0 || clip_mix.weights.z > 0;
+                if (!has_begun && has_clips) begin_layer(state, layer, layer_weight);
+                has_begun = has_begun || has_clips;
+                add_clips(clip_mix, phase_step, weights[k], index == 0);
             }
             if (layer_weight > 0 && k == 0) emit_events(heaviest(clip_mix), phase_step, index);
             ++k;
         }
     } while (k < state.play_count);
-    if (index == 0 && layer_weight > 0 && shown < 1) add_stand(1 - shown);
+    // The plays' own weights sum to 1
+    if (index == 0 && layer.has_empty_states != 0) scale_move(1 / (weights.x + weights.y + weights.z));
 }
 
 void update_layer(uint index) {
@@ -144,10 +146,7 @@ void update_layer(uint index) {
     note_inertial_play(state, layer_weight);
     advance_fades(state, push.time_step_s);
     store_layer_state(at, state);
-    const vec3 weights = weights_of_plays(state);
-    float shown = 1;
-    if (layer.has_empty_states != 0) shown = shown_part(state, layer, weights);
-    show_plays(at, index, state, layer, weights, layer_weight, shown);
+    show_plays(at, index, state, layer, weights_of_plays(state), layer_weight);
 }
 
 // Resets the triggers that transitions taken in this update tested.

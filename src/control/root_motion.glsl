@@ -40,8 +40,8 @@ void add_move(uint clip, PhaseStep phase_step, float weight) {
     if ((push.flags & kPushHasRootMotion) != 0) move_sum += weight * move_of(load_clip(clip), phase_step);
 }
 
-// Of what does not move.
-void add_stand(float weight) { move_sum.z += weight; }
+// To that of a layer that shows only so much; the rest does not move.
+void scale_move(float shown) { move_sum = shown * move_sum + vec4(0, 0, 1 - shown, 0); }
 
 // Reports the move and, if root motion is applied, places the instance at base * place. What rounding drops from x and
 // z is added with the next move (Kahan, 1965); otherwise a long way in short steps would miss its end.
