@@ -154,7 +154,7 @@ TEST(WeldedMesh, PointsAreThoseOfComparingAllPairs) {
     uint32_t joined_count = 0, parted_count = 0;
     for (int round = 0; round < 50; ++round) {
         Mesh mesh;
-        std::vector<Places> poses(1 + round % 9);
+        std::vector<Places> poses(static_cast<size_t>(1 + round % 9));
         const auto part = [&] { return random.chance(0.5) ? 0 : 1.5f * kClose * static_cast<float>(random.unit()); };
         for (uint32_t i = 0; i < 60; ++i) {
             mesh.indices.push_back(mesh.add({}));

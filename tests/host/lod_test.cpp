@@ -158,6 +158,21 @@ std::vector<ReferencePose> rest_and_random_poses(const Character& character, int
     return poses;
 }
 
+// Broken exporters write such meshes: all triangles have their corners at one place.
+TEST(Lod, AMeshAtOnePlaceHasNoLevels) {
+    Asset asset;
+    asset.name = "a point";
+    asset.nodes.resize(1);
+    AssetPrimitive primitive;
+    primitive.positions.resize(3000);
+    for (uint32_t vertex = 0; vertex < 3000; ++vertex) primitive.indices.push_back(vertex);
+    asset.meshes.push_back({.primitives = {primitive}});
+    asset.mesh_instances.push_back({.node = 0, .mesh = 0});
+    const Result<Character> character = compile_character(asset);
+    ASSERT_TRUE(character) << character.error().text();
+    EXPECT_TRUE(character->lods.empty());
+}
+
 TEST(Lod, LevelsHaveFewerTrianglesWithinTheirErrors) {
     for (const Character& character : {with_lods(), *compile_character(make_strip())}) {
         ASSERT_GE(character.lods.size(), 2u);

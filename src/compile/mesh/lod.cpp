@@ -188,7 +188,8 @@ void keep_levels(std::span<const Coarse> levels, Character& character) {
     float error = kLeastError * character.size;
     for (const Coarse& level : levels) {
         const size_t count = level.indices.size();
-        if (count_before <= kFewest || !are_markedly_fewer(count, count_before)) return;
+        // A mesh whose triangles all have corners at one place has levels without any
+        if (count == 0 || count_before <= kFewest || !are_markedly_fewer(count, count_before)) return;
         count_before = count;
         error = std::max(error, level.error);
         std::vector<std::vector<uint32_t>> of_sections(character.sections.size());
