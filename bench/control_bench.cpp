@@ -89,8 +89,8 @@ Json measure_control(const Device& device, const ControlCase& control, const Pro
     for (uint32_t i = 0; i < std::min(kCheckedCharacters, control.count); ++i)
         references.push_back(value_of(ReferenceCharacter::create(character, controller)));
 
-    // As an application would: sets parameters of all characters at first, and then of a hundredth of them in each
-    // update.
+    // Sets parameters as an application would: of nearly all characters at first, and then of a hundredth of them in
+    // each update.
     std::mt19937_64 random(control.seed);
     const auto tell = [&](uint32_t characters) {
         for (uint32_t k = 0; k < characters; ++k) {

@@ -22,7 +22,7 @@ struct ControlCase {
 };
 
 // One record: ms of the control stage and of the whole update, checked against the reference before it is timed (else
-// the record has "wrong"). `progress` is told what runs.
+// the record has "wrong"). `progress` receives the name of what runs.
 Json measure_control(const Device& device, const ControlCase& control, const Progress& progress);
 
 }  // namespace throng::bench

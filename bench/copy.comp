@@ -1,6 +1,6 @@
 // copy: the same bytes as a scan of 3x4 matrices, 48 read and 48 written a joint, and nothing else: the floor under
-// every method. Neighbouring invocations copy neighbouring rows, which is what a GPU likes best; GPU_SOFTWARE is what a
-// software device likes best.
+// every method. Neighbouring invocations copy neighbouring rows, which is fastest on a GPU; the GPU_SOFTWARE variant is
+// fastest on a software device.
 #include "gpu/stored.glsl"
 
 #ifdef GPU_SOFTWARE

@@ -34,8 +34,8 @@ struct Scene {
     native::AlignedBytes ordered_mask;
 };
 
-// Three layers: both clips of the playback; both again, by other weights, on the joints of a mask; the second one's
-// difference from its first row.
+// Three layers: both clips of the playback; both again, with swapped weights, on the joints of a mask; and, additively,
+// the second clip's difference from its first row.
 constexpr uint32_t kActiveClips = 5;
 constexpr float kMaskedWeight = 0.7f, kAdditiveWeight = 0.3f;
 
@@ -105,7 +105,8 @@ Scene make_scene(const Character& character, uint32_t characters, uint32_t clips
     return scene;
 }
 
-// Memory in large pages, as a crowd has; otherwise every line that is written would need its own address translation.
+// Memory in huge pages, like a crowd's; otherwise every cache line that is written would need its own address
+// translation.
 class Output {
 public:
     explicit Output(size_t size) : size_((size + kPage - 1) / kPage * kPage) {
@@ -163,7 +164,7 @@ private:
     struct Entrant {
         uint32_t threads;
         NativeIsa isa;
-        const CpuVariant* variant;  // none: the fill
+        const CpuVariant* variant;  // null: the fill
         size_t scene;
         double error = 0;
         uint32_t frame = 0;
@@ -227,7 +228,7 @@ private:
     }
 
     double error_of(const Entrant& entrant) {
-        // So that results of another entrant are not taken for this one's
+        // So that another entrant's results do not pass for this one's
         output_.poison();
         run(entrant, 0, false);
         const Character& character = *entrant.variant->character;

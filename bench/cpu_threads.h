@@ -1,5 +1,5 @@
-// Threads that wait for work, which is dealt out in parts. Their processor time is what the work costs whatever else
-// the machine does meanwhile; the wall time tells what several threads gain.
+// Worker threads that take work in parts. Their CPU time is the cost of the work, whatever else the machine does
+// meanwhile; the wall time shows what several threads gain.
 #pragma once
 
 #include "bench/rounds.h"
@@ -33,7 +33,7 @@ public:
         double processor_s = 0;  // mean of the threads
         double wall_s = 0;
     };
-    // work(first, end) for all of 0..count - 1, in parts of `part`.
+    // Calls work(first, end) for all of 0..count - 1, in parts of `part`.
     Taken run(uint32_t count, uint32_t part, const std::function<void(uint32_t, uint32_t)>& work) {
         count_ = count;
         part_ = part;

@@ -174,7 +174,7 @@ private:
 
     const DrawCase& drawn_;
     std::vector<Stage> stages_;
-    std::deque<DrawEntrant> entrants_;  // keeps their addresses
+    std::deque<DrawEntrant> entrants_;  // a deque: entrants keep their addresses
     std::optional<Camera> camera_;
 };
 

@@ -21,7 +21,7 @@ struct DrawCase {
     RendererSettings picture;
     std::vector<NativeIsa> isas;
     std::vector<uint32_t> threads;
-    std::optional<std::string> vulkan_device;  // also by this device, to compare
+    std::optional<std::string> vulkan_device;  // also draws with this device, for comparison
 };
 
 // A record for each way to draw (bench/README.md lists their fields). Pictures are compared first: different numbers of

@@ -1,6 +1,6 @@
 // fill: writes as many bytes as an update's skin matrices have, and reads nothing: the floor under every update.
-// Neighbouring invocations write neighbouring rows, which is what a GPU likes best; GPU_SOFTWARE is what a software
-// device likes best.
+// Neighbouring invocations write neighbouring rows, which is fastest on a GPU; the GPU_SOFTWARE variant is fastest on a
+// software device.
 #include "gpu/stored.glsl"
 
 #ifdef GPU_SOFTWARE

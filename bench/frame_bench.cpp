@@ -34,7 +34,8 @@ const char* name_of(SkinFormat format) {
     return std::find_if(kFormats.begin(), kFormats.end(), [&](const auto& row) { return row.first == format; })->second;
 }
 
-// Half floats have 11 bits, and a translation may be as long as the character is large, or a few times that.
+// Half floats have 11 significant bits, and a translation may be as long as the character is large, or a few times
+// that.
 double error_bound(SkinFormat format) { return format == SkinFormat::kHalfAffine ? 2e-3 : kSkinErrorBound; }
 
 struct FrameEntrant {
@@ -114,7 +115,7 @@ private:
     uint64_t instance_count() const { return frame_.playback.size(); }
     uint64_t joint_count() const { return frame_.character->rig.joint_count(); }
 
-    // The largest error of some instances, at the times that they were given.
+    // The largest error of some instances, at the times of their playbacks.
     double error_of(const FrameEntrant& entrant) const {
         value_of(entrant.crowd()->set_playback(entrant.crowd()->instances(), *entrant.playback));
         value_of(entrant.crowd()->update(0));
@@ -221,7 +222,7 @@ private:
         record["gb_per_s"] = record["bytes"].get<double>() / ms * 1e-6;
     }
 
-    // The ratio to the time for just writing the same result.
+    // Adds the ratio of the record's time to the time for only writing the same result.
     static void add_times_fill_floor(Json& record, const std::vector<Json>& records) {
         if (!record.contains("ms") || !record.contains("clips")) return;
         const auto fill = std::find_if(records.begin(), records.end(), [&](const Json& other) {

@@ -10,7 +10,7 @@ struct FrameCase {
     std::string configuration;  // its name
     const Character* character = nullptr;
     std::string keys;                    // of the character, for the records: "exact", or the error bound
-    const Character* exact = nullptr;    // the same character with exact keys, to be compared with; or none
+    const Character* exact = nullptr;    // the same character with exact keys, for comparison; may be null
     std::span<const Playback> playback;  // [instance_count], two clips each
 };
 

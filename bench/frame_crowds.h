@@ -19,7 +19,7 @@ struct FrameCrowdKey {
 
 struct FrameCrowd {
     FrameCrowdKey key;
-    std::unique_ptr<Crowd> crowd;  // none where `unsupported_reason` says why
+    std::unique_ptr<Crowd> crowd;  // null: `unsupported_reason` says why
     std::string unsupported_reason;
 };
 
@@ -30,8 +30,8 @@ public:
     // The same crowd for the same key: variants that differ only in what is played share it.
     std::shared_ptr<const FrameCrowd> get(const FrameCrowdKey& key);
 
-    // Why so many bytes do not fit the device's memory beside these crowds; empty if they do. With a driver that hands
-    // out more than it has, as lavapipe does, the process would swap or be killed.
+    // Why `needed_bytes` do not fit the device's memory beside these crowds; empty if they do. A driver may allocate
+    // more memory than there is, as lavapipe does; then the process would swap or be killed.
     std::string memory_unsupported_reason(uint64_t needed_bytes) const;
 
     // Size of one of the intermediate buffers of the staged update.

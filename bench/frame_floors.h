@@ -8,7 +8,7 @@
 
 namespace throng::bench {
 
-// Overwrites the skin matrices of a crowd, in the crowd's own buffers. Their content has been checked by then.
+// Overwrites the skin matrices of a crowd, in the crowd's own buffers. They must have been checked before.
 class FillFloor {
 public:
     FillFloor(const std::shared_ptr<Gpu>& gpu, const Crowd& crowd, SkinFormat format);
@@ -29,7 +29,7 @@ private:
 };
 
 // Copies back and forth between two buffers of `buffer_bytes`: half of `moved_bytes` is read, half written. Each pass
-// reads what the one before it wrote, as stages do, so that caches help it as much as them.
+// reads what the one before it wrote, as stages do, so that caches help both alike.
 struct CopyPass {
     size_t from = 0;  // number of the buffer to read
     uint64_t size_bytes = 0;
@@ -40,7 +40,7 @@ public:
     // In whole rows of 16 bytes; `buffer_bytes` is at least one row.
     CopyFloor(std::shared_ptr<Gpu> gpu, uint64_t moved_bytes, uint64_t buffer_bytes);
 
-    // Finds out whether a kernel or the device's own copy is faster here. record() then uses it. Returns its name.
+    // Measures whether a kernel or the device's own copy is faster here; record() then uses that one. Returns its name.
     const char* choose(const GpuClock& clock);
     void record(VkCommandBuffer commands) const;
     void record_kernel(VkCommandBuffer commands) const;

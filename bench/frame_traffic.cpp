@@ -9,7 +9,8 @@ namespace throng::bench {
 uint64_t FrameTraffic::bytes_per_instance() const {
     constexpr uint64_t kPose_bytes = 48, kModel_bytes = sizeof(Affine), kState_bytes = sizeof(io::InstancePlayback),
                        kTimes_bytes = 8, kCursor_bytes = sizeof(io::InstanceCursor);
-    // control reads the state, writes both times and the cursor; two samples and blend read that, or the fused kernel.
+    // control reads the state and writes both times and the cursor. The fused kernel reads the cursor; or two samples
+    // and blend do.
     const uint64_t control_bytes = kState_bytes + kTimes_bytes + kCursor_bytes * (fused ? 2 : 4);
     // sample writes poses and blend reads them; blend writes local transforms and the scan reads them; the scan writes
     // model transforms.

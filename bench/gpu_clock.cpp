@@ -12,8 +12,8 @@ GpuClock::GpuClock(std::shared_ptr<Gpu> gpu) : gpu_(std::move(gpu)), load_(gpu_)
 }
 
 // On a busy machine lavapipe's timestamps were seen to span a fifth of the host's time or less, probably because the
-// thread that writes them is not the one that computes. Then the host's clock counts, which includes the submission.
-// Work is never submitted again for another try, because a step of a crowd moves it.
+// thread that writes them is not the one that computes. In this case the host's clock is used, which includes the
+// submission. Work is never submitted again for another try, because an update changes the crowd's state.
 Reading believed_reading(const Gpu& gpu, double gpu_ms, double host_ms) {
     constexpr double kSubmission_ms = 0.5;
     const bool by_host = gpu.is_cpu() && gpu_ms < 0.5 * (host_ms - kSubmission_ms);

@@ -5,7 +5,7 @@
 namespace throng::bench {
 namespace {
 
-// So small that the next sample finds the caches nearly as the previous one left them
+// Small, so that the next sample finds the caches nearly as the previous one left them
 constexpr uint32_t kBuffer_bytes = 2u << 20;
 
 }  // namespace

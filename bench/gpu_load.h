@@ -16,7 +16,7 @@ public:
     explicit GpuLoad(const std::shared_ptr<Gpu>& gpu);
 
     const Gpu& gpu() const { return *gpu_; }
-    // Some milliseconds of work, and a tenth of a second where the GPU may have idled. Waits for it.
+    // Runs some milliseconds of work, or a tenth of a second if the GPU may have idled, and waits for it.
     void run() const;
 
 private:

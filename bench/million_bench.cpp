@@ -17,7 +17,8 @@
 namespace throng::bench {
 namespace {
 
-// On the diagonal of the crowd at eye level, at the fraction `along` of it, looking along it; or above, seeing all.
+// At eye level on the crowd's diagonal, at the fraction `along` of it, looking along it. Without `along`: above the
+// crowd, seeing all of it.
 struct Viewpoint {
     const char* name;
     std::optional<float> along{};  // 0..1
@@ -41,7 +42,7 @@ struct Seen {
     CrowdView view;
     DrawnCounts drawn;
     uint32_t shared_poses = 0;  // rows that are drawn at least once
-    // How far characters with own and with shared poses are off; none if none were compared
+    // The largest errors of characters with own and with shared poses, in pixels; none if none were compared
     std::optional<double> max_own_pixels{}, max_pixels{};
     UpdateTimes times;
 };
@@ -161,7 +162,7 @@ private:
                                 {.shadows = false, .shared_pose_pixels = million_.shared_pose_pixels}));
     }
 
-    // In pixels, since some joints may be left out.
+    // The error of an instance, in pixels, since some joints may be left out.
     double pixels_of(uint32_t instance, const CrowdView& view) {
         const ReferencePose pose = value_of(reference_pose(*million_.character, million_.playback[instance]));
         return pixels_off(value_of(crowd_->read_positions({instance})), reference_positions(*million_.character, pose),

@@ -19,7 +19,7 @@ namespace {
 
 constexpr uint32_t kSubgroup = 32;
 
-// The kernels of such a crowd.
+// The kernels of a crowd with a pool of skin matrices, and the times predicted for them.
 class MillionKernels {
 public:
     MillionKernels(const std::string& family, const Character& character, const SkinPool& pool)
@@ -41,7 +41,7 @@ public:
     }
 
 private:
-    // A playback is read and its times are written, which takes whole lines of the cache; a cursor is written.
+    // A playback is read and its times are written, which moves whole cache lines; a cursor is written.
     double control_ms(double instances, const Machine& machine) const {
         const double searched = std::bit_width(std::ranges::max(character_.clips, {}, &Clip::row_count).row_count);
         return ms_of("control", {{"rows", searched}, {"rows", searched}}, instances,

@@ -42,8 +42,8 @@ std::string unsupported_reason_of(const Entrant& entrant, const ScanRig& rig, co
     return unsupported_reason;
 }
 
-// The largest joint count, up to the cell's, that fits every entrant that fits at all. All get the same, so that they
-// can be compared.
+// The largest joint count, up to the cell's, at which every entrant that can run at all can run. All entrants get the
+// same count, so that they can be compared.
 uint32_t common_joint_count(const ScanCell& cell, std::span<const Entrant> entrants, const ScanLimits& limits) {
     const auto rig_of = [&](uint32_t joints) {
         ScanCell smaller = cell;
@@ -95,7 +95,7 @@ public:
 
     const ScanPlan& plan() const { return plan_; }
 
-    // The error after a run of so many repeats; one that ended early leaves NaN.
+    // The error after `repeat_count` repeats; NaN if the run has ended early.
     double max_error(const PoseSet& pose, uint32_t repeat_count) const {
         gpu_->submit_and_wait([&](VkCommandBuffer commands) {
             gpu_->vk.vkCmdFillBuffer(commands, model_.handle(), 0, VK_WHOLE_SIZE, 0xFFFFFFFF);
@@ -111,7 +111,7 @@ public:
     // Finds the repeat count, and warms up both kernels.
     void calibrate() {
         for (const bool barriers_twice : {false, true}) run_ms(1, barriers_twice);
-        // The device silently ends loops after so many iterations: twice the repeats have to stay below.
+        // The device silently ends loops after a limit of iterations: runs of twice the repeats must stay below it.
         const auto can_double = [&] {
             return 2 * repeat_count_ <= kMostRepeats &&
                    loop_iterations(plan_, rig_, 4 * uint64_t{repeat_count_}) <= scan_limits(*gpu_).loop_iterations / 2;

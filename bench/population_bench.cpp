@@ -22,7 +22,7 @@ struct PopulationEntrant {
     Crowd crowd;
     std::vector<InstanceHandle> instances{};
     std::vector<uint32_t> plays{};  // for each of `instances`: the number of its playback in the case
-    size_t found_count = 0;         // where it was checked
+    size_t found_count = 0;         // instances that the check has found
     double max_error = 0;
     UpdateTimes times{};
 
@@ -129,7 +129,7 @@ private:
         return entrant;
     }
 
-    // Updates without letting time pass. Another number of instances than there should be is an infinite error.
+    // Checks after an update of zero time. A wrong number of instances counts as an infinite error.
     void compare(PopulationEntrant& entrant) const {
         value_of(entrant.crowd.update(0));
         entrant.found_count = value_of(entrant.crowd.read_drawn()).size();
@@ -204,7 +204,8 @@ private:
         return entrant;
     }
 
-    // The first `count` of the list are alive: some of them die, and as many others are born and play the same.
+    // The first `count` instances of the list are alive. Some of them die, and as many others are born with the same
+    // playbacks.
     void command(PopulationEntrant& entrant) {
         std::vector<InstanceCommand> commands;
         for (uint32_t i = 0; i < changed_count_; ++i) {

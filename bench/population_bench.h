@@ -1,4 +1,5 @@
-// `throng bench population`: what it costs that instances come and go: free room, and births and deaths in each update.
+// `throng bench population`: the cost of instances that come and go: unused capacity, and births and deaths in each
+// update.
 #pragma once
 
 #include "bench/updates.h"
@@ -19,10 +20,13 @@ struct PopulationCase {
     UpdatePath path = UpdatePath::kAuto;
 };
 
-// Records (bench/README.md lists their fields): for some fractions of the capacity, updates of a crowd that has as many
-// instances for good, of one where they are the first of their group, and of one where they are anywhere in it; then
-// frames in which some get new playbacks, beside frames in which as many die and as many are born. All are checked
-// first, the latter after one such frame; what `reference` shows to be wrong is not timed, and its record says so.
+// Returns records (bench/README.md lists their fields). For some fractions of the capacity, it times updates of a crowd
+// with as many permanent instances, of one where they are the first of their group, and of one where they are anywhere
+// in it. Then it times frames in which some instances get new playbacks, and frames in which as many die and as many
+// are born.
+//
+// All are checked first, the latter after one such frame. What `reference` shows to be wrong is not timed, and its
+// record says so.
 std::vector<Json> measure_population(const Device& device, const PopulationCase& population, uint32_t samples,
                                      const Progress& progress, const SkinReference& reference = skin_reference_of);
 

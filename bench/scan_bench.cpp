@@ -64,7 +64,7 @@ std::string label(const ScanCell& cell) {
     return std::to_string(cell.characters) + " x " + std::to_string(cell.joints) + " joints, " + levels;
 }
 
-// "name" with all the threads that the device allows, or "name:threads".
+// "name" with each number of threads that the device allows, or "name:threads".
 Entrant entrant(const std::string& text, const ScanLimits& limits) {
     const auto [method, wanted] = parse_scan_request(text);
     std::vector<uint32_t> threads = method->thread_choices(limits);
@@ -124,8 +124,8 @@ std::vector<Json> measure_with_planner(const std::shared_ptr<Gpu>& gpu, const Sc
     return records;
 }
 
-// How a cell's time compares with that of others: some of it goes into compiling kernels, the rest grows with the
-// number of transforms.
+// The time of a cell relative to others: a constant part for compiling kernels, and a part that grows with the number
+// of transforms.
 double weight(const ScanCell& cell) {
     return cell.experiment == "on_chip" ? 10 : 2 + 1e-5 * cell.characters * cell.joints;
 }
@@ -151,7 +151,7 @@ void run_scan_bench(const Device& device, const ScanBenchSettings& settings, con
                                               [](double sum, const ScanCell& cell) { return sum + weight(cell); });
     double done_weight = 0, done_s = 0;
     for (const ScanCell& cell : cells) {
-        // Each cell gets its part of what is left of the budget; the time it takes predicts that of the rest.
+        // Each cell gets its share of the remaining budget; the time of the cells so far predicts the time of the rest.
         const double left_weight = all_weight - done_weight;
         Sampling sampling = settings.sampling;
         sampling.budget_s = std::max(0.0, settings.sampling.budget_s - done_s) * weight(cell) / left_weight;

@@ -26,7 +26,7 @@ static_assert(sizeof(Similarity) == 32);
 Affine as_affine(const Trs<float>& pose) { return to_affine(pose.as<double>()).as<float>(); }
 Similarity as_similarity(const Trs<float>& pose) { return {pose.rotation, pose.translation, pose.scale.x}; }
 
-// A NaN replaces any number and stays.
+// Raises `worst` to `difference`. A NaN replaces any number and stays.
 void take_larger(double& worst, double difference) {
     if (difference > worst || difference != difference) worst = difference;
 }
@@ -41,8 +41,8 @@ Vec3<double> random_direction(creature::Random& random) {
     return {r * std::cos(angle_rad), r * std::sin(angle_rad), z};
 }
 
-// As many instances as the storage-buffer range, one allocation and a dispatch allow, if an instance can need a
-// workgroup of its own, and 64 of the copy's invocations copy 64 matrices.
+// The number of instances that the storage-buffer range, one allocation and one dispatch allow. An instance may need
+// its own workgroup, and 64 invocations of the copy kernel copy 64 matrices.
 uint32_t batch_capacity(const Gpu& gpu, uint32_t joint_count) {
     const uint64_t instance_bytes = uint64_t{joint_count} * sizeof(Affine),
                    workgroups = gpu.properties.limits.maxComputeWorkGroupCount[0];

@@ -1,5 +1,4 @@
-// The characters of one measurement: a skeleton, poses, their buffers on the device, and what the reference makes of
-// them.
+// The characters of one measurement: a skeleton, poses, their buffers on the device, and the results of the reference.
 #pragma once
 
 #include "scan/scan.h"
@@ -49,7 +48,7 @@ public:
     const Buffer& local(uint32_t batch, ScanLayout layout, ScanFormat format);
     BufferTable buffers(uint32_t batch, const ScanMethod& method, const Buffer& links);
 
-    // Fills the results with NaN, so that whatever a method leaves out shows.
+    // Fills the results with NaN, to detect matrices that a method does not write.
     void poison() const;
     // The largest error of all matrices of all instances.
     double max_error(ScanLayout layout) const;

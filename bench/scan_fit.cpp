@@ -15,7 +15,7 @@ constexpr std::array<Constant, 5> kOfEveryDevice{&ScanCosts::launch_ms, &ScanCos
 constexpr std::array<Constant, 5> kOfGpus{&ScanCosts::scattered_rows, &ScanCosts::latency_ns, &ScanCosts::units,
                                           &ScanCosts::resident_subgroups, &ScanCosts::bytes_per_ns};
 
-constexpr double kLeast = 1e-3;  // of a constant, in its unit: a cost that does not show does not vanish
+constexpr double kLeast = 1e-3;  // lower bound, in each constant's unit: a cost that is too small to show is not 0
 
 // An observation with its plan, which does not depend on the constants.
 struct PlannedObservation {

@@ -1,4 +1,4 @@
-// The constants with which the planner's cost model predicts what was observed.
+// Fits the constants of the planner's cost model to measured times.
 #pragma once
 
 #include "scan/scan_planner.h"
@@ -7,7 +7,7 @@
 
 namespace throng::bench {
 
-// A scan as the model sees it, and what it took.
+// A scan as the cost model sees it, and its measured time.
 struct ScanObservation {
     ScanChoice choice;
     ScanRig rig;

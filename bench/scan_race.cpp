@@ -19,7 +19,7 @@ struct Runner {
         for (uint32_t batch = 0; batch < crowd.batch_count(); ++batch)
             bindings.push_back(stage.bind(crowd.buffers(batch, *choice.method, stage.links())));
     }
-    // All characters, or one in `part`.
+    // Records the scan of all characters, or of one in `part`.
     void record(VkCommandBuffer commands, const ScanCrowd& crowd, uint32_t part = 1) const {
         for (uint32_t batch = 0; batch < crowd.batch_count(); ++batch)
             stage.record(commands, bindings[batch], (crowd.batch(batch).instance_count + part - 1) / part);
@@ -129,7 +129,7 @@ std::vector<Json> measure_scans(const std::shared_ptr<Gpu>& gpu, const ScanCell&
              }});
     };
     const CopyRunner copy(gpu, crowd);
-    // The check has warmed up the others
+    // Warms up the copy; the check has warmed up the others
     clock.time_ms([&](VkCommandBuffer commands) { copy.record(commands, crowd); });
     enter("copy", copy, copy_times_ms);
     for (size_t i = 0; i < entrants.size(); ++i)

@@ -51,7 +51,7 @@ std::vector<Series> series_of(const Cells& cells, const View& view) {
         Series series{name, scan_style(name), {}};
         for (const auto& [x, cell] : best_over(method, view.x, view.y)) {
             const double y = number(*cell, view.y), scale = y / number(*cell, "median_ms");
-            const bool has_band = name != kPlanner;  // the method that it chose has the same
+            const bool has_band = name != kPlanner;  // the method that the planner chose has the same band
             if (y > 0)
                 series.points.push_back({x, y, has_band ? number(*cell, "p5_ms") * scale : 0,
                                          has_band ? number(*cell, "p95_ms") * scale : 0});

@@ -7,8 +7,8 @@
 
 namespace throng::bench {
 
-// Times every method with every number of threads on rigs and crowds of several sizes; if `quick`, on only a few.
-// Throws as measure_scans() does.
+// Times every character-major method, with each number of threads that the planner chooses among, on rigs and crowds of
+// several sizes; if `quick`, on only a few. Throws as measure_scans() does.
 std::vector<ScanObservation> observe_scans(const std::shared_ptr<Gpu>& gpu, bool quick, const Progress& progress);
 
 }  // namespace throng::bench

@@ -107,14 +107,14 @@ std::string what_of(const Json& record) {
                    text(record, "shape"), std::isnan(seed) ? "" : "seed " + whole(seed), files_of(record)});
 }
 
-// The first that the record has.
+// The first of these fields that the record has.
 std::string first_of(const Json& record, std::initializer_list<const char*> fields) {
     for (const char* field : fields)
         if (const std::string found = text(record, field); !found.empty()) return found;
     return "";
 }
 
-// What tells the record from others of the same configuration, and of what part the time is.
+// What tells the record from others of the same configuration, and which part of the work the time is for.
 std::string variant_of(const Json& record, const char* part) {
     const std::string bench = text(record, "bench"), chosen = text(record, "chosen");
     const std::string name = first_of(record, {"variant", "method", "scan", "view", "instances", "frames_with"});
@@ -123,7 +123,7 @@ std::string variant_of(const Json& record, const char* part) {
     return listed({name + (chosen.empty() ? "" : ": " + chosen),
                    bench == "population" || is_recording ? counted(characters, "characters") : "", text(record, "isa"),
                    threads > 0 ? counted(threads, threads > 1 ? "threads" : "thread") : "",
-                   bench == "frame" ? "" : text(record, "path"),  // the variants of a frame are called by it
+                   bench == "frame" ? "" : text(record, "path"),  // a frame's variants are named by it
                    part});
 }
 

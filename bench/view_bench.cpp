@@ -85,7 +85,7 @@ public:
     }
 
 private:
-    // Fewer joints may move a vertex by no more than the level of detail is off.
+    // Fewer joints may move a vertex by at most the error that the view allows for levels of detail.
     bool is_wrong(const ViewEntrant& entrant) const {
         return !(entrant.max_error <= kSkinErrorBound && entrant.max_pixels <= view_->lod_pixels);
     }

@@ -15,7 +15,7 @@ struct ViewCase {
     std::span<const Playback> playback;  // [instance_count]
     std::span<const Affine> placement;   // [instance_count]
     UpdatePath path = UpdatePath::kAuto;
-    // What the camera sees of a crowd with these bounds, in the world; full_rate_pixels are those of the variant that
+    // What the camera sees of a crowd with these bounds, in the world; its full_rate_pixels are for the variant that
     // skips updates
     std::function<CrowdView(const Bounds&)> view_of;
 };

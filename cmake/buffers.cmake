@@ -1,11 +1,12 @@
-# Numbers of the buffers that kernels read and write, from the table of docs/buffers.md: gpu/buffers_io.h, which C++ and
-# GLSL include; their names for messages; and which of them outlive an update, by the words of the last column.
+# Reads the table of docs/buffers.md and makes three things of it: gpu/buffers_io.h, the number of every buffer that
+# kernels read or write, for C++ and GLSL; the buffers' names, for messages; and lists of the buffers that outlive an
+# update, from the words in the table's last column.
 set(buffers_table ${PROJECT_SOURCE_DIR}/docs/buffers.md)
 set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${buffers_table})
 set(THRONG_GENERATED_DIR ${PROJECT_BINARY_DIR}/generated)
 
 file(READ ${buffers_table} text)
-# CMake's lists are cut at semicolons, and not within brackets.
+# CMake splits lists at semicolons, but not inside square brackets.
 string(REPLACE ";" "@semicolon@" text "${text}")
 string(REPLACE "[" "@open@" text "${text}")
 string(REPLACE "]" "@close@" text "${text}")

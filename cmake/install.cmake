@@ -1,10 +1,11 @@
-# cmake --install, or one part of it by --component: Runtime, the library; Development, headers and what CMake and
-# pkg-config read; Tools, the command line (tools/CMakeLists.txt); Documentation, with the schema that editors read.
+# What cmake --install installs, all of it or one part with --component: Runtime, the library; Development, the headers
+# and what CMake and pkg-config read; Tools, the command line (tools/CMakeLists.txt); Documentation, with the schema
+# that editors read.
 include(CMakePackageConfigHelpers)
 set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/throng)
 set(pkgconfig_dir ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
 set(doc_dir ${CMAKE_INSTALL_DOCDIR})
-if(NOT PROJECT_IS_TOP_LEVEL)  # it may be the parent's
+if(NOT PROJECT_IS_TOP_LEVEL)  # CMAKE_INSTALL_DOCDIR may be the parent project's
   set(doc_dir ${CMAKE_INSTALL_DATAROOTDIR}/doc/throng)
 endif()
 

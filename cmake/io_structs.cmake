@@ -1,7 +1,7 @@
-# The structs of the *_io.h headers, which C++ and GLSL share: THRONG_IO_HEADERS, THRONG_IO_STRUCTS and, of each struct,
-# the names of its members in THRONG_IO_<struct>. And gpu/io_words.glsl, how those that are made of words are read from
-# a table (gpu/table.glsl): CONTROL_CLIP_AT(table, word) is the ControlClip that begins at that word, and
-# kControlClipWords is how many it has.
+# Parses the structs of the *_io.h headers, which C++ and GLSL share. Sets THRONG_IO_HEADERS, THRONG_IO_STRUCTS and, for
+# each struct, THRONG_IO_<struct>: the names of its members. Also writes gpu/io_words.glsl, which reads structs that
+# consist of words from a table (gpu/table.glsl): CONTROL_CLIP_AT(table, word) is the ControlClip that begins at that
+# word, and kControlClipWords is its number of words.
 file(GLOB THRONG_IO_HEADERS CONFIGURE_DEPENDS RELATIVE ${PROJECT_SOURCE_DIR}/src ${PROJECT_SOURCE_DIR}/src/*/*_io.h)
 set(text "")
 foreach(header IN LISTS THRONG_IO_HEADERS)
@@ -11,7 +11,7 @@ foreach(header IN LISTS THRONG_IO_HEADERS)
 endforeach()
 string(REGEX REPLACE "//[^\n]*" "" text "${text}")
 string(REPLACE ";" "@" text "${text}")
-string(REGEX REPLACE "\\[([^]]*)\\]" " \\1" text "${text}")  # CMake's lists are not cut within brackets
+string(REGEX REPLACE "\\[([^]]*)\\]" " \\1" text "${text}")  # CMake does not split lists inside brackets
 string(REGEX REPLACE "[ \n]+" " " text "${text}")
 set(count_of_ 1)
 string(REGEX MATCHALL "THRONG_IO_CONSTANT k[A-Za-z0-9]+ = [0-9]+@" constants "${text}")

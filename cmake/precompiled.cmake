@@ -1,22 +1,24 @@
-# What makes a build quick; packagers may not want it.
+# Makes builds faster. Packagers may not want it.
 option(THRONG_QUICK_BUILD "Precompile headers, compile several files at a time and what seldom runs with -O1" ON)
 
-# The standard library's headers that most files read, compiled once: 0.7 s of processor time of every file. With GCC
-# and Clang; other compilers want a precompiled header's flags and definitions to be the same in all that use it.
+# The standard library's headers that most files include, compiled once. This saves 0.7 s of processor time per file.
+# Only for GCC and Clang: other compilers require that everything that uses a precompiled header has the same flags and
+# definitions.
 set(THRONG_STANDARD_HEADERS <algorithm> <array> <cmath> <cstdint> <cstdio> <cstring> <filesystem> <functional>
   <limits> <map> <memory> <mutex> <numeric> <optional> <span> <string> <string_view> <thread> <utility> <variant>
   <vector>)
 
-# ccache keeps nothing that is compiled with a precompiled header, unless it is told that it may (its manual,
-# "Precompiled headers").
+# ccache does not cache what is compiled with a precompiled header unless it is told that it may ("Precompiled headers"
+# in its manual).
 if(THRONG_QUICK_BUILD AND CMAKE_CXX_COMPILER_LAUNCHER MATCHES "ccache$")
   set(CMAKE_CXX_COMPILER_LAUNCHER
     ${CMAKE_COMMAND} -E env CCACHE_SLOPPINESS=pch_defines,time_macros ${CMAKE_CXX_COMPILER_LAUNCHER})
 endif()
 
-# throng_add_precompiled(name kind [VOLK] header...): what throng_precompile() takes. `kind` is -fPIC, for libraries, or
-# -fPIE, for programs. It has throng_options' flags and folders, and its definition only with VOLK: users of a
-# precompiled header must have all its definitions, and not all declare Vulkan's functions as pointers.
+# throng_add_precompiled(name kind [VOLK] header...): makes a target for throng_precompile(). `kind` is -fPIC for
+# libraries or -fPIE for programs. The target has the flags and include folders of throng_options, and its definition
+# only with VOLK: users of a precompiled header must have all of its definitions, and not all of them declare Vulkan's
+# functions as pointers.
 function(throng_add_precompiled name kind)
   if(NOT THRONG_QUICK_BUILD OR NOT CMAKE_CXX_COMPILER_ID MATCHES "^(GNU|Clang)$")
     return()
@@ -33,21 +35,21 @@ function(throng_add_precompiled name kind)
   target_precompile_headers(${name} PRIVATE ${precompiled_UNPARSED_ARGUMENTS})
 endfunction()
 
-# The sources of `target` begin with the headers of `precompiled`.
+# Makes all sources of `target` begin with the headers of `precompiled`.
 function(throng_precompile target precompiled)
   if(NOT TARGET ${precompiled})
     return()
   endif()
   target_precompile_headers(${target} REUSE_FROM ${precompiled})
-  # The first is what ccache asks for. The others find false alarms in std::string where it is precompiled, as
-  # -Wrestrict does anywhere (GCC bug 105329).
+  # ccache requires the first flag. The other two turn off false alarms in a precompiled std::string, like those of
+  # -Wrestrict anywhere (GCC bug 105329).
   if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
     target_compile_options(${target} PRIVATE -fpch-preprocess -Wno-array-bounds -Wno-stringop-overflow)
   endif()
 endfunction()
 
-# The sources of `target` are compiled eight at a time, since most of a file's time goes to headers and to what it
-# instantiates from them. Names in their unnamed namespaces must differ.
+# Compiles the sources of `target` eight at a time, since most of a file's compile time goes to headers and to the
+# templates that it instantiates. Names in the files' unnamed namespaces must differ.
 function(throng_compile_together target)
   if(THRONG_QUICK_BUILD)
     set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 8)

@@ -1,7 +1,7 @@
-# The scan methods: each file of src/scan/methods is <name>.comp, whose head says which methods it is the shader of,
-# which of them have a fused form, and which devices without Vulkan have, and <name>.cpp, with a function of each
-# method's name that returns its row (src/scan/scan_table.h). A method <name>_quaternion or <name>_transposed is
-# <name>.comp compiled with that switch.
+# The scan methods, two files each in src/scan/methods. The head of <name>.comp lists the methods that it implements,
+# which of them have a fused form, and which of them devices without Vulkan have. <name>.cpp has for each method a
+# function of the same name, which returns its row (src/scan/scan_table.h). A method <name>_quaternion or
+# <name>_transposed is <name>.comp compiled with that switch.
 file(GLOB scan_method_shaders CONFIGURE_DEPENDS RELATIVE ${PROJECT_SOURCE_DIR}/src
   ${PROJECT_SOURCE_DIR}/src/scan/methods/*.comp)
 set(THRONG_SCAN_METHODS "")
@@ -49,10 +49,10 @@ foreach(shader IN LISTS scan_method_shaders)
   endforeach()
 endforeach()
 
-# throng_add_scan_variants(target table row variants...): the methods' shaders, compiled as each variant says, and a
-# file of rows {"method", words of each variant}. The words of fused forms can be empty. For the variant `tiled` a row
-# says whether its fused form is tiled; for `native` it has the address of the NativeKernel, which can be null. `row`
-# is the rows' type.
+# throng_add_scan_variants(target table row variants...): compiles the methods' shaders in each variant, and writes a
+# file of rows {"method", SPIR-V words of each variant} of the type `row`. The words of a fused variant can be empty.
+# Two variants stand for other values: `tiled` says whether the method's fused form is tiled, and `native` gives the
+# address of its NativeKernel, which can be null.
 function(throng_add_scan_variants target table row)
   set(plain_defines "")
   set(software_defines GPU_SOFTWARE)
@@ -105,7 +105,7 @@ function(throng_add_scan_variants target table row)
     CONTENT "${arrays}constexpr ${row} k${row}[] = {\n${rows}};\n")
 endfunction()
 
-# throng_add_scan_methods(target): adds the methods to the library, with the list of their functions.
+# throng_add_scan_methods(target): adds the methods to `target`, and writes the list of their functions.
 function(throng_add_scan_methods target)
   set(natives "")
   foreach(method IN LISTS THRONG_SCAN_METHODS)
@@ -116,7 +116,7 @@ function(throng_add_scan_methods target)
   file(CONFIGURE OUTPUT ${PROJECT_BINARY_DIR}/shaders/scan/scan_natives.inc @ONLY CONTENT "${natives}")
   list(TRANSFORM THRONG_SCAN_SOURCES PREPEND ${PROJECT_SOURCE_DIR}/src/ OUTPUT_VARIABLE sources)
   target_sources(${target} PRIVATE ${sources})
-  set_source_files_properties(${sources} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)  # all say plan() and simulate()
+  set_source_files_properties(${sources} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)  # all define plan() and simulate()
   throng_add_scan_variants(${target} scan_shader_rows.inc ScanShaders plain software fused fused_software fused_rows
     fused_rows_software tiled native)
   list(JOIN THRONG_SCAN_METHODS "();\nScanMethod " declarations)

@@ -1,8 +1,9 @@
-# GLSL -> SPIR-V words in the build tree, which C++ includes into an array: #include "<output>".
+# Compiles GLSL to SPIR-V words in the build tree. C++ includes them into an array: #include "<output>".
 find_program(GLSLC glslc REQUIRED)
 
-# throng_add_shader(target shader output defines...): shader relative to src/ or absolute, output to the folder of
-# shaders in the build tree. throng_shaders compiles the library's, unless the folder THRONG_COMPILED_SHADERS has them.
+# throng_add_shader(target shader output defines...): `shader` is relative to src/ or absolute, `output` is relative to
+# the build tree's folder of shaders. The target throng_shaders compiles the library's shaders, unless the folder
+# THRONG_COMPILED_SHADERS has them already.
 function(throng_add_shader target shader output_name)
   cmake_path(COMPARE ${CMAKE_CURRENT_SOURCE_DIR} EQUAL ${PROJECT_SOURCE_DIR} of_the_library)
   if(of_the_library AND THRONG_COMPILED_SHADERS)
@@ -32,11 +33,11 @@ function(throng_add_shader target shader output_name)
   endif()
 endfunction()
 
-# throng_add_native(target shader name defines...): the text of a compute shader, relative to src/, as C++, which makes
-# the NativeKernel native::<name> (gpu/native_text.h). Each operation is rounded once and numbers are floats, as on a
-# device; buffers are words that texts see as several types, so nothing follows from types. GLSL converts numbers,
-# shadows names, and has functions that not every kernel uses. Its constructors are C++20's aggregates in parentheses,
-# which GCC 10 has and Clang 16.
+# throng_add_native(target shader name defines...): compiles a compute shader, relative to src/, as C++, to the
+# NativeKernel native::<name> (gpu/native_text.h). As on a device, each operation is rounded once and literals are
+# floats. Buffers are words that shaders see as several types, so the compiler must not draw conclusions from types.
+# GLSL converts numbers, shadows names, and has functions that not every kernel uses, so these warnings are off. Its
+# constructors are C++20's parenthesized aggregate initialization, which GCC has since version 10 and Clang since 16.
 set(native_options -ffp-contract=off -fno-math-errno -fno-trapping-math -fno-strict-aliasing -Wno-conversion -Wno-shadow
   -Wno-unused-function)
 if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
@@ -44,7 +45,7 @@ if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
 elseif(CMAKE_CXX_COMPILER_ID STREQUAL "Clang")
   list(APPEND native_options -Xclang -cl-single-precision-constant)
 endif()
-if(THRONG_SANITIZE)  # what they are in may have less
+if(THRONG_SANITIZE)  # the target itself may be compiled with -O0
   list(APPEND native_options -O1)
 elseif(CMAKE_BUILD_TYPE STREQUAL Release)
   list(APPEND native_options -O3)
@@ -80,9 +81,9 @@ const NativeKernel ${name} = io::native_kernel<io::Text>();
   target_sources(${target} PRIVATE ${source})
 endfunction()
 
-# throng_add_kernel(target kernel [SOFTWARE] [NATIVE]): a compute shader, relative to src/ and without its ending, as
-# the KernelCode kernels::<file> in <kernel>.kernel.h: with SOFTWARE also its variant for software devices, with NATIVE
-# its text as C++.
+# throng_add_kernel(target kernel [SOFTWARE] [NATIVE]): compiles a compute shader, relative to src/ and without its
+# extension, and defines it as the KernelCode kernels::<file> in <kernel>.kernel.h: with SOFTWARE also in its variant
+# for software devices, with NATIVE also as C++.
 function(throng_add_kernel target kernel)
   cmake_parse_arguments(with "SOFTWARE;NATIVE" "" "" ${ARGN})
   cmake_path(GET kernel FILENAME name)

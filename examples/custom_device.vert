@@ -1,5 +1,5 @@
 #version 460
-// Skins and places one vertex of one individual, from throng's mesh and matrices.
+// Skins and places one vertex of one instance, from throng's mesh and matrices.
 
 // throng::Vertex, 32 bytes, and throng::Influences, 24 bytes; the arrays keep their 4-byte alignment.
 struct Vertex {
@@ -16,15 +16,16 @@ struct Influences {
 
 layout(set = 0, binding = 0, std430) readonly buffer Vertices { Vertex vertices[]; };
 layout(set = 0, binding = 1, std430) readonly buffer InfluenceSets { Influences influences[]; };
-// throng::OutputBlock: three rows a matrix, [instance_count][palette_count] and [instance_count].
+// throng::OutputBlock: matrices of three rows each, skin [instance_count][palette_count], placement [instance_count].
 layout(set = 0, binding = 2, std430) readonly buffer SkinMatrices { vec4 skin_rows[]; };
 layout(set = 0, binding = 3, std430) readonly buffer Placements { vec4 placement_rows[]; };
 
-// Which instances are drawn: a count, where each level of detail begins after the fifth word, then their numbers.
+// throng::OutputBlock::list, the instances that are drawn: how many; where each of four levels of detail begins after
+// the fifth word; then their numbers.
 layout(set = 0, binding = 4, std430) readonly buffer List { uint list[]; };
 
 layout(push_constant) uniform Push {
-    mat4 clip_from_world;  // its columns are the rows: vector * matrix applies it
+    mat4 clip_from_world;  // stored by rows, so GLSL has its transpose: vector * matrix applies it
     vec4 base_color;
     uint first_vertex, first_influences, influence_sets, palette_count, lod;
 };
@@ -32,7 +33,7 @@ layout(push_constant) uniform Push {
 layout(location = 0) out vec3 out_world;
 layout(location = 1) out vec4 out_color;
 
-// weight * matrix, where the matrix's rows are the columns here: vector * result applies it.
+// weight * matrix. The matrix's rows are the columns of the result, so vector * result applies it.
 mat3x4 weighted_skin_matrix(uint instance, uint palette_entry, float weight) {
     const uint row = 3 * (instance * palette_count + palette_entry);
     return weight * mat3x4(skin_rows[row], skin_rows[row + 1], skin_rows[row + 2]);

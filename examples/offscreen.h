@@ -1,4 +1,4 @@
-// What every Vulkan application has somewhere and this one keeps out of sight: memory, buffers, and images to draw to.
+// What every Vulkan application has somewhere, kept out of the examples' way: memory, buffers, and images to draw to.
 #pragma once
 
 #include <vulkan/vulkan.h>
@@ -108,8 +108,8 @@ inline Image make_image(const Context& context, VkFormat format, VkExtent2D size
                          .subresourceRange = {aspect, 0, 1, 0, 1}})};
 }
 
-// From everything before to everything after, the host included: coarse, but short. Without an image, a barrier for
-// memory alone.
+// A barrier between everything before it and everything after it, the host included: coarse, but short. Without an
+// image it is a memory barrier alone.
 inline void barrier(VkCommandBuffer commands, VkImage image = VK_NULL_HANDLE, VkImageAspectFlags aspect = 0,
                     VkImageLayout from = {}, VkImageLayout to = {}) {
     constexpr VkPipelineStageFlags2 kBefore = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT,

@@ -1,5 +1,5 @@
-// Joints that move by rules: creatures that walk in place in a wind, each with a tail and tendrils that swing after it,
-// and a head that follows a small one flying around them. An artist has made nothing but clips of walking and flying.
+// Joints that move by rules: creatures walk in place in a wind, each with a tail and tendrils that swing and a head
+// that follows a small creature flying around them. The artist's clips have nothing but walking and flying.
 //   procedural creature.glb picture.png
 // (./run throng generate makes such a creature)
 #include <throng/throng.h>
@@ -18,7 +18,7 @@ Affine standing_at(float x, float y, float z, float scale = 1) {
     return {{{{scale, 0, 0, x}, {0, scale, 0, y}, {0, 0, scale, z}}}};
 }
 
-// The first joint whose name begins with that of a limb, or the last one if `last` is set.
+// The first joint whose name begins with `limb`, or the last one if `last` is set.
 std::string joint_of(const Character& character, const std::string& limb, bool last = false) {
     std::string found;
     for (const std::string& name : character.rig.names)

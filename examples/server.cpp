@@ -65,7 +65,7 @@ int main(int argc, char** argv) {
     uint32_t hit_count = 0;
     for (uint32_t tick = 0; tick < kTicks; ++tick) {
         const auto begin = std::chrono::steady_clock::now();
-        const uint32_t player = tick * 7919 % crowd.instance_count();  // somebody else wants something in each tick
+        const uint32_t player = tick * 7919 % crowd.instance_count();  // another player changes something in each tick
         crowd.set_parameter(InstanceHandle{player}, 0, 5 * unit(random)).expect();
         crowd.update(kTick_s).expect();
         for (uint32_t shot = 0; shot < kShots; ++shot) {

@@ -1,5 +1,5 @@
-// Characters under controllers, which carry things: they stand, walk, run and strike as two parameters say, decided on
-// the GPU; each has a lantern at its head; and the events of three of them are printed as they come back.
+// Characters under controllers, which carry things: they stand, walk, run and strike, as the GPU decides by two
+// parameters. Each has a lantern at its highest joint. The events of three of them are printed as they come back.
 //   state_machine creature.glb guard.json picture.png
 // (./run throng generate makes such a creature, with the clips idle, walk and fly; examples/controllers has the
 // controller)
@@ -38,8 +38,7 @@ int main(int argc, char** argv) {
     const Controller controller = load_controller(argv[2]).expect();
     const Device device = Device::create().expect();
 
-    // 100 guards that decide for themselves, and what they carry: small creatures that hang where the guards' sockets
-    // are.
+    // 100 guards with a controller, and what they carry: small creatures that hang at the guards' sockets.
     constexpr uint32_t kSide = 10, kCount = kSide * kSide;
     Crowd crowd = Crowd::create(device, {.groups = {{.character = &guard,
                                                      .instance_count = kCount,

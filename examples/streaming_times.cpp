@@ -1,6 +1,6 @@
-// What it costs to bring characters into a running program: making a crowd, its first update and later ones, then a
-// crowd of another character beside it, and one of a character that is there already; and adding another crowd's group
-// to the first crowd, and removing it again.
+// What it costs to bring characters into a running program. Times making a crowd, its first update and later ones; the
+// same for a crowd of another character beside it, and for one of a character that is already on the device; then
+// adding another crowd's group to the first crowd, and removing it again.
 //   streaming_times [--device] one.glb other.glb ...   (--device: by the device's kernels, not natively)
 #include <throng/throng.h>
 

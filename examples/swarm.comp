@@ -1,5 +1,5 @@
-// Each invocation looks after one character: it is born in the middle, walks outwards in a direction of its own, and is
-// gone after four seconds, when another is born with its number.
+// Each invocation controls one character: it is born in the middle, walks outwards in its own direction, and is gone
+// after four seconds, when another is born with the same number.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #define THRONG_COMMAND_SET 0

@@ -53,7 +53,7 @@ int main(int argc, char** argv) {
         bind(context, commands, pipeline, {crowd.outputs()[0].command});
         vkCmdPushConstants(commands, pipeline.layout, VK_SHADER_STAGE_COMPUTE_BIT, 0, sizeof push, &push);
         vkCmdDispatch(commands, (kCount + 63) / 64, 1, 1);
-        // record() waits for what shaders before it have written.
+        // record() waits for what earlier shaders have written.
         crowd.record(commands, kStep_s).expect();
         submit_and_wait(vulkan.queue, commands);
         drawn += crowd.read_drawn().expect().size();

@@ -15,17 +15,17 @@
 namespace throng {
 namespace {
 
-// Instrumented, those left out take too long.
+// Under GPU-assisted validation the excluded test takes too long.
 const test::InSubset kActiveClipsInSubsets({test::Subset::kGpuAssisted},
                                            {"ActiveClips.*", "-ActiveClips.FollowTheReference"});
 const test::InSubset kActiveClipsNatively({test::Subset::kNative}, {"ActiveClips.*"});
 
 using namespace test;
 
-// Of an element, relative where it exceeds 1; times what the mixing itself makes of its inputs' errors
+// Of an element, relative where it exceeds 1. Tests multiply it by amplification() of their inputs' errors.
 constexpr double kActiveClipsBound = 2e-6;
 
-// A clip at a time.
+// A clip at one time.
 struct ClipPart {
     uint32_t clip = 0;
     double time_s = 0;
@@ -41,7 +41,7 @@ struct Layer {
 
 using Layers = std::vector<Layer>;
 
-// The cursor's fraction is a float, and so the reference samples where it points.
+// The cursor's fraction is a float, so the reference samples at the time that the rounded fraction gives.
 double rounded_time(const Character& character, const ClipPart& part, const RowCursor& rows) {
     const float* times_s = &character.times_s[character.clips[part.clip].first_time];
     return times_s[rows.earlier] +
@@ -107,7 +107,7 @@ public:
     const Character& character() const { return character_; }
     uint32_t joint_count() const { return character_.rig.joint_count(); }
 
-    // Behind an instance's active clips lie others, which would change its pose if they were read.
+    // The entries behind an instance's active clips hold other clips, which would change its pose if they were read.
     std::vector<io::ActiveClip> active_clips(const std::vector<Layers>& instances, uint32_t active_clip_limit) const {
         io::ActiveClip other = rows_of(character_, {.clip = 0, .time_s = 0.9}).active_clip;
         other.flags = io::kActiveClipBeginsLayer | io::kActiveClipEndsLayer;
@@ -149,7 +149,7 @@ public:
         return run(active_clips(instances, active_clip_limit), active_clip_limit);
     }
 
-    // What the reference takes, for each joint.
+    // The reference's input, for each joint.
     std::vector<std::vector<ReferenceLayer>> reference_layers(const Layers& layers) const {
         std::vector<std::vector<ReferenceLayer>> out(joint_count());
         for (const Layer& layer : layers) {
@@ -179,7 +179,7 @@ private:
     Guarded<float> mask_buffer_;
 };
 
-// Zeros, ones and a ramp between them; and one of ones.
+// Two masks: one with zeros, ones and a ramp between them; one of ones only.
 std::vector<float> make_masks(uint32_t joint_count) {
     std::vector<float> out;
     for (uint32_t joint = 0; joint < joint_count; ++joint)
@@ -217,8 +217,8 @@ double error_of(const Affine& got, const Trs<double>& wanted) {
     return matrix_error(got, to_affine(wanted), std::max(1.0, length(wanted.translation)));
 }
 
-// How many times larger than an error of its inputs one of the result is: large where rotations nearly cancel, or lie a
-// quarter turn apart on S3, where rounding decides which way round is shorter.
+// By what factor errors of the inputs grow in the result. It is large where rotations nearly cancel, or lie a quarter
+// turn apart on S3, where rounding decides which way round is shorter.
 double amplification(const std::vector<ReferenceLayer>& layers, const Trs<double>& result, Random& random) {
     constexpr double kError = 1e-5;
     const auto about = [&](double x) { return x + random.between(-kError, kError); };
@@ -298,7 +298,7 @@ TEST(ActiveClips, AreSimilaritiesWhereScaleIsUniform) {
     }
 }
 
-// Two clips that fade into each other are what the blend stage makes of them.
+// Two clips in one layer that fade into each other give the blend stage's result.
 TEST(ActiveClips, TwoInOneLayerAreABlend) {
     const ActiveClipsRun stage(make_character({.joint_count = 70}));
     for (const float weight : {0.25f, 0.5f, 0.9f}) {
@@ -315,7 +315,7 @@ TEST(ActiveClips, TwoInOneLayerAreABlend) {
     }
 }
 
-// A layer without weight at a joint leaves what lies below to the bit; one of weight 1 covers it to the bit.
+// A layer with weight 0 at a joint leaves the pose below unchanged to the bit; one with weight 1 replaces it exactly.
 TEST(ActiveClips, WeightsOfNothingAndOfOneAreExact) {
     const ActiveClipsRun stage(make_character({.joint_count = 65, .clip_count = 4}), make_masks(65));
     const Layer base{.parts = {{0, 0.3, 0.5f}, {1, 0.2, 0.5f}}}, wave{.parts = {{2, 0.7, 0.25f}, {3, 0.1, 0.75f}}};
@@ -355,7 +355,7 @@ TEST(ActiveClips, WeightsOfNothingAndOfOneAreExact) {
     EXPECT_TRUE(same_bits(whole(9), whole(5))) << "three layers";
 }
 
-// A clip's difference from its first row is nothing in its first row: rounding, and no more.
+// A clip's difference from its first row is zero in that row, up to rounding.
 TEST(ActiveClips, AFirstRowAddsNothing) {
     const ActiveClipsRun stage(make_character({.joint_count = 65, .clip_count = 4}));
     const Layer base{.parts = {{0, 0.3}}};
@@ -391,7 +391,7 @@ Character two_row_clips(const std::vector<std::array<Trs<float>, 2>>& clips) {
     return character;
 }
 
-// Half turns this way and that, half each, add to no rotation at all: the last one has its way.
+// Two half turns in opposite directions, weighted by half each, sum to a zero quaternion: the last rotation wins.
 TEST(ActiveClips, RotationsThatCancel) {
     const Trs<float> still{}, half{.rotation = {1, 0, 0, 0}, .translation = {1, 0, 0}},
         other_half{.rotation = {-1, 0, 0, 0}, .translation = {3, 0, 0}};
@@ -402,7 +402,7 @@ TEST(ActiveClips, RotationsThatCancel) {
                                         {base, {.is_additive = true, .weight = 0.5f, .parts = both}},
                                         {{.parts = both}}};
     const std::vector<Affine> local = stage.run(instances);
-    // About x; of an override both are the same half turn
+    // About x. For an override, both are the same half turn
     const std::array<double, 3> angles_rad{std::numbers::pi, -std::numbers::pi / 2, std::numbers::pi};
     for (size_t i = 0; i < instances.size(); ++i) {
         const Trs<double> wanted{.rotation = axis_angle(Vec3<double>{1, 0, 0}, angles_rad[i]),
@@ -415,7 +415,7 @@ TEST(ActiveClips, RotationsThatCancel) {
     }
 }
 
-// A scale that begins at nothing has no ratio, and is left alone.
+// A scale that starts at zero has no ratio, so it is left unchanged.
 TEST(ActiveClips, ScalesFromNothingAddNothing) {
     const ActiveClipsRun stage(two_row_clips(
         {{Trs<float>{.scale = {1, 2, 4}}, {}}, {Trs<float>{.scale = {0, 1, 2}}, Trs<float>{.scale = {5, 3, 1}}}}));
@@ -423,7 +423,7 @@ TEST(ActiveClips, ScalesFromNothingAddNothing) {
     EXPECT_LE(error_of(local[0], {.rotation = {}, .translation = {}, .scale = {1, 6, 2}}), kActiveClipsBound);
 }
 
-// The reference against hand-made numbers.
+// The reference against numbers worked out by hand.
 TEST(ActiveClips, TheReferenceAddsInTheSpaceOfTheParent) {
     const auto about_z = [](double angle_rad) { return axis_angle(Vec3<double>{0, 0, 1}, angle_rad); };
     const ReferenceActiveClip base{.pose = {about_z(0.3), {1, 0, 0}, {1, 2, 1}}, .first = {}};
@@ -434,14 +434,14 @@ TEST(ActiveClips, TheReferenceAddsInTheSpaceOfTheParent) {
     EXPECT_NEAR(std::abs(dot(half.rotation, about_z(0.5))), 1, 1e-12);
     EXPECT_LE(length(half.translation - Vec3<double>{1, 1, 0}) + length(half.scale - Vec3<double>{1.5, 1.5, 1}), 1e-12);
 
-    // From the left: first the pose below, then the difference.
+    // The difference is multiplied from the left: the pose below applies first.
     const Quaternion<double> x = axis_angle(Vec3<double>{1, 0, 0}, 1.0);
     const Trs<double> turned = active_clips_reference(std::vector<ReferenceLayer>{
         {.active_clips = {{.pose = {x, {}, {1, 1, 1}}, .first = {}}}}, {.is_additive = true, .active_clips = {lean}}});
     EXPECT_NEAR(std::abs(dot(turned.rotation, about_z(0.4) * x)), 1, 1e-12);
 }
 
-// A list that fills its room ends there, whatever its flags say.
+// A list that fills all its slots ends there, even without the flag that marks the end.
 TEST(ActiveClips, AListEndsWithItsRoom) {
     const ActiveClipsRun stage(make_character({.joint_count = 65}));
     std::vector<Layers> instances;

@@ -1,4 +1,4 @@
-// Instances that hang on others: each is where its carrier's socket is in the same update.
+// Instances attached to others: each is at its carrier's socket in the same update.
 #include "attach/attach_reference.h"
 #include "crowd/crowd_state.h"
 #include "tests/crowd_cases.h"
@@ -21,7 +21,7 @@ constexpr uint32_t kBodies = 40, kThings = 30;
 
 class Attach : public testing::TestWithParam<UpdatePath> {
 protected:
-    // Agents with two sockets, and what they may carry.
+    // Agents with two sockets, and things that they may carry.
     Crowd crowd_of(bool culls = true, const Device& device = test_device()) const {
         CrowdSettings settings{.groups = {{.character = &body_,
                                            .instance_count = kBodies,
@@ -104,7 +104,7 @@ TEST_P(Attach, WhatHangsIsWhereTheSocketIs) {
             ASSERT_TRUE(crowd.update(0.1f));
             for (uint32_t i = 0; i < kThings; ++i) expect_there(crowd, things(crowd)[i], attachments[i]);
         }
-        // Let go, one stays where it was, and another goes where it is put.
+        // Once detached, an instance stays where it was, or goes where it is placed.
         const InstanceHandle stays = things(crowd)[4], is_put = things(crowd)[5];
         const Affine was = placement(crowd, stays), place = to_affine(Trs<float>{.translation = {1, 2, 3}});
         ASSERT_TRUE(crowd.detach(std::array{stays, is_put}));
@@ -121,7 +121,7 @@ TEST_P(Attach, NothingHangsOnWhoeverComesAfterACarrier) {
     const std::vector<InstanceHandle> all = things(crowd);
     const InstanceHandle carrier = bodies(crowd)[3];
     ASSERT_TRUE(crowd.attach(all[0], Attachment{.carrier = carrier}));
-    ASSERT_TRUE(crowd.attach(all[1], Attachment{.carrier = bodies(crowd)[4]}));  // who stays
+    ASSERT_TRUE(crowd.attach(all[1], Attachment{.carrier = bodies(crowd)[4]}));  // a carrier that stays
     ASSERT_TRUE(crowd.update(0.1f));
     const Affine was = placement(crowd, all[0]);
     ASSERT_TRUE(crowd.despawn(std::array{carrier, all[1]}));
@@ -133,7 +133,7 @@ TEST_P(Attach, NothingHangsOnWhoeverComesAfterACarrier) {
     EXPECT_EQ(placement(crowd, all[0]), was);
     EXPECT_EQ(placement(crowd, thing[0]), to_affine(Trs<float>{.translation = {0, 90, 0}}));
     EXPECT_NE(refusal(crowd.attach(all[0], Attachment{.carrier = carrier})).find("its carrier"), std::string::npos);
-    // A newborn that hangs on a newborn, in the update of both.
+    // A new instance attached to a new carrier, in the first update of both.
     const Attachment attachment{.carrier = next[0], .socket = 1};
     ASSERT_TRUE(crowd.attach(thing, attachment));
     ASSERT_TRUE(crowd.update(0.1f));
@@ -205,7 +205,7 @@ TEST_P(Attach, MistakesAreNamed) {
 
 constexpr uint32_t kRiders = 12;
 
-// Riders hang on beasts and on each other, and things on both.
+// Riders are attached to beasts and to each other, and things to both.
 class AttachInRows : public Attach {
 protected:
     struct Hanging {
@@ -229,7 +229,7 @@ protected:
         return crowd;
     }
     static std::vector<InstanceHandle> riders(const Crowd& crowd) { return handles(crowd, 2, kRiders); }
-    // Anywhere, at any time of a clip.
+    // Random placements, at random times of a clip.
     static void play(Crowd& crowd, uint32_t group, uint32_t count, uint64_t seed) {
         Random random(seed);
         for (const InstanceHandle& one : handles(crowd, group, count)) {
@@ -237,7 +237,7 @@ protected:
             EXPECT_TRUE(crowd.set_playback(one, {.first = {.clip = 0, .time_s = random.between(0, 2)}}));
         }
     }
-    // Of the riders the first hangs on nobody, others on a body or on a rider before them; things on any of both.
+    // The first rider is attached to nothing, the others to a body or an earlier rider, and things to either.
     static std::vector<Hanging> random_rows(const Crowd& crowd, uint64_t seed) {
         Random random(seed);
         const std::vector<InstanceHandle> beasts = bodies(crowd), all = riders(crowd);
@@ -262,7 +262,7 @@ protected:
     void expect_all_there(const Crowd& crowd, std::span<const Hanging> rows) const {
         for (const auto& [thing, attachment] : rows) expect_there(crowd, thing, attachment);
     }
-    // Of riders that stand where these have been carried, and play the same.
+    // Compares with riders that stand where these have been carried and play the same.
     void expect_sockets_of_riders(const Crowd& crowd, uint32_t update_count) const {
         Crowd alone = Crowd::create(test_device(),
                                     {.groups = {{.character = &rider_, .instance_count = kRiders, .sockets = {4, 1}}},
@@ -320,7 +320,7 @@ TEST_P(AttachInRows, WhatIsLetGoStaysAndStillCarries) {
         EXPECT_EQ(placement(crowd, all[1]), was);
         for (const size_t i : {0u, 2u, 3u}) expect_there(crowd, rows[i].thing, rows[i].attachment);
     }
-    // Its carrier gone, so does the next.
+    // After its carrier is despawned, the next one also stays where it is.
     const Affine next_was = placement(crowd, all[2]);
     ASSERT_TRUE(crowd.despawn(std::array{all[1]}));
     ASSERT_TRUE(crowd.update(0.1f));
@@ -346,14 +346,14 @@ TEST_P(AttachInRows, AreSaved) {
     std::vector<Hanging> rows{{things(crowd)[0], {.carrier = all[0]}}};
     for (uint32_t i = 0; i + 1 < kRiders; ++i) rows.push_back({all[i], {.carrier = all[i + 1], .socket = 1}});
     hang(crowd, rows);
-    // The other way around: the riders of the first batch, as saved, and of others, as they were, would form circles.
+    // The other crowd is attached in the opposite order. Restoring only the first batch's riders would form cycles.
     for (uint32_t i = 1; i < kRiders; ++i) hang(other, std::array{Hanging{all[i], {.carrier = all[i - 1]}}});
     ASSERT_TRUE(other.update(0.1f));
     ASSERT_TRUE(other.restore_state(crowd.save_state().value()));
     ASSERT_TRUE(crowd.update(0.1f) && other.update(0.1f));
     for (const Hanging& one : rows) EXPECT_EQ(placement(crowd, one.thing), placement(other, one.thing));
     expect_all_there(other, rows);
-    // Bytes tell who hangs on whom, and not how that came about.
+    // The saved bytes show what is attached to what, not the order of the calls that led there.
     ASSERT_TRUE(crowd.detach(all[5]));
     const std::vector<std::byte> saved = crowd.save_state().value();
     ASSERT_TRUE(crowd.restore_state(saved));

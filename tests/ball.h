@@ -1,4 +1,4 @@
-// A ball on two joints, whose materials use all that materials have.
+// A ball on two joints, whose materials use every material feature.
 #pragma once
 
 #include <throng/asset.h>
@@ -13,7 +13,7 @@ namespace throng::test {
 
 std::vector<std::byte> png_bytes(const Picture& picture);
 
-// A colour of its own in most pixels.
+// Nearly every pixel has a different colour.
 Picture gradient(uint32_t width, uint32_t height);
 
 // `pixel(x, y)` is its red, green, blue and alpha, 0..1.
@@ -34,10 +34,10 @@ struct BallSettings {
     bool has_morphs = false;
 };
 
-// Its clip bends it; with morphs, it swells at one side and turns its normals meanwhile. One material, white.
+// Its clip bends it. With morphs, the clip also swells one side and turns its normals. One white material.
 Asset make_ball(const BallSettings& settings = {});
 
-// All five maps, of sizes that are no powers of two, and alpha between 0 and 1.
+// Adds all five maps, with sizes that are not powers of two, and alpha values between 0 and 1.
 void add_maps(Asset& asset);
 
 }  // namespace throng::test

@@ -1,4 +1,4 @@
-// The baselines: exact where they store a pose, wrong between and above all when clips are blended, and by how much.
+// The baselines are exact at the poses they store, and measurably wrong between them and above all in blends of clips.
 #include "bench/baselines/baselines.h"
 
 #include "base/failure.h"
@@ -214,7 +214,7 @@ TEST(Baseline, BlendingErrsMoreTheMoreAChainBends) {
     }
 }
 
-// The chain's clips hold still: nothing of them is animated.
+// The chain's clips hold still, so no track is animated.
 TEST(Baseline, FlattenedStoresWhatStandsStillOnce) {
     const Character stored = flattened().bake(bending_chain(1), {});
     for (const Clip& clip : stored.clips) EXPECT_EQ(clip.row_stride, 0u) << clip.name;

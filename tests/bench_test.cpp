@@ -1,4 +1,4 @@
-// The benchmark: its skeletons, its statistics, and above all that it never times a wrong result.
+// The scan benchmark: its skeletons, its statistics, and that it never times a wrong result.
 #include "base/failure.h"
 #include "bench/scan_cell.h"
 #include "bench/scan_crowd.h"
@@ -28,7 +28,7 @@ std::vector<uint32_t> subtree_sizes(const std::vector<uint32_t>& parents) {
     return sizes;
 }
 
-// Depth first: a joint's descendants follow it. Of siblings, the one with the largest subtree comes last.
+// Depth first: a joint's descendants follow it. Among siblings, the one with the largest subtree comes last.
 void expect_throngs_order(const std::vector<uint32_t>& parents) {
     const std::vector<uint32_t> sizes = subtree_sizes(parents);
     ASSERT_EQ(parents[0], kNone);
@@ -147,7 +147,7 @@ TEST(Bench, TheCheckSeesOneWrongNumberAnywhere) {
     }
 }
 
-// Rows of the table, broken on purpose: the kernels are the right ones, the skeletons that they get are not.
+// Deliberately broken rows of the table: the kernels are correct, but they get wrong skeletons.
 ScanPlan plan_with_another_parent(const ScanRig& rig, const ScanLimits& limits, uint32_t threads) {
     ScanRig other = rig;
     other.parents.back() = 0;
@@ -155,7 +155,7 @@ ScanPlan plan_with_another_parent(const ScanRig& rig, const ScanLimits& limits, 
 }
 ScanPlan plan_without_work(const ScanRig& rig, const ScanLimits& limits, uint32_t threads) {
     ScanPlan plan = find_scan_method("serial")->plan(rig, limits, threads);
-    plan.links[0] = 0;  // runs
+    plan.links[0] = 0;  // the first link holds the number of runs
     return plan;
 }
 ScanMethod broken(std::string_view name, ScanPlan (*plan)(const ScanRig&, const ScanLimits&, uint32_t)) {
@@ -199,8 +199,8 @@ TEST(Bench, AWrongMethodIsReportedAndNotTimed) {
     EXPECT_FALSE(on_chip[0].contains("on_chip_ns_per_joint"));
 }
 
-// Every row of the table, in both measurements: right, timed, or with a reason why not. Of more than two numbers of
-// threads the first alone, since each is compiled: scan_test runs all of them.
+// Every row of the table, in both measurements, is correct and timed, or gives a reason why not. A method with more
+// than two thread counts runs only the first, since each is compiled separately; scan_test runs all of them.
 TEST(Bench, EveryMethodIsMeasured) {
     std::vector<Entrant> entrants;
     for (const ScanMethod& method : scan_table()) {

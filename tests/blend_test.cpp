@@ -46,7 +46,7 @@ std::vector<Affine> run_blend(const std::vector<float>& weights, const std::vect
     return local.read();
 }
 
-// Rotation, uniform scale and translation come out as they went in, or blended.
+// Rotations, uniform scales and translations come out unchanged at weights 0 and 1, and blended between.
 TEST(Blend, SimilaritiesAreTheSameTransforms) {
     constexpr uint32_t kJoints = 70;
     Random random(3);
@@ -91,7 +91,7 @@ TEST(Blend, FollowsTheReference) {
         std::vector<io::JointPose> first, second;
         for (size_t i = 0; i < weights.size() * joint_count; ++i) {
             Trs<double> a = random.trs(2, 0.5), b = random.trs(2, 0.5);
-            // Nearly the same
+            // Nearly the same rotation
             if (random.chance(0.3))
                 b.rotation = normalized(a.rotation * axis_angle(random.direction(), random.between(0, 0.01)));
             const double cosine = dot(a.rotation, b.rotation);
@@ -113,7 +113,7 @@ TEST(Blend, FollowsTheReference) {
     }
 }
 
-// The pose of a clip without weight was never written: whatever lies there must not show.
+// The pose of a clip with weight 0 was never written: its contents must not show.
 TEST(Blend, APoseWithoutWeightDoesNotShow) {
     constexpr uint32_t kJointCount = 70;
     Random random(4);

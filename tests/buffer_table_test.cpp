@@ -1,3 +1,4 @@
+// BufferTable: names of buffers, and the buffers that stand in for absent ones.
 #include "gpu/buffer_table.h"
 
 #include <gtest/gtest.h>

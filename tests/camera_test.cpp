@@ -1,4 +1,4 @@
-// Cameras that hold a crowd, and what its shadow map shows of what they see.
+// Cameras that fit a crowd into view, and what the shadow map covers of what they see.
 #include "draw/camera.h"
 #include "draw/shadow_map.h"
 #include "tests/projection.h"
@@ -26,7 +26,7 @@ TEST(FitCamera, HoldsAllCornersInViewAndFillsThePicture) {
         {{{-0.5f, 0, -0.2f}, {0.5f, 1.8f, 0.2f}}, 16.0f / 9},  // a person
         {{{-0.5f, 0, -0.2f}, {0.5f, 1.8f, 0.2f}}, 0.5f},
         {{{-60, -10, -90}, {60, 80, 70}}, 1},               // a file in centimetres
-        {{{-8, 0, -8}, {8, 1.8f, 8}}, 16.0f / 9},           // a hundred
+        {{{-8, 0, -8}, {8, 1.8f, 8}}, 16.0f / 9},           // a hundred people
         {{{990, 0, -1008}, {1010, 1.8f, -992}}, 4.0f / 3},  // far from the origin
         {{{-0.01f, 0, -0.01f}, {0.01f, 0.02f, 0.01f}}, 2},
     };
@@ -66,7 +66,7 @@ TEST(FitCamera, TakesAPointForBounds) {
     EXPECT_NEAR(seen.y, 0, 1e-3);
 }
 
-// A camera that moves: the map's texels stay where they are.
+// When the camera moves, the shadow map's texels stay at the same world positions.
 TEST(ShadowMap, MovesInWholeTexels) {
     const Bounds bounds{{-20, 0, -20}, {20, 2, 20}};
     const Vec3<float> sun = normalized(Vec3<float>{-0.45f, 0.85f, 0.5f});
@@ -116,7 +116,7 @@ TEST(ShadowMap, AxesAreAtRightAnglesUnderAnySun) {
     }
 }
 
-// A game's camera looks at what the crosshair hits, a kilometre away; its own hands are still to be seen.
+// A game's camera aims at what the crosshair hits, a kilometre away; its own hands must still be visible.
 TEST(View, NearThingsAreSeenHoweverFarTheTargetIs) {
     for (const float distance : {0.1f, 5.0f, 1000.0f}) {
         const View view = make_view({.eye = {1, 2, 3}, .target = {1, 2, 3 - distance}}, 1.5f);

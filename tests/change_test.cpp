@@ -1,4 +1,4 @@
-// Changes here and there, which come to their places in one piece, beside the same changes as commands of their own.
+// Scattered changes of instances, which are uploaded together, against the same changes uploaded one by one.
 #include "tests/contents.h"
 #include "tests/kinds.h"
 #include "tests/subset.h"
@@ -14,9 +14,9 @@ const InSubset kChangeInSubsets({Subset::kGpuAssisted, Subset::kNative}, {"Chang
     kChangeOnOtherDrivers({Subset::kOtherDriver},
                           {"-Changes.InOnePieceAreThoseOfCommandsOfTheirOwn", "-Changes.OfWhoIsThereToo"});
 
-constexpr uint32_t kEach = 60;  // instances of a group: every other one changes, which is many
+constexpr uint32_t kEach = 60;  // instances per group; every other one changes, which counts as many
 
-// Groups of all kinds in several looks, and such as are carried.
+// Groups of all kinds with several looks, and a group of carried instances.
 class ChangingCrowd {
 public:
     ChangingCrowd() : settings_(kinds_.settings(UpdatePath::kDevice)) {
@@ -44,7 +44,7 @@ public:
         return some;
     }
 
-    // With `all` those between are set too, to what they are: then what changes lies side by side.
+    // With `all`, the instances between are also set, to their current values, so that the changes are contiguous.
     void change(Crowd& crowd, bool all) const {
         for (uint32_t group = 0; group < settings_.groups.size(); ++group) {
             if (all) set_as_before(crowd, group);
@@ -52,7 +52,8 @@ public:
         }
     }
 
-    // With `all` all go and come, else every other one; but for those with springs, which swing on where they stay.
+    // With `all`, all are replaced, otherwise every other one. Those with springs stay, since their swinging has to go
+    // on.
     void replace(Crowd& crowd, bool all) const {
         constexpr std::array kReplaced{0u, 1u, 2u, 4u};
         std::set<uint32_t> gone;
@@ -78,7 +79,7 @@ private:
     static constexpr uint32_t kCarriers = 2, kCarried = 5;
     static bool plays_clips(uint32_t group) { return group == 0 || group > 2; }  // else it has a controller
 
-    // Of the number 0: where it stands from the beginning.
+    // Number 0 is the initial placement.
     static Affine place_of(uint32_t number) { return number == 0 ? Affine{} : plot(number); }
 
     void set_as_before(Crowd& crowd, uint32_t group) const {
@@ -141,7 +142,7 @@ TEST(Changes, OfWhoIsThereToo) {
     expect_same_outputs(apart, together, "there");
 }
 
-// More than go up at a time, and among them ranges of one instance and a long one.
+// More changes than one upload holds, among them ranges of one instance and a long one.
 TEST(Changes, AreAsManyAsThereAre) {
     const Character character = creature(2, 2);
     constexpr uint32_t kInstances = 12'000;

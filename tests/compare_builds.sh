@@ -1,8 +1,8 @@
 #!/bin/sh
-# compare_builds.sh COMMIT|BUILD: what this checkout and COMMIT write, byte for byte; COMMIT is built, in build/compare,
-# or BUILD is the folder of its build in another checkout. Both make creatures, compiled files and poses of each character
-# (CHARACTERS, ../shared/characters if not set), pictures, a film, and what the examples print of events and sockets.
-# Prints what differs, and fails where anything does.
+# compare_builds.sh COMMIT|BUILD: compares what this checkout and COMMIT write, byte for byte. COMMIT is built in
+# build/compare; BUILD is the build folder of another checkout. Both make creatures, compiled files and poses of each
+# character (CHARACTERS; default ../shared/characters), pictures, a film, and the examples' output about events and
+# sockets. Prints the differences, and fails if there are any.
 set -eu
 [ $# -eq 1 ] || { echo "usage: tests/compare_builds.sh COMMIT|BUILD" >&2; exit 2; }
 old=$(realpath -- "$1" 2>/dev/null || true)

@@ -1,4 +1,4 @@
-// What the outputs of a crowd hold.
+// The contents of a crowd's outputs.
 #pragma once
 
 #include "tests/kernel_runner.h"
@@ -14,7 +14,7 @@ namespace throng::test {
 struct Output {
     const char* name;
     BufferView OutputBlock::*member;
-    bool is_in_slots = true;  // else it is the same in all frame slots
+    bool is_in_slots = true;  // otherwise it is the same in all frame slots
 };
 inline constexpr Output kOutputs[]{{"skin", &OutputBlock::skin},
                                    {"previous skin", &OutputBlock::previous_skin},
@@ -29,24 +29,24 @@ inline constexpr Output kOutputs[]{{"skin", &OutputBlock::skin},
                                    {"look", &OutputBlock::look},
                                    {"skinned", &OutputBlock::skinned}};
 
-// By the block's number and what it is, bytes: of what is drawn, where there are lists.
+// Bytes, keyed by the block's number and the output's name. Where there are lists, only those of drawn instances.
 using Contents = std::map<std::string, std::string>;
 
-// Which row of `skin` each instance has; empty where that is its own number.
+// The row of `skin` that each instance has. Empty where the row is the instance's own number.
 inline std::vector<uint32_t> skin_rows_of(const OutputBlock& block) {
     if (!block.host.skin_row.empty()) return {block.host.skin_row.begin(), block.host.skin_row.end()};
     if (!block.skin_row) return {};
     return output<uint32_t>(block, &OutputBlock::skin_row, block.instance_count);
 }
 
-// `is_newest`: false leaves out what is the same in all frame slots.
+// With `is_newest` false, leaves out outputs that are the same in all frame slots.
 inline Contents contents_of(std::span<const OutputBlock> blocks, bool is_newest = true) {
     Contents all;
     for (const OutputBlock& block : blocks) {
         const std::string place = std::to_string(block.group) + ": ";
         std::vector<uint32_t> shown(block.instance_count);
         std::iota(shown.begin(), shown.end(), 0u);
-        size_t finest_count = shown.size();  // these come first, and have all vertices
+        size_t finest_count = shown.size();  // the finest level comes first, and has all vertices
         if (has_output(block, &OutputBlock::list)) {
             const auto list = output<uint32_t>(block, &OutputBlock::list, 5 + block.instance_count);
             shown.assign(list.begin() + 5, list.begin() + 5 + list[0]);

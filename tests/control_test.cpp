@@ -1,4 +1,4 @@
-// Times and rows of keys against the reference, over many updates.
+// The control stage: playback times and rows of keys against the reference, over many updates.
 #include "control/control.h"
 #include "control/control_reference.h"
 #include "control/playback.h"
@@ -21,7 +21,7 @@ using namespace test;
 
 constexpr uint32_t kJointCount = 7;  // of the tables that the cursors point into
 
-// Clips' time axes, and the rest pose's as the crowd makes it.
+// The time axes of clips, and of the rest pose as the crowd makes it.
 struct Timelines {
     std::vector<float> times_s{0};  // the rest pose's row; the clips' follow
     std::vector<io::ClipTimeline> clips;
@@ -64,7 +64,7 @@ void check_cursor(const Timelines& timelines, const io::ClipPlay& play, const io
         << "clip " << play.clip << " at " << play.time_s << " s";
     if (cursor.fraction > 0) {
         EXPECT_EQ(cursor.later, timeline.first_row + wanted.later * timeline.row_stride);
-    } else {  // any row, as it has no part in the value
+    } else {  // any row, since its weight in the result is 0
         EXPECT_LE(cursor.later, timeline.first_row + (timeline.row_count - 1) * timeline.row_stride);
     }
     EXPECT_NEAR(cursor.fraction, wanted.fraction, 1e-6) << "clip " << play.clip << " at " << play.time_s << " s";
@@ -141,7 +141,7 @@ TEST(Control, FollowsTheReferenceOverManySteps) {
                 const double wanted_s = local_time_reference(unwrapped_s, duration_s, was.loop != 0);
                 wraps += unwrapped_s != wanted_s;
                 double difference_s = std::abs(is.time_s - wanted_s);
-                // The end is the beginning
+                // For a loop, the end is the same as the beginning
                 if (was.loop) difference_s = std::min(difference_s, duration_s - difference_s);
                 const double rounding_s = 2e-7 * std::max(duration_s, std::abs(unwrapped_s)) + 1e-9;
                 EXPECT_LE(difference_s, std::max(1e-6, rounding_s))
@@ -165,7 +165,7 @@ TEST(Control, FindsTheRowsAtAndAroundEveryKey) {
     const Timelines timelines = make_timelines();
     std::vector<io::InstancePlayback> playbacks;
     const auto add = [&](uint32_t clip, float time_s) {
-        // A device may take what is nearer to 0 for 0
+        // A device may flush subnormal numbers to 0
         if (std::fpclassify(time_s) == FP_SUBNORMAL) time_s = std::copysign(std::numeric_limits<float>::min(), time_s);
         for (const uint32_t loop : {0u, 1u})
             playbacks.push_back({{clip, loop, time_s, 0}, {clip, 1 - loop, time_s, 0}, 0.5f});
@@ -213,7 +213,7 @@ TEST(Control, AnOverflowStaysInTheClip) {
     }
 }
 
-// A workgroup has room for 64 instances; the guard words behind the one would show the others.
+// A workgroup covers 64 instances; writes for the others would change the guard words behind this one.
 TEST(Control, OneInstanceIsOneInstance) {
     const Timelines timelines = make_timelines();
     Runner runner(timelines, {{{0, 1, 0.25f, 1}, {6, 0, 0, 0}, 1}});

@@ -1,4 +1,4 @@
-// A controller's JSON with everything in it, and the ways to break it.
+// JSON for a controller that uses every feature, and ways to break it.
 #pragma once
 
 #include <cstdint>
@@ -65,10 +65,10 @@ inline const std::string kCompleteController = R"({
 }
 )";
 
-// What becomes of the complete file where `old` (the first, which must be there) is replaced.
+// The result of replacing `old` in the complete file: its first occurrence, which must exist.
 struct BrokenController {
     std::string old, now;
-    uint32_t line;       // that the message names
+    uint32_t line;       // named in the message
     std::string reason;  // in the message
     bool schema_tells = true;
 };

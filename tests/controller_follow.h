@@ -1,4 +1,4 @@
-// Controllers' kernels against the reference, whatever runs them: bit for bit in all that decides a state.
+// Controller kernels against the reference, on any device: all that decides a state must match bit for bit.
 #pragma once
 
 #include "control/control_reference.h"
@@ -18,7 +18,7 @@
 namespace throng::test {
 
 inline constexpr uint32_t kEventCapacity = 8192;
-inline constexpr uint32_t kCommandsEach = 3;  // of an instance in an update, at most
+inline constexpr uint32_t kCommandsEach = 3;  // at most, per instance and update
 
 struct EventBlock {
     io::EventHead head{};
@@ -63,14 +63,14 @@ inline Character controlled_creature() {
     return std::move(*character);
 }
 
-// A new value for a parameter, as an application would set it; at times so small that a device may take it for 0.
+// A new value for a parameter, as an application would set it; sometimes so small that a device may flush it to 0.
 inline float random_value(Random& random, ParameterType type) {
     if (type != ParameterType::kFloat) return static_cast<float>(random.below(2));
     if (random.below(8) == 0) return random.below(2) == 0 ? 1e-40f : -1e-40f;
     return static_cast<float>(random.between(-3, 3));
 }
 
-// A few changes of parameters, and now and then a state, in the order of instances.
+// A few parameter changes and now and then a change of state, in the order of instances.
 inline std::vector<io::ControlCommand> random_commands(Random& random, const Controller& controller, uint32_t count) {
     std::vector<io::ControlCommand> commands;
     if (controller.parameters.empty()) return commands;
@@ -135,7 +135,7 @@ inline void expect_active_clips(std::span<const io::ActiveClip> device, std::spa
         ASSERT_EQ(device[i].first_track, wanted[i].first_track) << "active clip " << i;
         ASSERT_EQ(device[i].flags, wanted[i].flags) << "active clip " << i;
         if (divides_weights)
-            EXPECT_FLOAT_EQ(device[i].weight, wanted[i].weight);  // SPIR-V lets devices be off by 2.5 ulp
+            EXPECT_FLOAT_EQ(device[i].weight, wanted[i].weight);  // SPIR-V allows an error of 2.5 ulp
         else
             EXPECT_EQ(device[i].weight, wanted[i].weight);
         EXPECT_EQ(device[i].layer_weight, wanted[i].layer_weight);
@@ -164,7 +164,7 @@ struct Followed {
     size_t event_count = 0, transition_count = 0;
 };
 
-// All instances, in every update.
+// Compares all instances in every update.
 template <class Kernels>
 Followed follow(const Controller& controller, const Character& character, uint32_t instance_count,
                 uint32_t update_count, const auto& commands_of) {
@@ -230,7 +230,7 @@ void follow_example(const char* name, uint32_t instance_count = 1000, uint32_t u
     EXPECT_GT(followed.transition_count, instance_count);
 }
 
-// Layers without states, told what to play.
+// Layers without states, which commands tell what to play.
 template <class Kernels>
 void follow_direct_layers() {
     const Controller controller = direct_layers(3, {{.name = "all", .items = {}}});

@@ -1,4 +1,4 @@
-// The controller kernel against the reference.
+// The controller kernel on the device against the reference.
 #include "control/control.h"
 #include "tests/controller_follow.h"
 #include "tests/kernel_runner.h"

@@ -1,4 +1,4 @@
-// One instance of a controller, evaluated by the reference, with what tests ask of it.
+// One instance of a controller, evaluated by the reference, with the queries that tests need.
 #pragma once
 
 #include "control/controller_reference.h"
@@ -10,7 +10,7 @@
 
 namespace throng::test {
 
-// Clips "a", "b", "c"… of these durations.
+// Clips named "a", "b", "c"… with these durations.
 inline Character character_of(const std::vector<float>& durations_s) {
     static std::map<size_t, Character> made;  // by the number of clips
     const auto count = static_cast<uint32_t>(durations_s.size());
@@ -44,14 +44,14 @@ public:
     }
     void update(float time_step_s) { last = reference.update(time_step_s); }
 
-    // Of the clips in the last update; clip_count is the rest pose.
+    // Weights per clip in the last update; index clip_count is the rest pose.
     std::vector<float> weights(uint32_t layer = 0) const {
         std::vector<float> sums(character.clips.size(), 0.0f);
         for (const ControllerActiveClip& active_clip : last.active_clips)
             if (active_clip.layer == layer) sums[active_clip.clip] += active_clip.weight;
         return sums;
     }
-    // "step step land@0.5"
+    // For example "step step land@0.5".
     std::string events() const {
         std::string text;
         for (const ControllerEventAt& event : last.events) {

@@ -1,4 +1,4 @@
-// The creature generator keeps its promises: exact tree, face budget, sound mesh, seamless clips, valid .glb.
+// The creature generator's guarantees: exact tree, face budget, sound mesh, seamless clips, valid .glb.
 #include "../tools/creatures/creature.h"
 #include "../tools/creatures/glb_writer.h"
 
@@ -30,7 +30,7 @@ std::vector<CreatureSettings> grid(CreatureKind kind) {
     for (const uint32_t joints : kCreatureJointCounts) {
         std::set<uint32_t> levels{joints};
         for (const uint32_t count : kLevelCounts)
-            // Large ones take their time
+            // Large creatures take long, so only some of them
             if (count <= joints && (count > 1 || joints == 1) && (joints < 1000 || count % 4 == 0))
                 levels.insert(count);
         for (const uint32_t count : levels) out.push_back({joints, count, 1500, joints + count, kind});
@@ -205,7 +205,7 @@ void expect_seamless_clips_that_turn_every_joint(const Asset& asset, CreatureKin
                 const auto q = Quaternion<float>{v[0], v[1], v[2], v[3]}.as<double>();
                 ASSERT_NEAR(dot(q, q), 1, 1e-6);
             }
-            // As fast out of the loop as into it.
+            // Values change as fast at the loop's end as at its beginning.
             for (size_t c = 0; c < components && keys > 20; ++c) {
                 const float *first = &track.values[c], *last = &track.values[(keys - 1) * components + c];
                 ASSERT_NEAR(first[components] - first[0], last[0] - *(last - components), 0.12)
@@ -222,8 +222,8 @@ void expect_seamless_clips_that_turn_every_joint(const Asset& asset, CreatureKin
     }
 }
 
-// Long chains must not coil up, unless that is what the clip is for: measured on every fifth key, at most half as large
-// again as at rest, and never crumpled to half of it.
+// Long chains must not coil up, unless the clip is for that. On every fifth key, the creature's extent differs from
+// that at rest by at most half.
 void expect_shape_kept_in_every_clip(const Asset& asset) {
     const double rest_joints = length(box_of_joints(asset, pose(asset)).size());
     const double rest_skin = length(box_of_skin(asset, pose(asset)).size());
@@ -250,7 +250,7 @@ TEST(Creature, IsSoundForEveryTree) {
 }
 
 TEST(Creature, HasExactlyTheLargestTrees) {
-    std::vector<CreatureSettings> largest;  // of the dragon; of all kinds the same code deals, and takes its time
+    std::vector<CreatureSettings> largest;  // dragons only: all kinds share the code, and each takes long
     for (const CreatureKind kind : kCreatureKinds) largest.push_back({4000, 60, 1500, 7, kind});
     for (const uint32_t levels : {2u, 60u, 65535u}) largest.push_back({65535, levels, 1500, 7});
     for (const CreatureSettings& settings : largest) {
@@ -313,7 +313,7 @@ TEST(Creature, HasSizesOfItsKind) {
     }
 }
 
-// Over every key of the clips that stand or walk, of the usual creature: the lowest point of the skin.
+// Checks the lowest point of the skin at every key of the standing and walking clips of a default creature.
 TEST(Creature, KeepsItsFeetOnTheGround) {
     for (const CreatureKind kind : kCreatureKinds) {
         const Asset asset = creature(creature_settings(kind));
@@ -458,7 +458,7 @@ TEST(GlbWriter, IsReadByTinygltf) {
     }
 }
 
-// What the specification asks of every accessor, looked at in the file as another reader sees it.
+// The specification's requirements on every accessor, checked by another reader on the written file.
 TEST(GlbWriter, AccessorsLieInTheirBufferAndInTheirRange) {
     const tinygltf::Model model = read_back(creature({64, 15, 1500, 1}));
     for (size_t i = 0; i < model.accessors.size(); ++i) {

@@ -1,4 +1,5 @@
-// Where a crowd is, as pictures are fitted to it: where updates have moved it, and whatever a few strays do.
+// A crowd's bounds, to which pictures are fitted: they follow where updates move instances, and a few strays do not
+// distort them.
 #include "draw/crowd_bounds.h"
 #include "tests/crowd_cases.h"
 #include "tests/kernel_runner.h"
@@ -14,7 +15,7 @@ const InSubset kCrowdBoundsNatively({Subset::kNative}, {"CrowdBoundsTest.*"});
 
 constexpr uint32_t kCrowdBoundsCount = 12;
 
-// Side by side in units of 1, each of size 1.
+// In a row, 1 unit apart, each of size 1.
 std::vector<Affine> in_a_row(uint32_t count) {
     std::vector<Affine> places;
     for (uint32_t i = 0; i < count; ++i) places.push_back(placed_at(static_cast<float>(i)));
@@ -34,7 +35,7 @@ Crowd crowd_of_agents(const Character& character) {
     return crowd;
 }
 
-// By what the update has left on the device.
+// Reads the placements that the update has left on the device.
 float farthest_z(const Crowd& crowd) {
     float z = -1e30f;
     for (const Affine& place : output<Affine>(crowd.outputs()[0], &OutputBlock::placement, kCrowdBoundsCount))
@@ -42,7 +43,7 @@ float farthest_z(const Crowd& crowd) {
     return z;
 }
 
-// Rest poses do not turn with the agents far enough to matter.
+// Agents turn, and the rest pose's box turns with them, but too little to matter here.
 float middle_z(const Bounds& bounds) { return (bounds.min.z + bounds.max.z) / 2; }
 
 bool same(const Bounds& a, const Bounds& b) { return length(a.min - b.min) == 0 && length(a.max - b.max) == 0; }
@@ -68,8 +69,8 @@ TEST_F(CrowdBoundsTest, FollowWhereUpdatesMoveInstances) {
         }
         EXPECT_NEAR(middle_z(world_bounds(crowd)), z, reach);
 
-        // A place that the application sets counts at once, before what the device reports of the last update; the
-        // bounds of all others stay.
+        // A placement that the application sets counts at once, before the device reports the last update. The bounds
+        // of the others stay.
         ASSERT_TRUE(crowd.update(0.1f));
         ASSERT_TRUE(crowd.set_placement(InstanceHandle{3}, placed_at(3, 0, -50)));
         EXPECT_LT(world_bounds(crowd).min.z, -49);
@@ -78,7 +79,7 @@ TEST_F(CrowdBoundsTest, FollowWhereUpdatesMoveInstances) {
         EXPECT_LT(world_bounds(crowd).min.z, -40);
         EXPECT_GT(world_bounds(crowd).max.z, z);
 
-        // Somebody new, where nobody has been.
+        // A new instance, where none has been before.
         ASSERT_TRUE(crowd.despawn(std::vector{InstanceHandle{3}}));
         const auto born = crowd.spawn(0, std::vector{placed_at(80, 0, z)}).value();
         EXPECT_NEAR(world_bounds(crowd).max.x, 80, reach);
@@ -106,7 +107,7 @@ TEST_F(CrowdBoundsTest, FollowRecordedUpdatesAndNotDiscardedOnes) {
     ASSERT_GT(z, 5);
     EXPECT_LT(std::abs(ahead), 2 * character_.size);
 
-    // Updates that never run, and nobody tells of.
+    // Updates that never run and are not discarded either.
     for (int i = 0; i < 3; ++i) recorder.record([&](VkCommandBuffer into) { ASSERT_TRUE(crowd.record(into, 0.1f)); });
     for (int i = 0; i < 30; ++i) update(true);
     EXPECT_GT(farthest_z(crowd), z + 1);
@@ -114,7 +115,7 @@ TEST_F(CrowdBoundsTest, FollowRecordedUpdatesAndNotDiscardedOnes) {
     EXPECT_NEAR(middle_z(world_bounds(crowd)) + ahead, farthest_z(crowd), kStep / 4) << "the last one";
 }
 
-// Nothing has brought anything to the device yet.
+// Nothing has been uploaded to the device yet.
 TEST_F(CrowdBoundsTest, FollowNothingThatHasNotRun) {
     if (test_gpu()->is_native()) GTEST_SKIP() << "it has no command buffers";
     Crowd crowd = crowd_of_agents(character_);
@@ -125,8 +126,8 @@ TEST_F(CrowdBoundsTest, FollowNothingThatHasNotRun) {
     EXPECT_GT(world_bounds(crowd).min.z, 500 - 2 * character_.size);
 }
 
-// Nobody has looked before: what updates have done until then is known, also when groups have come or a state has been
-// restored since, and of the group that comes where it has been put.
+// Bounds are first asked for after a change. They know where earlier updates have moved instances, even if groups were
+// added or a state was restored since, and where an added group has been placed.
 TEST_F(CrowdBoundsTest, FollowAfterAChange) {
     const auto moved = [&] {
         Crowd crowd = crowd_of_agents(character_);
@@ -193,7 +194,7 @@ TEST_F(CrowdBoundsTest, TheSizeOfACharacterIsThatOfOneThatIsThere) {
     EXPECT_NEAR(size(), usual, 1e-3f);
 }
 
-// Motion capture has the hips at the origin at rest, and the feet on the ground in all clips.
+// Motion-capture files have the hips at the origin in the rest pose, but the feet on the ground in all clips.
 TEST_F(CrowdBoundsTest, ARestPoseThatNoClipComesNearToIsNotShown) {
     Character captured = character_;
     ASSERT_FALSE(captured.clips.empty());
@@ -225,7 +226,7 @@ TEST_F(CrowdBoundsTest, LeaveOutWhatAClipThrowsFarAway) {
     EXPECT_LT(posed_height_where_clips_reach_down(1000), usual + 4);
 }
 
-// The others look as they would without the stray, which nobody sees.
+// The other instances look as they would without the stray, which is not visible.
 TEST_F(CrowdBoundsTest, AStrayDoesNotSpoilThePicture) {
     const auto picture_of = [&](const Affine& last) {
         Crowd crowd = create(

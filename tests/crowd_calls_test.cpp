@@ -1,4 +1,4 @@
-// Calls for one instance and for many, by handles and by numbers.
+// Calls for one instance and for many, addressed by handles and by numbers.
 #include "tests/crowd_cases.h"
 
 #include <limits>
@@ -6,7 +6,7 @@
 namespace throng::test {
 namespace {
 
-// With a layer for play() above the states.
+// The example walker, with an extra layer for play() above the states.
 Controller walker_and_layer() {
     Controller controller = example("walker");
     controller.layers.push_back({.name = "played"});
@@ -19,7 +19,8 @@ protected:
     Controller controller = walker_and_layer();
     ProceduralRules rules{.targets = {"prey"},
                           .rules = {LookAtRule{.joint = character.rig.names[1], .target = "prey"}}};
-    // Three of each: two clips and room for poses; a controller; rules; agents. Then four that come and go.
+    // Groups of three: two clips with capacity for poses; a controller; rules; agents. Then four that are spawned and
+    // despawned.
     CrowdSettings settings{
         .groups = {{.character = &character, .instance_count = 3, .pose_capacity = 2},
                    {.character = &character, .instance_count = 3, .controller = &controller},
@@ -41,7 +42,7 @@ TEST_F(CrowdCalls, OneCallForManyIsACallForEach) {
     Random random(31);
     const std::vector<Playback> playbacks = random_playbacks(random, character, 3);
     const std::array<Affine, 3> places{placed_at(1, 0, 2), placed_at(3, 0, 4), placed_at(5, 0, 6)};
-    const std::vector<InstanceHandle> mixed{{8}, {0}, {6}};  // of several groups, in no order
+    const std::vector<InstanceHandle> mixed{{8}, {0}, {6}};  // of several groups, unordered
     ASSERT_TRUE(together.set_playback(mixed, playbacks) && together.set_placement(mixed, places));
     for (size_t i = 0; i < 3; ++i)
         ASSERT_TRUE(one_by_one.set_playback(mixed[i], playbacks[i]) && one_by_one.set_placement(mixed[i], places[i]));
@@ -85,13 +86,13 @@ TEST_F(CrowdCalls, PosesOfManyAreOneForAllOrOneForEach) {
     ASSERT_TRUE(wanted.set_pose(two[0], second) && wanted.set_pose(two[1], second));
     expect_same_after(crowd.set_pose(two, second));
 
-    // There is room for two: a third is refused, and those before it with it.
+    // The capacity is two. A third pose is refused, and the whole call with it.
     EXPECT_EQ(crowd.set_pose(Instances::numbered(0, 3), first).error().code, ErrorCode::kLimit);
     EXPECT_EQ(refusal(crowd.set_pose(two, std::span(poses).first(joints + 1))).find("pose of instance 0"), 0u);
     expect_same(crowd, wanted, {{0}, {1}, {2}});
     ASSERT_TRUE(crowd.clear_pose(two) && wanted.clear_pose(two[0]) && wanted.clear_pose(two[1]));
     expect_same(crowd, wanted, {{0}, {1}, {2}});
-    // Neither does a call that was refused keep room, nor one for an instance that is named twice.
+    // Neither a refused call nor an instance named twice uses up capacity.
     EXPECT_EQ(crowd.set_pose(Instances::numbered(0, 3), first).error().code, ErrorCode::kLimit);
     const std::vector<InstanceHandle> twice{{1}, {2}, {1}};
     ASSERT_TRUE(crowd.set_pose(twice, first)) << "two instances";
@@ -99,7 +100,7 @@ TEST_F(CrowdCalls, PosesOfManyAreOneForAllOrOneForEach) {
     expect_same(crowd, wanted, {{0}, {1}, {2}});
 }
 
-// Of instances that come and go: 13 has been there twice, 12 is gone.
+// Spawned instances: slot 13 has been used twice, 12 is despawned.
 TEST_F(CrowdCalls, AHandleThatIsStaleSetsNothing) {
     Crowd crowd = create(settings), untouched = create(settings);
     std::vector<InstanceHandle> there;
@@ -169,7 +170,7 @@ TEST_F(CrowdCalls, ValuesThatAreTooFewOrWrongSetNothing) {
     EXPECT_TRUE(crowd.set_playback(std::vector<InstanceHandle>(), good)) << "of nobody";
 }
 
-// What an application has changed in a Character leads no kernel out of its buffers.
+// What an application changes in a Character cannot make a kernel read outside its buffers.
 TEST(EditedCharacter, IsCheckedAndNamed) {
     const Character character = creature(20, 6);
     const std::pair<const char*, std::function<void(Character&)>> edits[]{

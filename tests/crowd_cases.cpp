@@ -157,7 +157,7 @@ std::vector<Affine> skins_of(Crowd& crowd) {
     std::vector<Affine> all;
     for (uint32_t instance = 0; instance < crowd.instance_count(); ++instance) {
         const Result<InstanceHandle> handle = crowd.handle(instance);
-        if (!handle) continue;  // nobody is there
+        if (!handle) continue;  // no instance in this slot
         const std::vector<Affine> skin = *crowd.read_skin_matrices(*handle);
         all.insert(all.end(), skin.begin(), skin.end());
     }

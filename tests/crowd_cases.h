@@ -1,4 +1,4 @@
-// Crowds and what their instances play, and how far they are from the reference.
+// Crowds, what their instances play, and how far they are from the reference.
 #pragma once
 
 #include "tests/shared.h"
@@ -16,11 +16,11 @@ namespace throng::test {
 
 inline constexpr double kPoseBound = 1e-5;  // of the character's size
 
-// In how many bytes of their colours two pictures of the same size differ.
+// The number of colour bytes in which two pictures of the same size differ.
 size_t different_bytes(const Picture& a, const Picture& b);
 
-// Where a test leaves them open, by the scan method THRONG_TEST_SCAN, and with THRONG_TEST_PATH=device by shaders on
-// software devices too, which else would update natively.
+// Creates a crowd. Settings that a test leaves open come from the environment: THRONG_TEST_SCAN sets the scan method,
+// and THRONG_TEST_PATH=device makes software devices, which would otherwise update natively, use shaders.
 Crowd create(CrowdSettings settings);
 
 // The last part of the name of a test that runs on several paths.
@@ -29,14 +29,14 @@ std::string path_name(const testing::TestParamInfo<UpdatePath>& of);
 // The message of a call's error; empty where there is none.
 std::string refusal(const auto& result) { return result ? std::string() : result.error().text(); }
 
-// Copies, which compare and print.
+// Copies can be compared and printed.
 template <class T>
 std::vector<T> copy_of(std::span<const T> values) {
     return {values.begin(), values.end()};
 }
 std::vector<std::vector<PlayedMotion>> copy_of(std::span<const std::span<const PlayedMotion>> layers);
 
-// What the last update has listed.
+// The instances that the last update has listed.
 std::vector<DrawnInstance> drawn_of(Crowd& crowd);
 
 Character creature(uint32_t joints = 60, uint32_t levels = 15, double error = 1e-4);
@@ -45,12 +45,12 @@ Character creature_with_lods();
 
 Affine placed_at(float x, float y = 0, float z = 0);
 
-// One of examples/controllers.
+// One of the controllers in examples/controllers.
 Controller example(const char* name);
 
 std::vector<ReferenceCharacter> references(const Character& character, const Controller& controller, uint32_t count);
 
-// A value for one of its parameters.
+// A random value for one of the controller's parameters.
 struct ParameterChange {
     uint32_t parameter = 0;
     float value = 0;
@@ -61,7 +61,7 @@ Character small_character();
 
 ClipPlayback random_slot(Random& random, const Character& character);
 
-// Weights 0 and 1 are frequent.
+// Weights 0 and 1 are frequent in these.
 Playback random_playback(Random& random, const Character& character);
 
 std::vector<Playback> random_playbacks(Random& random, const Character& character, uint32_t count);
@@ -73,7 +73,7 @@ Playback advanced(Playback playback, const Character& character, double step_s);
 double instance_error(Crowd& crowd, uint32_t instance, const Character& character, const Playback& playback,
                       bool with_model = false);
 
-// Of the matrices of all joints and of the skin, as matrix_error() says.
+// The largest error of all joints' matrices and the skin matrices, measured as in matrix_error().
 double model_error(Crowd& crowd, uint32_t instance, const ReferencePose& wanted, double size);
 
 std::vector<Affine> skins_of(Crowd& crowd);

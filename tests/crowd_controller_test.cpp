@@ -28,7 +28,7 @@ double largest_matrix_error(std::span<const Affine> matrices, std::span<const Af
     return worst;
 }
 
-// Random parameters over many updates; poses of all instances at the end, events in every update.
+// Random parameters over many updates. Compares the poses of all instances at the end, and the events of every update.
 void follow_the_reference(UpdatePath path, const char* name, double error) {
     constexpr uint32_t kInstances = 40, kUpdates = 60;
     const Character character = creature(60, 15, error);
@@ -88,7 +88,7 @@ TEST(CrowdController, PosesFollowTheReferenceStaged) {
     follow_the_reference(UpdatePath::kStaged, "dragon", 0);
 }
 
-// More commands than one round takes, for instances in any order; the last of a kind holds.
+// More commands than one round applies, for instances in any order. The last command of a kind wins.
 TEST(CrowdController, ThousandsOfCommandsAreAppliedInTheirOrder) {
     const Character character = creature(20);
     const Controller controller = direct_layers(2, {{.name = "tail", .items = {{.joint = character.rig.names[1]}}}});
@@ -126,7 +126,7 @@ TEST(CrowdController, ThousandsOfCommandsAreAppliedInTheirOrder) {
             << "instance " << i;
 }
 
-// Two layers; plays that begin before the last one has died away, some with a cross-fade between.
+// Two layers; plays begin before the previous transition has died away, some with a cross-fade between.
 TEST(CrowdController, InertialPlaysFollowTheReference) {
     const Character character = creature(40);
     const Controller controller = direct_layers(2, {}, true);
@@ -255,7 +255,7 @@ TEST(CrowdController, TellsWhatLayersPlay) {
     const Character character = creature(20);
     const Controller guard = example("guard"), direct = direct_layers(2);
     ASSERT_EQ(guard.layers[0].states[1].name, "move");
-    // One without a controller, so that places in buffers differ from numbers of instances.
+    // The first group has no controller, so that offsets in buffers differ from instance numbers.
     Crowd crowd = create({.groups = {{.character = &character, .instance_count = 2},
                                      {.character = &character, .instance_count = 2, .controller = &guard},
                                      {.character = &character, .instance_count = 2, .controller = &direct}}});
@@ -287,7 +287,7 @@ TEST(CrowdController, TellsWhatLayersPlay) {
     EXPECT_EQ(watched[2].layers[1][0].motion, kNone) << "the rest pose";
     EXPECT_NEAR(watched[2].layers[1][0].fade, 0.1 / 4, 1e-6);
     EXPECT_EQ(watched[2].layers[1][1].motion, 0u);
-    // Of four the oldest is lost, and the next, though it has not faded in, has nothing behind it.
+    // Of four plays the oldest is dropped. The next one has not faded in, but nothing lies behind it.
     for (const uint32_t clip : {1u, 2u}) {
         ASSERT_TRUE(crowd.play(InstanceHandle{5}, 1, {.clip = {.clip = clip}, .fade_s = 4}));
         ASSERT_TRUE(crowd.update(0.1f));
@@ -300,7 +300,7 @@ TEST(CrowdController, TellsWhatLayersPlay) {
     EXPECT_EQ(three[2].fade, 1);
 }
 
-// What another one shows is set from what feedback tells, also after a saved state in which it waits.
+// One instance is set to the state that feedback reports of another, also when the command waits in a saved state.
 TEST(CrowdController, IsPutIntoAStateThatFeedbackHasTold) {
     const Character character = creature(20);
     const Controller guard = example("guard");

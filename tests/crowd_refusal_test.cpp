@@ -1,5 +1,4 @@
-// What a crowd refuses, by which error, and that it changes nothing: settings, values, objects that have been moved
-// from.
+// What a crowd refuses, with which error, and that a refusal changes nothing: settings, values, moved-from objects.
 #include "scan/scan_table.h"
 #include "tests/crowd_cases.h"
 #include "tests/kernel_runner.h"
@@ -114,7 +113,7 @@ TEST(Crowd, MoreThanTheDevicesMemoryIsRefused) {
     }
 }
 
-// Also where only both together do not fit: the device's buffers, and what the host keeps of each instance.
+// Also if only both together do not fit: the device's buffers, and the data that the host keeps for each instance.
 TEST(Crowd, MoreThanTheHostsMemoryIsRefused) {
     if (!test_gpu()->is_native() && !test_gpu()->is_cpu()) GTEST_SKIP() << "the device has memory of its own";
     if (test_gpu()->largest_heap_bytes() >> 40 > 0) GTEST_SKIP() << "more memory than instances can be numbered for";

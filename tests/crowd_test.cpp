@@ -141,7 +141,7 @@ TEST(Crowd, ManySmallCharactersAreSplitIntoBatches) {
         EXPECT_LE(instance_error(crowd, instance, one, playbacks[instance]), kPoseBound) << instance;
 }
 
-// 65,535 joints in one character: every method.
+// A character with 65,535 joints, with every scan method.
 TEST(Crowd, TheLargestCharacterWorksWithEveryScan) {
     const Character large = make_character({.name = "65535 joints",
                                             .joint_count = 65535,
@@ -209,14 +209,14 @@ TEST(Crowd, OnlyChangedInstancesAreSetAnew) {
     };
     update_and_compare(0.3);
     update_and_compare(0.25);
-    change(4, 2, 1);  // over the edge of a group
+    change(4, 2, 1);  // across a group boundary
     update_and_compare(0.11);
     change(2, 3, 0);  // overlapping, out of order, one inside another
     change(1, 5, 2);
     change(3, 1, 1);
     change(11, 1, 2);
     update_and_compare(0.2);
-    change(7, 0, 1);  // nothing
+    change(7, 0, 1);  // an empty range
     update_and_compare(0.2);
 }
 
@@ -316,13 +316,13 @@ TEST(Crowd, TheSameInputsGiveTheSameBits) {
     }
 }
 
-// Twice into one command buffer of the caller's, with a copy of the results between.
+// Recorded twice into one command buffer of the caller's, which copies the results in between.
 TEST(Crowd, RecordsIntoTheCallersCommandBuffer) {
     const Character character = small_character();
     Crowd crowd = create({.groups = {{&character, 3}}});
     Random random(15);
     std::vector<Playback> playbacks = random_playbacks(random, character, 3);
-    // So that two steps are one
+    // Loops, so that two steps equal one
     for (Playback& playback : playbacks) playback.first.loop = playback.second.loop = true;
     ASSERT_TRUE(crowd.set_playback(crowd.instances(), playbacks));
     EXPECT_FALSE(crowd.stage_times()) << "nothing has been recorded";
@@ -414,7 +414,7 @@ TEST(Crowd, CanBeMoved) {
     EXPECT_LE(instance_error(second, 4, character, Playback{}), kPoseBound);
 }
 
-// The character may go once the crowd is made.
+// The character may be destroyed once the crowd is created.
 TEST(Crowd, DoesNotKeepTheCharacter) {
     Character character = small_character();
     Crowd crowd = create({.groups = {{&character, 1}}});

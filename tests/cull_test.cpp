@@ -1,4 +1,4 @@
-// Updates for a view: what is listed, in how much detail, and that nothing else changes what is seen.
+// Updates for a view: which instances are listed at which detail, and that the picture stays the same.
 #include "crowd/crowd_state.h"
 #include "crowd/cull_stage.h"
 #include "cull/cull_reference.h"
@@ -130,8 +130,8 @@ double largest_difference(std::span<const Affine> a, std::span<const Affine> b) 
     return largest;
 }
 
-// Those that are seen have the bits that they have without a view; the others keep what they had; and all go on in
-// time.
+// Visible instances have exactly the matrices that they have without a view, the others keep theirs, and time advances
+// for all.
 void expect_same_where_drawn(const CrowdGroup& group, UpdatePath path, bool only_drawn,
                              const std::string& scan = "auto") {
     constexpr uint32_t kCount = 130;
@@ -186,7 +186,7 @@ TEST(Cull, OnlyWhatIsDrawnIsAnimated) {
     expect_same("sockets", {.character = &small, .sockets = {3}}, UpdatePath::kFused, false);
 }
 
-// The methods that put local transforms into shared memory first, several characters to a workgroup or one.
+// These methods first load local transforms into shared memory, for one or several characters per workgroup.
 TEST(Cull, TiledMethodsAnimateTheListToo) {
     const Character small = small_character();
     for (const char* scan : {"subgroup", "fragments", "compressed", "doubling"}) {
@@ -216,13 +216,13 @@ TEST(Cull, BatchesChangeNothing) {
     EXPECT_FALSE(sorted(whole).empty());
 }
 
-// Cells are made when placements stand still, and forgotten when any of them changes; an update that is dropped,
-// whether anybody tells of it or not, leaves none that hide something.
+// Cells are made when placements stand still, and dropped when any placement changes. A dropped update, whether
+// discarded or not, leaves no cell that hides an instance.
 TEST(Cull, CellsFollowPlacements) {
     const Character character = small_character();
     constexpr uint32_t kCount = 400;
     Random random(4);
-    // Sorted, so that cells are slices of the field, of which the camera sees one end; which end comes first changes
+    // Sorted, so that cells are slices of the field and the camera sees one end. Each call reverses the order
     bool from_left = false;
     const auto sorted_places = [&](uint32_t count) {
         std::vector<Affine> sorted = random_places(random, count, 40);
@@ -270,8 +270,8 @@ TEST(Cull, CellsFollowPlacements) {
     }
 }
 
-// A flight over a crowd: the same pictures as of all of it at full detail, but for what a coarser mesh moves by less
-// than a pixel.
+// A flight over a crowd: the pictures equal those of all instances at full detail, except where a coarser mesh moves a
+// surface by less than a pixel.
 TEST(Cull, PicturesAreThoseOfEverything) {
     constexpr uint32_t kCount = 150;
     const Character character = creature_with_lods();
@@ -305,7 +305,7 @@ TEST(Cull, PicturesAreThoseOfEverything) {
         double difference = 0;
         for (size_t i = 0; i < a.rgba.size(); ++i) difference += std::abs(int{a.rgba[i]} - int{b.rgba[i]});
         difference /= static_cast<double>(a.rgba.size());
-        const double most_off = rounds_like_the_cpu() ? 0 : 1e-4;  // a few colours are one step off
+        const double most_off = rounds_like_the_cpu() ? 0 : 1e-4;  // a few colours differ by one step
         EXPECT_TRUE(!exact || difference <= most_off) << "frame " << frame << ": " << difference;
         worst = std::max(worst, difference);
     }
@@ -352,7 +352,7 @@ TEST(Cull, WrongViewsAreRefused) {
     EXPECT_TRUE(crowd.update(0, &far)) << "full detail";
 }
 
-// What was set before it is taken up by the next one.
+// What was set before a refused update takes effect in the next one.
 TEST(Cull, ARefusedUpdateTakesNothingUp) {
     const Character character = small_character();
     Crowd crowd = create({.groups = {{&character, 3}}, .culling = Culling{}});
@@ -367,7 +367,7 @@ TEST(Cull, ARefusedUpdateTakesNothingUp) {
                           {Affine(), place, Affine()}));
 }
 
-// Positions are read by the joints that the level has which is drawn.
+// Positions use the joints of the level that is drawn.
 TEST(Cull, PositionsAreThoseOfTheLevel) {
     const Character character = creature_with_lods();
     Crowd crowd = create(
@@ -387,7 +387,7 @@ TEST(Cull, PositionsAreThoseOfTheLevel) {
     EXPECT_LE(worst, 1.01 * double{character.lods[lod - 1].error} + 1e-5 * double{character.size});
 }
 
-// A ragdoll that falls far from where its instance stands.
+// For example, a ragdoll that falls far from its instance's placement.
 TEST(Cull, PosesFromOutsideMayGoFarIfTheGroupSaysSo) {
     const Character character = creature_with_lods();
     const float away = 20 * character.size;
@@ -415,8 +415,8 @@ TEST(Cull, PosesFromOutsideMayGoFarIfTheGroupSaysSo) {
     }
 }
 
-// How far a pose may reach beyond the boxes of all clips, where the group does not say: by where the view begins that
-// still sees an instance.
+// How far a pose may reach beyond the boxes of all clips if the group does not say so, measured by how far away a view
+// may begin and still see the instance.
 TEST(Cull, UsuallyPosesReachNotFarBeyondTheirClips) {
     const Character character = creature(30, 10);
     const Controller controller = example("dragon");

@@ -53,7 +53,7 @@ TEST(Device, IsSelectedByIndexTypeOrName) {
         const Result<Device> by_index = Device::create({.select = std::to_string(info.index)});
         ASSERT_TRUE(by_index) << by_index.error().text();
         EXPECT_EQ(by_index->info().name, info.name);
-        // The native device by its whole name, since that of its processor may be in a GPU's.
+        // The native device is found by its full name: part of its processor's name may also be part of a GPU's.
         const std::string part = info.type == "native" ? info.type : info.name.substr(1, 6);
         const Result<Device> by_name = Device::create({.select = swapped_case(part)});
         ASSERT_TRUE(by_name) << by_name.error().text();
@@ -82,7 +82,7 @@ TEST(Device, AnUnknownDeviceIsRefusedAndTheOthersAreNamed) {
     EXPECT_TRUE(Device::create()) << "after refusals";
 }
 
-// A crowd and what it must show.
+// A crowd and the pose that it must show.
 struct Show {
     Show(const Device& device, const Character& character_in, double time_s)
         : character(character_in),
@@ -121,8 +121,8 @@ TEST(Device, SeveralLiveSideBySide) {
     first_show.update_and_compare(0.11f);
 }
 
-// Functions of the instance level are the process's: a validated device must survive a later one that is not, and end
-// without it.
+// Instance-level Vulkan functions are shared by the process. A validated device must still work after an unvalidated
+// one is created, and be destroyed correctly after that one.
 TEST(Device, AValidatedDeviceOutlivesOthers) {
     Result<Device> validated = Device::create(
         {.select = test_device().info().name, .validation = Validation::kStandard});
@@ -150,7 +150,7 @@ TEST(Device, AdoptRefusesNullHandles) {
     }
 }
 
-// What an application makes by itself.
+// The Vulkan objects that an application creates itself.
 struct Application {
     VkInstance instance = VK_NULL_HANDLE;
     VkPhysicalDevice physical_device = VK_NULL_HANDLE;
@@ -202,7 +202,7 @@ struct Application {
     VolkDeviceTable table{};
 };
 
-// Without being told, throng does not know that the application has enabled them.
+// Throng cannot query which features the application has enabled. AdoptedDevice must say so.
 TEST(Device, AnAdoptedOneUsesTheFeaturesThatItIsSaidToHave) {
     const Gpu& of_throng = *test_device().gpu();
     const Application application;
@@ -227,7 +227,7 @@ TEST(Device, AnApplicationsDeviceIsAdoptedAndLeftAlone) {
         const Character character = make_character({});
         Show(*device, character, 0.1).update_and_compare(0.2f);
     }
-    // The handle may outlive the application's device: nothing of that is left then.
+    // The Device may outlive the application's device, so it must keep no objects of it.
     const Character character = make_character({});
     Device device = Device::adopt(application.adopted()).value();
     uint64_t of_one = 0;
@@ -252,7 +252,7 @@ TEST(Device, AnApplicationsDeviceIsAdoptedAndLeftAlone) {
     EXPECT_TRUE(Device::adopt(application.adopted())) << "after a refusal";
 }
 
-// Drivers need not hand out the calls of 1.3 then, and Mesa's do not. NVIDIA's does, and its device computes.
+// Such instances need not provide the functions of Vulkan 1.3, and Mesa's do not. NVIDIA's do, and its device works.
 TEST(Device, AnInstanceOfAnOlderVulkanIsNotAdoptedWithoutTheCallsOfTheNewer) {
     for (const uint32_t version : {0u, VK_API_VERSION_1_1, VK_API_VERSION_1_2}) {
         const Application application(version);

@@ -15,7 +15,7 @@ Display::Display(const char* screen) {
     if (pipe(ends) != 0) throw std::runtime_error("pipe() failed");
     server_ = fork();
     if (server_ == 0) {
-        prctl(PR_SET_PDEATHSIG, SIGTERM);  // also where the test crashes
+        prctl(PR_SET_PDEATHSIG, SIGTERM);  // also if the test crashes
         close(ends[0]);
         if (const int null = open("/dev/null", O_WRONLY); null >= 0) dup2(null, STDERR_FILENO);
         const std::string descriptor = std::to_string(ends[1]);
@@ -23,7 +23,7 @@ Display::Display(const char* screen) {
         _exit(127);
     }
     close(ends[1]);
-    // It writes the number that it has chosen, once it listens.
+    // Xvfb writes the display number that it has chosen once it accepts connections.
     for (char c = 0; read(ends[0], &c, 1) == 1 && c != '\n';) name_ += c;
     close(ends[0]);
     if (name_.empty()) throw std::runtime_error("Xvfb does not start: is the package xvfb installed?");

@@ -6,8 +6,8 @@
 
 namespace throng::test {
 
-// Xvfb on a display of its own, which it chooses itself; ends with it. Throws std::runtime_error where it cannot be
-// started.
+// Runs Xvfb on a display whose number Xvfb chooses, and ends it in the destructor. Throws std::runtime_error if it
+// cannot be started.
 class Display {
 public:
     // "WIDTHxHEIGHTxDEPTH"
@@ -16,7 +16,7 @@ public:
     Display(const Display&) = delete;
     Display& operator=(const Display&) = delete;
 
-    const std::string& name() const { return name_; }  // for DISPLAY
+    const std::string& name() const { return name_; }  // the value for DISPLAY
 
 private:
     pid_t server_ = -1;

@@ -21,7 +21,7 @@ using namespace test;
 
 const InSubset kDrawLightInSubsets({Subset::kGpuAssisted, Subset::kNative}, {"DrawLight.*"});
 
-// The sun stands behind the camera of kFront, half way up: a square throws a shadow of its size behind it.
+// The sun is behind kFront's camera, 45 degrees up: a square casts a shadow of its own size behind it.
 TEST(DrawLight, ShadowsFallOnTheGroundAndOnOthers) {
     const DrawOptions lit{.shadows = false, .to_sun = {0, 1, 1}}, shadowed{.to_sun = {0, 1, 1}};
     const std::vector<Affine> places{Affine{}, placed({.translation = {0, 0, -0.6f}})};
@@ -60,13 +60,13 @@ TEST(DrawLight, TheGroundDarkensEachCharacterByItsOwnSize) {
     grey.materials = {{.base_color = {0.5f, 0.5f, 0.5f, 1}, .metallic = 0, .roughness = 1}};
     const Picture alone = pictured(grey, {Affine{}}, kFront, plain),
                   beside_a_giant = pictured(grey, {giant, Affine{}}, kFront,
-                                            plain);  // the scene's size is the first one's
+                                            plain);  // the scene's size is that of the first
     for (const double height : {0.2, 0.4, 0.7})
         EXPECT_NEAR(sum_of(at(alone, 0, height)), sum_of(at(beside_a_giant, 0, height)), 3) << height;
     EXPECT_LT(sum_of(at(alone, 0, 0.2)) + 10, sum_of(at(alone, 0, 0.7))) << "near the ground it is darker";
 }
 
-// A square with a material, whose images are of one pixel each, and the normal that these give it.
+// A square with a material, whose images have one pixel each, and the normal that they give it.
 struct LitSquare {
     LitSquare(const char* name, const AssetMaterial& material_in,
               const std::vector<std::array<uint8_t, 4>>& images_in = {}, const Vec3<double>& normal_in = {0, 0, 1})
@@ -121,7 +121,7 @@ void expect_lit_as_the_reference(const std::vector<LitSquare>& squares, const Dr
                                               {placements[i].row[0][3] + x, y, 0});
             const double column = std::floor((seen.x + 1) / 2 * kDrawWidth),
                          line = std::floor((1 - seen.y) / 2 * kDrawHeight);
-            // The place of the middle of the pixel, on the plane z = 0.
+            // The point of the plane z = 0 at the pixel's centre.
             const Vec3<double> eye = row(scene.eye), ray = row(scene.forward) +
                                                            row(scene.right) * ((column + 0.5) / kDrawWidth * 2 - 1) +
                                                            row(scene.down) * ((line + 0.5) / kDrawHeight * 2 - 1);
@@ -173,7 +173,7 @@ TEST(DrawLight, MaterialsAreLitAsTheReferenceSays) {
                                 {.fog = false, .exposure = 1.3f, .to_sun = {0.6f, 0.3f, 1}});
 }
 
-// Where the sun is behind the eye, the half-way vector is the one to the eye, and their product may round to more
+// With the sun behind the eye, the half vector equals the direction to the eye, and their dot product may round to more
 // than 1.
 TEST(DrawLight, LooksAlongTheSun) {
     const Vec3<float> to_sun = normalized(Vec3<float>{0.3f, 0.4f, 1});
@@ -184,8 +184,8 @@ TEST(DrawLight, LooksAlongTheSun) {
     for (size_t i = 0; i < picture.rgba.size(); i += 4) ASSERT_NEAR(picture.rgba[i], first.r, 2) << "pixel " << i / 4;
 }
 
-// Everywhere, by the inverse of how light becomes a colour: what is neither dark nor bright loses 0.04 (Khronos PBR
-// Neutral tone mapper).
+// Checks every pixel by inverting the mapping from light to colour: neither dark nor bright colours lose 0.04 (Khronos
+// PBR Neutral tone mapper).
 TEST(DrawLight, AllLightIsMultipliedByTheExposure) {
     const Camera camera{.eye = {0.5f, 1, 4}, .target = {0, 0.5f, 0}};
     Asset grey = square();

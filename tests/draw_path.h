@@ -1,4 +1,4 @@
-// Tests that draw by this machine's processor and by the device's shaders.
+// For tests that draw both on this machine's processor and with the device's shaders.
 #pragma once
 
 #include "tests/kernel_runner.h"
@@ -11,7 +11,7 @@
 
 namespace throng::test {
 
-// Why the test device is not drawn for in this way; empty where it is.
+// Why the test device cannot draw in this way. Empty if it can.
 inline std::string undrawable_reason(DrawPath path) {
     if (path == DrawPath::kDevice && test_gpu()->is_native()) return "it has no shaders";
     if (path == DrawPath::kNative && !test_gpu()->processor) return "the processor does not draw for it";

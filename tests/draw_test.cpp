@@ -1,4 +1,4 @@
-// The draw: a square whose colour says what was drawn.
+// Drawing a square, whose colour shows what was drawn.
 #include "base/failure.h"
 #include "crowd/crowd_state.h"
 #include "draw/textures.h"
@@ -19,7 +19,7 @@ namespace {
 
 using namespace test;
 
-// Instrumented, those left out take too long.
+// Under GPU-assisted validation the excluded tests take too long.
 const InSubset kDrawInSubsets({Subset::kGpuAssisted},
                               {"Draw.*", "-Draw.LeavesOutWhatAMaskSays", "-Draw.WhatIsBlendedIsSeenThrough",
                                "-Draw.MirroredInstancesKeepTheirFrontFaces", "-Draw.DrawsBrokenImagesWhite"}),
@@ -88,7 +88,7 @@ TEST(Draw, LeavesOutWhatAMaskSays) {
     EXPECT_TRUE(is_red(centre(AlphaMode::kOpaque, 0.4f, 0.5f)));
 }
 
-// What of the square's inner pixels is not as without it, by linear light.
+// The share of the light of the square's inner pixels that changes if the square is drawn, in linear light.
 double shown_part(float alpha, uint32_t layers, uint32_t samples) {
     const auto light_of = [&](AlphaMode mode, float of_alpha, uint32_t count) {
         Asset asset = square();
@@ -116,7 +116,7 @@ TEST(Draw, WhatIsBlendedIsSeenThrough) {
     }
 }
 
-// Both are instance 0 of their group or crowd, and section 0.
+// Both have instance number 0 in their group or crowd, and section 0.
 TEST(Draw, BlendedLayersOfGroupsAndCrowdsShowThroughEachOther) {
     const auto green_of = [](AlphaMode mode, float alpha, uint32_t group_count, uint32_t crowd_count) {
         Asset asset = square();
@@ -236,7 +236,7 @@ TEST(Draw, DrawsBrokenImagesWhite) {
     }
 }
 
-// Nor does a normal map that is white instead tilt normals.
+// A broken normal map is not replaced by a white texture, which would tilt normals.
 TEST(Draw, BrokenNormalMapsChangeNothing) {
     Asset asset = square();
     const Picture without = draw(asset);
@@ -247,7 +247,7 @@ TEST(Draw, BrokenNormalMapsChangeNothing) {
 
 PFN_vkQueueSubmit2 driver_submit = nullptr;
 
-// A texture that makes those before it be submitted is not taken for the cause where that fails.
+// A texture can cause the uploads before it to be submitted. If that fails, the error does not name the texture.
 TEST(Draw, AFailedUploadIsNotBlamedOnTheNextTexture) {
     const Device device = another_device();
     Gpu& gpu = *device.gpu();
@@ -269,7 +269,7 @@ TEST(Draw, AFailedUploadIsNotBlamedOnTheNextTexture) {
     EXPECT_TRUE(make_texture(uploads, next, true, account));
 }
 
-// Images that say they are large, and have no pixels: each takes a sixth of what there is room for, before it is
+// Images whose headers claim a large size but hold no pixels. Each takes a sixth of the limit even before it is
 // decoded.
 TEST(Draw, TexturesOfACrowdHaveALimit) {
     std::vector<std::byte> encoded = png_bytes({1, 1, {255, 255, 255, 255}});
@@ -295,7 +295,7 @@ TEST(Draw, TexturesOfACrowdHaveALimit) {
     EXPECT_EQ(warned("limit of 2147483648 bytes"), 2);
 }
 
-// Three joints in a row, behind the square: lines are drawn over it.
+// Three joints in a row behind the square. Their lines are drawn over it.
 TEST(Draw, SkeletonsShowLevelsOverTheMesh) {
     Asset asset = square();
     asset.clips.clear();

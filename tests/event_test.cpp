@@ -1,4 +1,4 @@
-// Events that commands set, and what is kept in turn for commands under way.
+// Vulkan events that commands set, and objects that are kept while commands use them.
 #include "base/failure.h"
 #include "draw/staged_picture.h"
 #include "gpu/event.h"
@@ -13,8 +13,8 @@
 namespace throng::test {
 namespace {
 
-// A barrier of the CPU's is no event's (VUID-vkCmdSetEvent2-dstStageMask-09392); validation layers of before 2024 do
-// not know.
+// A host stage in the barrier of an event is invalid (VUID-vkCmdSetEvent2-dstStageMask-09392), but validation layers
+// before 2024 do not report it.
 VkPipelineStageFlags2 event_stages = 0;
 PFN_vkCmdSetEvent2 driver_set_event = nullptr;
 

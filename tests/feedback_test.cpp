@@ -1,4 +1,4 @@
-// In which order updates tell what has happened.
+// The order in which feedback reports events, and what it says about playback.
 #include "tests/lively_crowd.h"
 #include "tests/subset.h"
 
@@ -12,7 +12,7 @@ namespace {
 
 const InSubset kFeedbackNatively({Subset::kNative}, {"Feedback.*"});
 
-// The events are numbered against the order of their times, and of their layers.
+// The events are numbered in the opposite order of their times and layers.
 TEST(Feedback, EventsComeByInstanceThenLayerThenTime) {
     const Character character = creature(20, 8);
     const std::string &lower = character.clips[0].name, &upper = character.clips[1].name;
@@ -39,7 +39,7 @@ TEST(Feedback, EventsComeByInstanceThenLayerThenTime) {
     for (size_t i = 0; i < times_s.size(); ++i) EXPECT_NEAR(times_s[i], kTimes_s[i % 3], 1e-5f) << i;
 }
 
-// What a game needs to make another instance play the same. A state has its own speed and loop.
+// What a game needs to make another instance play the same. A state has its own speed and loop setting.
 TEST(Feedback, TellsSpeedLoopAndWeight) {
     const Character character = creature(20, 8);
     const Controller direct = direct_layers(2);

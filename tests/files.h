@@ -6,7 +6,7 @@
 
 namespace throng::test {
 
-// A folder that goes away with its files.
+// A temporary folder, removed with its files in the destructor.
 class TemporaryFolder {
 public:
     TemporaryFolder();
@@ -21,7 +21,7 @@ private:
     std::filesystem::path path_;
 };
 
-// Empty where it cannot be read.
+// Empty if the file cannot be read.
 std::string read_file(const std::filesystem::path& path);
 
 }  // namespace throng::test

@@ -1,4 +1,4 @@
-// What a crowd's buffers begin with, and when it gets there: making one submits nothing.
+// The initial contents of a crowd's buffers and when they are uploaded: creating a crowd submits nothing.
 #include "crowd/crowd_state.h"
 #include "tests/crowd_cases.h"
 #include "tests/recorder.h"
@@ -13,7 +13,7 @@
 namespace throng::test {
 namespace {
 
-// Groups of all kinds, in what they upload.
+// Groups that differ in what they upload.
 class Cast {
 public:
     Crowd make(UpdatePath path = UpdatePath::kDevice) const {
@@ -32,7 +32,7 @@ public:
         EXPECT_TRUE(crowd.set_wind({.velocity = {3, 0, 1}}));
         return crowd;
     }
-    // In any order of the calls, the same comes out as of a crowd that has been updated so often.
+    // Whatever calls came before, the result equals that of a crowd after `updates` updates.
     void expect_as_updated(Crowd& crowd, int updates = 1) const {
         Crowd updated = make();
         for (int i = 0; i < updates; ++i) EXPECT_TRUE(updated.update(kStep_s));
@@ -97,7 +97,7 @@ TEST(FirstUploads, OfAnUpdateThatIsDiscardedGoWithTheNext) {
             recorder.record([&](VkCommandBuffer commands) { EXPECT_TRUE(crowd.record(commands, Cast::kStep_s)); });
             EXPECT_TRUE(crowd.discard_last_record());
         }
-        // The second update must not bring back what the buffers began with.
+        // The second update must not upload the initial contents again.
         for (int i = 0; i < 2; ++i)
             recorder.submit(
                 recorder.record([&](VkCommandBuffer commands) { EXPECT_TRUE(crowd.record(commands, Cast::kStep_s)); }));
@@ -108,11 +108,11 @@ TEST(FirstUploads, OfAnUpdateThatIsDiscardedGoWithTheNext) {
     }
 }
 
-// As where a window has been closed meanwhile. Neither this crowd nor a later one, which shares its tables, must take
-// for uploaded what was not.
+// As when a window is closed before its commands are submitted. Neither this crowd nor a later one, which shares its
+// tables, may treat the dropped uploads as done.
 TEST(FirstUploads, OfCommandsThatAreDroppedGoWithTheNext) {
     const Cast cast;
-    const auto skins_after_one = [&] {  // of a crowd that shares no tables, since it is gone before the next is made
+    const auto skins_after_one = [&] {  // this crowd shares no tables: it is destroyed before the next one is created
         Crowd crowd = cast.make();
         EXPECT_TRUE(crowd.update(Cast::kStep_s));
         return skins_of(crowd);
@@ -136,8 +136,8 @@ TEST(FirstUploads, OfCommandsThatAreDroppedGoWithTheNext) {
     }
 }
 
-// What is restored is not overwritten by what the buffers began with, whether that comes by commands of their own that
-// are recorded again, or with the next update after one that is discarded.
+// The initial contents must not overwrite a restored state: neither by their own commands that are recorded again, nor
+// with the next update after a discarded one.
 TEST(FirstUploads, DoNotComeBackAfterARestore) {
     const Cast cast;
     Crowd updated = cast.make();
@@ -162,7 +162,7 @@ TEST(FirstUploads, DoNotComeBackAfterARestore) {
     }
 }
 
-// Before its first update a crowd can be drawn, where it shows nobody, and saved; there are no matrices to read.
+// Before its first update a crowd can be drawn, which shows no instances, and saved. There are no matrices to read.
 TEST(FirstUploads, AreThereForWhoeverReadsFirst) {
     const Cast cast;
     Crowd listed = cast.make();
@@ -201,7 +201,7 @@ TEST(FirstUploads, OfTheSameTableAreMadeOnce) {
     first.reset();
     ASSERT_TRUE(late.update(Cast::kStep_s));
     cast.expect_as_updated(late);
-    cast.expect_as_updated(late);  // its twin shares the tables of one that goes
+    cast.expect_as_updated(late);  // its twin shares the tables of a destroyed crowd
     ASSERT_TRUE(early.update(Cast::kStep_s));
     cast.expect_as_updated(early);
 }
@@ -219,7 +219,7 @@ TEST(FirstUploads, OfACharacterThatWasEditedAreItsOwn) {
     EXPECT_NE(before.state().groups[0][io::kTimesBuffer].handle(), after.state().groups[0][io::kTimesBuffer].handle());
 }
 
-// As a game does that loads while it draws: nobody locks anything.
+// As in a game that loads while it draws, without locking.
 TEST(FirstUploads, CrowdsAreMadeWhileOthersAreUpdated) {
     const Cast cast;
     Crowd crowd = cast.make();

@@ -1,5 +1,5 @@
-// The benchmark of whole updates: every variant and floor is measured or says why not, no wrong result is timed, floors
-// do all of their work.
+// The benchmark of whole updates: every variant and floor is measured or says why not, no wrong result is timed, and
+// floors do all of their work.
 #include "base/failure.h"
 #include "bench/frame_bench.h"
 #include "bench/frame_crowds.h"
@@ -63,7 +63,8 @@ std::map<std::string, Json> measure(const Character& character, const Character*
 }
 
 TEST(FrameBench, BytesAreCountedByHand) {
-    // 188: state 36, both times 8, cursor written once and read by two samples and blend, 36 each.
+    // 188 = playback state 36 + both times 8 + the cursor (36), which is written once and read by two samples and the
+    // blend.
     EXPECT_EQ((FrameTraffic{.joint_count = 300, .palette_count = 300}.bytes_per_instance()), 188 + 300u * 432);
     EXPECT_EQ((FrameTraffic{.joint_count = 300, .palette_count = 300, .local_bytes = 32}.bytes_per_instance()),
               188 + 300u * 400);
@@ -142,7 +143,7 @@ TEST(FrameBench, EveryVariantIsMeasured) {
         << "half floats cannot be as exact";
 }
 
-// Against a reference that is off by a little in one number of one palette entry.
+// The reference differs slightly in one number of one palette entry.
 TEST(FrameBench, AWrongResultIsNotTimed) {
     const Character character = measured_creature();
     const auto reference_off_by = [](double offset) {
@@ -168,7 +169,7 @@ TEST(FrameBench, AWrongResultIsNotTimed) {
 
 TEST(FrameBench, SaysWhatDoesNotApply) {
     Character character = measured_creature();
-    for (float& element : character.palette[3].joint_from_bind.row[0]) element *= 2;  // no similarity any more
+    for (float& element : character.palette[3].joint_from_bind.row[0]) element *= 2;  // not a similarity any more
     const std::map<std::string, Json> records = measure(character, nullptr, 1);
     EXPECT_NE(records.at("fused, 32 bytes")["unsupported_reason"].get<std::string>().find("palette entry 3"),
               std::string::npos)
@@ -208,7 +209,8 @@ TEST(FrameBench, FillsWriteEveryRow) {
     for (const uint32_t word : download<uint32_t>(test::test_gpu(), target)) ASSERT_EQ(word, 0u);
 }
 
-// To and fro between two buffers of 1003 rows: thrice all of them, then five and a bit, which is no row.
+// Copies alternate between two buffers of 1003 rows: three full passes, then one of five rows. The last bytes are less
+// than a row and are dropped.
 TEST(FrameBench, CopiesMoveEveryRowTheWayStagesDo) {
     constexpr uint64_t kRows = 1003, kTailRows = 5, kRowBytes = 16;
     const CopyFloor copy(test::test_gpu(), 2 * ((3 * kRows + kTailRows) * kRowBytes + 8), kRows * kRowBytes);
@@ -268,7 +270,7 @@ Json frame_record(const char* variant, const char* path, double ms) {
             {"device", "A GPU"}};
 }
 
-// A bare machine, as `./run bundle` is for, has none.
+// A bare machine, for which `./run bundle` is meant, does not have it.
 bool has_gnuplot() {
     try {
         run_gnuplot("");

@@ -1,4 +1,4 @@
-// Outputs of several updates side by side: each frame slot keeps its own until its turn comes again.
+// Frames in flight: each frame slot keeps the outputs of its update until the slot is used again.
 #include "tests/contents.h"
 #include "tests/lively_crowd.h"
 #include "tests/recorder.h"
@@ -26,7 +26,7 @@ protected:
                        {.character = &character_, .instance_count = 5, .procedural = &rules_}};
         return made;
     }
-    // What the crowds of settings() have not: skin pools, morphs, outfits, root motion, targets, agents.
+    // Features that the crowds of settings() lack: skin pools, morphs, outfits, root motion, targets, agents.
     CrowdSettings other_settings() const {
         CrowdSettings made{.path = UpdatePath::kDevice, .culling = Culling{}};
         made.groups = {{.character = &morphing_,
@@ -39,7 +39,7 @@ protected:
                        {.character = &character_, .instance_count = 3, .steering = Steering{.speed = 3}}};
         return made;
     }
-    // Of a crowd with other_settings().
+    // For a crowd with other_settings().
     void change(Crowd& crowd, int frame) const {
         const auto number = static_cast<uint32_t>(frame);
         const auto x = static_cast<float>(frame);
@@ -72,8 +72,8 @@ protected:
         looking_{.targets = {"there"}, .rules = {LookAtRule{.joint = character_.rig.names.back(), .target = "there"}}};
 };
 
-// Every slot has what a crowd without frames in flight had after that update, until it is written again; a record that
-// is discarded changes none.
+// Until it is written again, every slot holds what a crowd without frames in flight has after the same update. A
+// discarded record changes no slot.
 TEST_F(FramesInFlight, EachSlotKeepsItsOwn) {
     std::set<std::string> differed;
     enum class Kind { kAnimatesAll, kCulls, kOther };
@@ -83,12 +83,12 @@ TEST_F(FramesInFlight, EachSlotKeepsItsOwn) {
         Crowd one = create(of);
         of.frames_in_flight = in_flight;
         Crowd crowd = create(of);
-        const uint32_t more = of.keep_previous_matrices ? 1 : 0;  // of the update before the oldest
+        const uint32_t more = of.keep_previous_matrices ? 1 : 0;  // one slot for the update before the oldest
         ASSERT_EQ(crowd.frame_slot_count(), in_flight + more);
         EXPECT_TRUE(crowd.outputs(crowd.frame_slot_count()).empty());
         set(one);
         set(crowd);
-        std::deque<std::pair<uint32_t, Contents>> expected;  // of slots, the newest last
+        std::deque<std::pair<uint32_t, Contents>> expected;  // per slot, the newest last
         for (int frame = 0; frame < 10; ++frame) {
             SCOPED_TRACE("kind " + std::to_string(static_cast<int>(kind)) + ", in flight " + std::to_string(in_flight) +
                          ", frame " + std::to_string(frame));
@@ -162,8 +162,8 @@ TEST_F(FramesInFlight, OtherNumbersAreRefused) {
     EXPECT_EQ(Crowd().frame_slot_count(), 0u);
 }
 
-// Pictures of several frames in one command buffer, as without frames in flight; synchronization validation sees
-// whether drawing reads what the next update writes.
+// Several frames' pictures in one command buffer equal those without frames in flight. Synchronization validation
+// checks that drawing does not read what the next update writes.
 TEST_F(FramesInFlight, AreDrawnFromTheirSlots) {
     if (test_gpu()->is_native()) GTEST_SKIP() << "it has no command buffers";
     for (const bool culls : {false, true}) {
@@ -171,7 +171,7 @@ TEST_F(FramesInFlight, AreDrawnFromTheirSlots) {
         for (const uint32_t in_flight : {1u, 2u}) {
             CrowdSettings of = settings(culls);
             of.frames_in_flight = in_flight;
-            of.keep_previous_matrices = false;  // those of who appears are written beside those that are drawn
+            of.keep_previous_matrices = false;  // else updates write those of new instances beside the drawn ones
             Crowd crowd = create(of);
             set(crowd);
             Renderer renderer =
@@ -194,7 +194,7 @@ TEST_F(FramesInFlight, AreDrawnFromTheirSlots) {
     }
 }
 
-// What a crowd is drawn with is made before its first picture, which then makes and submits nothing.
+// prepare() makes all that drawing a crowd needs. The first picture then creates no pipeline and submits nothing.
 TEST_F(FramesInFlight, ARendererIsReadyWhereItHasBeenPrepared) {
     if (test_gpu()->is_native()) GTEST_SKIP() << "it has no command buffers";
     Crowd crowd = create(settings(true));
@@ -202,7 +202,7 @@ TEST_F(FramesInFlight, ARendererIsReadyWhereItHasBeenPrepared) {
     Renderer renderer =
         Renderer::create(test_device(), {.width = 160, .height = 100, .path = DrawPath::kDevice}).value();
     ASSERT_TRUE(renderer.prepare(crowd));
-    ASSERT_TRUE(test_device().warm_up());  // on a software device: the kernels of the update that is recorded
+    ASSERT_TRUE(test_device().warm_up());  // for a software device: the kernels of the recorded update
     const auto& counts = test_gpu()->counts;
     const uint64_t submissions = counts.submissions, pipelines = counts.pipelines;
     Recorder recorder;

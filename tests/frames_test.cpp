@@ -1,5 +1,5 @@
-// Frames that are recorded and never submitted, or still under way: what record() takes up, gives back, and does not
-// wait for.
+// Updates that are recorded but never submitted, or still running: what record() takes up, what a discard gives back,
+// and that record() does not wait for the GPU.
 #include "crowd/crowd_state.h"
 #include "tests/crowd_cases.h"
 #include "tests/kernel_runner.h"
@@ -19,7 +19,7 @@
 namespace throng::test {
 namespace {
 
-// Two crowds that are told the same, of all kinds of groups.
+// Two crowds with groups of all kinds, which get the same calls.
 class Twins {
 public:
     Twins() {
@@ -42,11 +42,11 @@ public:
             std::vector<Affine> places;
             for (uint32_t i = 0; i < crowd.instance_count(); ++i) places.push_back(place(i));
             EXPECT_TRUE(crowd.set_placement(crowd.instances(), places));
-            EXPECT_TRUE(crowd.update(0) && crowd.feedback());  // what is not drawn has matrices too, then
+            EXPECT_TRUE(crowd.update(0) && crowd.feedback());  // instances that are not drawn then have matrices, too
         }
     }
 
-    // One random change of any kind.
+    // Makes one random change of any kind in both crowds.
     void change(Random& random) {
         const uint32_t any = random.below(4 * kEach), two_clips = random.below(kEach),
                        driven = kEach + random.below(2 * kEach), agent = 2 * kEach + random.below(kEach),
@@ -71,7 +71,8 @@ public:
                 case 6: EXPECT_TRUE(crowd.clear_destination(InstanceHandle{agent})); break;
                 case 7: EXPECT_TRUE(crowd.clear_pose(InstanceHandle{posed}, fade_s)); break;
                 case 8: EXPECT_TRUE(crowd.watch(watched)); break;
-                // Two clips' instances have room for half of them, so some are refused: by both crowds.
+                // The group that plays clips has pose capacity for half of its instances. Both crowds must refuse the
+                // same calls.
                 case 9: set_was_refused_.push_back(refusal(crowd.set_pose(InstanceHandle{posed}, pose, fade_s))); break;
                 case 10: EXPECT_TRUE(crowd.request_poses(InstanceHandle{posed})); break;
                 default: born_or_gone(crowd, any % 2 == 0, moved);
@@ -112,7 +113,7 @@ public:
         pose_count += a.poses.size();
     }
 
-    // From anywhere around: some of them are seen, and most are small enough to be updated less often.
+    // From anywhere around: some instances are visible, and most are small enough to skip updates.
     CrowdView view(Random& random) const {
         const float size = character_.size;
         const Vec3<float> middle{8 * size, 0, 6 * size}, aside = random.vector(12).as<float>() * size;
@@ -126,7 +127,7 @@ public:
 
 private:
     static constexpr uint32_t kEach = 12;
-    // One more of the last group, or the first of them that is there goes.
+    // Spawns an instance in the last group, or despawns its first one.
     static void born_or_gone(Crowd& crowd, bool is_born, const Affine& place) {
         if (is_born && *crowd.alive_count(4) < kEach) {
             EXPECT_TRUE(crowd.spawn(4, {&place, 1}));
@@ -151,8 +152,8 @@ private:
     std::vector<std::string> set_was_refused_;
 };
 
-// The second crowd records frames that are dropped at random, with changes before, and between the record and its
-// discard.
+// The second crowd also records frames that are randomly dropped, with changes before the record and between the record
+// and its discard.
 TEST(Frames, DroppedAtRandomCostNothing) {
     Twins twins;
     Crowd& dropping = twins.crowds[1];
@@ -260,7 +261,7 @@ TEST(Frames, AnUpdateThatHasFailedIsNotDiscarded) {
     EXPECT_EQ(refusal(driven.crowd.update(0.1f)), "");
 }
 
-// Also if it was for a view with occlusion, whose second half cannot come any more.
+// Also if the update was for a view with occlusion, whose second half can no longer be recorded.
 TEST(Frames, AnUpdateThatHasFailedIsRestored) {
     const Character character = small_character();
     Crowd crowd = create({.groups = {{&character, 2}}, .culling = Culling{}});
@@ -277,7 +278,7 @@ TEST(Frames, AnUpdateThatHasFailedIsRestored) {
     EXPECT_TRUE(crowd.save_state());
 }
 
-// What the buffers begin with is uploaded again, since it was to come with that update.
+// The buffers' initial contents are uploaded again, since they were part of the failed update.
 TEST(Frames, AFirstUpdateThatHasFailedIsRestored) {
     const Character character = small_character();
     const auto make = [&] { return create({.groups = {{&character, 2}}, .path = UpdatePath::kDevice}); };
@@ -293,7 +294,7 @@ TEST(Frames, AFirstUpdateThatHasFailedIsRestored) {
     EXPECT_TRUE(same_bits(skins_of(crowd), skins_of(twin)));
 }
 
-// The update that comes is its first, as if nothing had been recorded.
+// The next update is the instance's first, as if nothing had been recorded.
 TEST(Frames, WhoIsSpawnedBeforeADiscardIsNewInTheNextUpdate) {
     const Character character = creature(20, 8);
     Recorder recorder;
@@ -320,7 +321,8 @@ TEST(Frames, WhoIsSpawnedBeforeADiscardIsNewInTheNextUpdate) {
     }
 }
 
-// Those of a record() that never runs wait before others that were made since: more than one update has room for.
+// Pose requests of a discarded record() are queued before later ones; together they are more than one update has
+// capacity for.
 TEST(Frames, PoseRequestsOfADiscardedRecordAreSaved) {
     const Character character = creature(20, 5);
     Crowd crowd = create(
@@ -345,7 +347,7 @@ TEST(Frames, PoseRequestsOfADiscardedRecordAreSaved) {
     EXPECT_EQ(shown, (std::vector<uint32_t>{0, 1, 2, 3}));
 }
 
-// Inertia begins with the first update of its group, whichever way those before it went.
+// Inertia begins with the group's first update, whether the update before it ran or was discarded.
 TEST(Frames, InertialGroupsMayComeAfterARecordedUpdate) {
     const Character character = creature(20, 8);
     const Controller inertial = direct_layers(1, {}, true);
@@ -365,7 +367,7 @@ TEST(Frames, InertialGroupsMayComeAfterARecordedUpdate) {
     }
 }
 
-// Where validation layers see usages that buffers were not made with.
+// Validation layers report it if a buffer was created without this usage.
 TEST(Frames, OutputsMayBeBoundAsVertexBuffers) {
     const Character character = creature(20, 8);
     const Controller controller = example("walker");
@@ -390,7 +392,7 @@ TEST(Frames, OutputsMayBeBoundAsVertexBuffers) {
     });
 }
 
-// What has been recorded and has neither run nor been discarded is named, where something is asked that goes by it.
+// Calls that depend on a recorded update return an error while it has neither run nor been discarded.
 TEST(Frames, WhatHasNotRunIsNotRead) {
     DrivenCrowd driven;
     Crowd& crowd = driven.crowd;
@@ -420,7 +422,7 @@ TEST(Frames, WhatHasNotRunIsNotRead) {
     }
 }
 
-// Groups that come and go in between do not make it run.
+// Adding and removing groups in between does not make a pending update count as run.
 TEST(Frames, WhatHasNotRunIsNotSavedWhenGroupsHaveChanged) {
     const Character character = creature(20, 8);
     const CrowdSettings settings{.groups = {{.character = &character, .instance_count = 1}},
@@ -442,7 +444,7 @@ TEST(Frames, WhatHasNotRunIsNotSavedWhenGroupsHaveChanged) {
     EXPECT_EQ(refusal(crowd.save_state()), "");
 }
 
-// One that is discarded does not hide that the one before it is pending.
+// Discarding one update does not hide that the one before it is pending.
 TEST(Frames, WhatHasNotRunIsNotSavedWhenTheNextIsDiscarded) {
     const Character character = creature(20, 8);
     Crowd crowd = create({.groups = {{.character = &character, .instance_count = 1}}, .path = UpdatePath::kDevice});
@@ -457,7 +459,7 @@ TEST(Frames, WhatHasNotRunIsNotSavedWhenTheNextIsDiscarded) {
     EXPECT_EQ(refusal(crowd.save_state()), "");
 }
 
-// Nor drawn; and what was drawn as soon as it was submitted is there.
+// A pending update is not drawn either. Once it has been submitted, it can be drawn at once.
 TEST(Frames, WhatHasNotRunIsNotDrawn) {
     const Character character = creature(20, 8);
     const Camera camera{.eye = {0, 0, 3 * character.size}, .target = {0, 0, 0}};
@@ -484,7 +486,7 @@ TEST(Frames, WhatHasNotRunIsNotDrawn) {
     }
 }
 
-// More than are kept in mind, of a crowd without feedback, which would refuse the fifth.
+// More pending updates than the crowd keeps track of. The crowd has no feedback, which would refuse the fifth.
 TEST(Frames, TheLastOfManyDroppedWithoutAWordIsNotRead) {
     const Character character = creature(20, 8);
     Crowd crowd = create({.groups = {{.character = &character, .instance_count = 2}}});
@@ -500,8 +502,8 @@ TEST(Frames, TheLastOfManyDroppedWithoutAWordIsNotRead) {
     EXPECT_EQ(refusal(crowd.read_skin_matrices(InstanceHandle{0})), "");
 }
 
-// The GPU is held up in the middle of an update's submission, until another thread lets it go on after a while or
-// record() has returned: only a record() that waits for the GPU finds that it was let go.
+// An event blocks the GPU in the middle of an update. Another thread sets it after a while or once record() has
+// returned; if record() waits for the GPU, it returns only after the event was set.
 TEST(Frames, RecordDoesNotWaitForTheGpu) {
     if (!test_gpu()->has_timestamps()) GTEST_SKIP() << "the queue has no timestamps";
     const Gpu& gpu = *test_gpu();

@@ -1,4 +1,4 @@
-// Which fused form a character gets on a device, and what keeps it from one.
+// Which fused form a character gets on a device, and what rules one out.
 #include "fused/fused.h"
 #include "gpu/spirv_info.h"
 #include "scan/scan_planner.h"
@@ -11,7 +11,7 @@ namespace {
 
 using namespace test;
 
-// What a GPU would be given, with its 48 KiB of shared memory and subgroups of 32.
+// Limits like those of a GPU: 48 KiB of shared memory, subgroups of 32.
 constexpr ScanLimits kHardware{
     .shared_memory_bytes = 49152, .workgroup_size = 1024, .subgroup_size = 32, .shuffle = true, .is_cpu = false};
 
@@ -31,7 +31,7 @@ TEST(Fused, AGpuTakesTheFirstMethodThatFits) {
         uint32_t shared_memory_bytes;
         const char* wanted;  // empty: none
     };
-    // Parents wait for children in later chunks, in 32 or 48 bytes each, those of two characters in a workgroup.
+    // Parents are kept for children in later chunks, at 32 or 48 bytes each, for two characters per workgroup.
     for (const Case& c :
          {Case{64, 0, 49152, "stream:32"}, Case{64, 0.1, 49152, "stream:32"}, Case{1100, 0, 49152, "stream:32"},
           Case{1100, 0.1, 49152, "stream:32"}, Case{1100, 0.1, 64, ""}}) {
@@ -50,8 +50,8 @@ TEST(Fused, AGpuTakesTheFirstMethodThatFits) {
     }
 }
 
-// Where a device has places for more subgroups than there are characters, as many share one as have chunks of their
-// own, but of small characters, several of which may share a chunk.
+// If a device can hold more subgroups than there are characters, several share a character: as many as have chunks of
+// their own. Small characters, several of which may share a chunk, are an exception.
 TEST(Fused, SubgroupsShareTheCharactersOfSmallCrowds) {
     ScanLimits limits = kHardware;
     limits.largest_subgroup_size = 32;
@@ -70,14 +70,14 @@ TEST(Fused, SubgroupsShareTheCharactersOfSmallCrowds) {
     limits.workgroup_size = 64;
     EXPECT_EQ(chosen(300, 1000), "stream:64");
     limits.workgroup_size = 1024;
-    limits.largest_subgroup_size = 0;  // it may be 64 as well, and two chunks share one
+    limits.largest_subgroup_size = 0;  // it may also be 64, where two chunks share one
     EXPECT_EQ(chosen(300, 1000), "stream:32");
     limits.subgroup_size = limits.largest_subgroup_size = 64;
     EXPECT_EQ(chosen(300, 1000), "stream:32");
 }
 
-// What is asked for by name has a tile of 2 characters, 64 lanes: 2 * joints * 32 bytes of similarities or 48 of
-// affines, and slots of 64 lanes each beside it.
+// A method that is asked for by name has a tile of 2 characters and 64 lanes: 2 * joints * 32 bytes of similarities, or
+// 48 of affines, and 64 slots of the same size beside it.
 TEST(Fused, ATileMustFit) {
     const auto plan_of = [](const char* method, uint32_t joint_count) {
         return plan_fused({find_scan_method(method), 32}, FusedRig(character_of(joint_count, 0)), kHardware);

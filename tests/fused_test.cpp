@@ -1,5 +1,5 @@
-// The fused update against reference_pose(): every method that has one, packed and exact keys, formats of skin
-// matrices, what is kept.
+// The fused update against reference_pose(): every method that has one, packed and exact keys, skin matrix formats, and
+// the matrices that are kept.
 #include "bind/skin_format.h"
 #include "crowd/crowd_state.h"
 #include "fused/fused.h"
@@ -17,7 +17,7 @@
 namespace throng {
 namespace {
 
-// Rows of several characters a subgroup, and of several rounds; others have kernels that differ in numbers alone.
+// Rows of several characters per subgroup, and of several rounds. The other kernels differ only in numbers.
 const test::InSubset kFusedInSubsets({test::Subset::kGpuAssisted},
                                      {"Fused/FusedMethod.*", "Fused/FusedRows.*/3", "Fused/FusedRows.*/300",
                                       "Fused.RowsOfScalesFollowTheReference", "Fused.KeysAreReadWhereThereAreNoRows",
@@ -27,7 +27,7 @@ const test::InSubset kFusedOnOtherDrivers({test::Subset::kOtherDriver},
                                           {"-Fused/FusedMethod.*_1", "-Fused/FusedMethod.*_300"});
 const test::InSubset kFusedWithOtherSubgroups({test::Subset::kSubgroups},
                                               {"Fused.*", "Fused/*", "-Fused.WhatDoesNotFitIsStagedUnlessAskedFor"});
-// Methods that exchange registers; rows are of `stream`.
+// Methods that exchange values through registers; only `stream` reads rows.
 const test::InSubset kFusedWithWideSubgroups({test::Subset::kWideSubgroups},
                                              {"Fused/FusedMethod.*/stream*", "Fused/FusedMethod.*/subgroup*",
                                               "Fused/FusedMethod.*/fragments*", "Fused/FusedRows.*", "Fused.AnyNumber*",
@@ -42,7 +42,7 @@ const test::InSubset kFusedNatively({test::Subset::kNative},
 
 using namespace test;
 
-// Tests of all methods share few, and packing takes seconds.
+// Tests of all methods share a few characters, since packing takes seconds.
 const Character& packed_character(const AssetSettings& settings) {
     static std::map<AssetSettings, Character> all;
     const auto [at, is_new] = all.try_emplace(settings);
@@ -58,7 +58,7 @@ double crowd_error(Crowd& crowd, const Character& character, const std::vector<P
     return worst;
 }
 
-// Why the test device cannot; a native one has a pass that takes any character.
+// Why the test device cannot run the method. A native one has its own pass, which takes any character.
 std::string obstacle(const ScanChoice& choice, const Character& character) {
     if (test_gpu()->is_native()) return {};
     return plan_fused(choice, FusedRig(character), scan_limits(*test_gpu())).unsupported_reason;
@@ -105,7 +105,7 @@ TEST_P(FusedMethod, FollowsTheReference) {
             ++cases;
         }
     }
-    EXPECT_GT(cases + (joint_count == 300 ? refused : 0), 0u);  // the tile of the largest may not fit
+    EXPECT_GT(cases + (joint_count == 300 ? refused : 0), 0u);  // the largest character's tile may not fit
     std::printf("  %zu cases, %zu refused: largest error %.1e of the size\n", cases, refused, worst);
 }
 
@@ -123,8 +123,8 @@ INSTANTIATE_TEST_SUITE_P(Fused, FusedMethod,
                                     std::to_string(std::get<1>(of.param));
                          });
 
-// Where scales are uniform, `stream` reads rows in place of keys: of clips that step, of joints that move and of those
-// that only turn, of ranges that need more than 16 bits and of small ones.
+// With uniform scales, `stream` reads rows instead of keys: of clips with steps, of joints that move and joints that
+// only turn, of ranges that need more than 16 bits and of small ones.
 class FusedRows : public testing::TestWithParam<uint32_t> {};
 
 TEST_P(FusedRows, FollowTheReference) {
@@ -154,7 +154,7 @@ TEST_P(FusedRows, FollowTheReference) {
 
 INSTANTIATE_TEST_SUITE_P(Fused, FusedRows, testing::Values(1u, 3u, 20u, 70u, 300u), testing::PrintToStringParamName());
 
-// One scale a joint, which clips change.
+// One uniform scale per joint, changed by clips.
 Character evenly_scaled() {
     Asset asset = make_asset({.joint_count = 12, .seed = 5, .scale_spread = 0});
     for (AssetClip& clip : asset.clips)
@@ -190,8 +190,8 @@ TEST(Fused, KeysAreReadWhereThereAreNoRows) {
     }
 }
 
-// Few instances share a subgroup's lanes, many have one each, and more than a workgroup's leave the last one partly
-// empty.
+// A few instances share a subgroup's lanes; many have one lane each; more than fill a workgroup leave the last one
+// partly empty.
 TEST(Fused, AnyNumberOfInstances) {
     const Character character = packed_character({.joint_count = 70, .seed = 3});
     size_t scan_count = 0;
@@ -229,7 +229,7 @@ void expect_turning_loops(const Character& character, uint32_t turning_count) {
     EXPECT_EQ(free > 0, turning_count < character.rig.joint_count());
 }
 
-// However many subgroups share a character, each joint's products are the same.
+// The number of subgroups that share a character does not change the bits of its joints' products.
 TEST(Fused, AnyNumberOfSubgroupsYieldsTheSameBits) {
     if (!has_scan("stream")) GTEST_SKIP() << "no stream here";
     const Character character = packed_character({.joint_count = 300, .seed = 5, .scale_spread = 0});
@@ -254,7 +254,7 @@ TEST(Fused, AnyNumberOfSubgroupsYieldsTheSameBits) {
     }
 }
 
-// Joints that only turn are walked in a loop of their own. In the second asset half of them do.
+// Joints that only turn are processed in a separate loop. In the second asset, half of the joints only turn.
 TEST(Fused, JointsThatOnlyTurn) {
     constexpr uint32_t kJoints = 60, kInstances = 19;
     for (const uint32_t turning_count : {kJoints, kJoints / 2}) {
@@ -288,7 +288,7 @@ TEST(Fused, JointsThatOnlyTurn) {
     }
 }
 
-// The kernel for one clip an instance takes over when none blends, and hands back when one does.
+// A separate kernel for one clip per instance is used while no instance blends.
 TEST(Fused, OneClipAndTwoTakeTurns) {
     const Character character = packed_character({.joint_count = 40, .seed = 8});
     Crowd crowd = create({.groups = {{&character, 20}}, .path = UpdatePath::kFused, .keep_model_matrices = true});
@@ -348,7 +348,7 @@ TEST(Fused, SimilaritiesAreRefusedWhereTheyCannotHoldTheMatrices) {
     EXPECT_NE(skin_format_unsupported_reason(SkinFormat::kSimilarity, sheared).find("entry 3"), std::string::npos);
 }
 
-// Mirrors and turns about every axis, so that each component is the largest once.
+// Mirrored joints and half turns about every axis, so that each quaternion component is the largest once.
 TEST(Fused, SimilaritiesOfMirrorsAndHalfTurns) {
     Character character = make_character({.joint_count = 9, .scale_spread = 0});
     for (size_t entry = 0; entry < character.palette.size(); ++entry) {

@@ -17,7 +17,7 @@ using GltfJson = nlohmann::json;
 // glTF component types.
 enum : int { kInt8 = 5120, kUint8, kInt16, kUint16, kUint32 = 5125, kFloat = 5126 };
 
-// JSON and binary buffer of one file. The JSON is open: a test breaks what it likes.
+// The JSON and the binary buffer of one file. The JSON is public, so that tests can break anything in it.
 class GlbBuilder {
 public:
     GlbBuilder();

@@ -1,4 +1,4 @@
-// Poses of real characters on the GPU against goldens.
+// Poses of real characters on the GPU against golden files.
 #include "scan/scan_table.h"
 #include "tests/goldens.h"
 #include "tests/subset.h"

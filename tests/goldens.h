@@ -1,5 +1,5 @@
-// Poses of real characters that two other programs computed (shared/goldens/README.md), and how far others are from
-// them.
+// Poses of real characters, computed by two other programs (shared/goldens/README.md), and how far other results are
+// from them.
 #pragma once
 
 #include "tests/shared.h"
@@ -40,10 +40,10 @@ struct Comparison {
     uint64_t matrices = 0, vertices = 0;
 };
 
-// With the answer of this number.
+// Compares with one answer, by its number, and updates `worst`.
 void compare(const Golden& golden, size_t answer, const Computed& computed, Comparison& worst);
 
-// Of the size. Where clips are compressed or matrices rounded only points are promised to stay near.
+// As fractions of the size. With compressed clips or rounded matrices, only points are guaranteed to stay close.
 struct GoldenBounds {
     double matrix = kGoldenBound, vertex = kGoldenBound;
 };

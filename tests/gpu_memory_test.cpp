@@ -1,4 +1,4 @@
-// Memory of buffers, what goes to it, and how little the driver is asked for it.
+// Buffer memory, uploads to it, and that the driver is asked for memory rarely.
 #include "gpu/buffer.h"
 #include "gpu/free_ranges.h"
 #include "gpu/upload.h"
@@ -25,7 +25,7 @@ constexpr VkDeviceSize kMiB = VkDeviceSize{1} << 20;
 
 // ---- Which parts of a block are free
 
-// A byte a unit says the same.
+// A reference model of the free ranges, with one byte per unit.
 struct RangesModel {
     explicit RangesModel(uint64_t size) : used(size) {}
 
@@ -147,7 +147,7 @@ TEST(GpuMemory, OfBlocksThatAreEmptyOneIsKept) {
     }
 }
 
-// Each writes its number into what it has, and finds it there when it gives it back.
+// Each thread writes its number into the memory that it takes, and must find it there when it gives the memory back.
 TEST(GpuMemory, ThreadsDoNotGetEachOthersParts) {
     const Device device = another_device();
     Gpu& gpu = *device.gpu();
@@ -201,7 +201,7 @@ TEST(GpuMemory, WhereABlockDoesNotFitWhatIsNeededMay) {
     EXPECT_EQ(refused.error().code, ErrorCode::kOutOfMemory);
     EXPECT_TRUE(contains(refused.error().text(), "too much")) << refused.error().text();
     buffer.reset();
-    gpu.memory.clear();  // one of each memory type is kept
+    gpu.memory.clear();  // one block per memory type is kept
     EXPECT_EQ(gpu.memory.block_count(), 0u);
 }
 
@@ -230,7 +230,8 @@ TEST(GpuMemory, WhatIsKeptGoesWhereMemoryIsOut) {
     gpu.vk.vkFreeMemory = driver_free;
 }
 
-// A device whose first memory type, of the driver's only one, lies beside the processor, and has no memory left.
+// Simulates two memory types on a driver that has one: the first is device-local and full, the second is not
+// device-local.
 PFN_vkGetBufferMemoryRequirements driver_requirements = nullptr;
 
 VKAPI_ATTR void VKAPI_CALL fits_both(VkDevice device, VkBuffer buffer, VkMemoryRequirements* needs) {
@@ -291,7 +292,7 @@ TEST(Uploads, AreSubmittedTogether) {
     EXPECT_EQ(gpu->counts.submissions, before + 1);
     for (uint32_t i = 0; i < buffers.size(); ++i)
         ASSERT_EQ(download<uint32_t>(gpu, buffers[i]).front(), random_numbers(1, i).front()) << i;
-    // What takes the place of every other one leaves the rest alone.
+    // Replacing every other buffer leaves the others unchanged.
     for (uint32_t i = 0; i < buffers.size(); i += 2)
         buffers[i] = upload(gpu, "others", random_numbers(20 + 31 * i, 1000 + i));
     for (uint32_t i = 0; i < buffers.size(); ++i)
@@ -314,7 +315,7 @@ TEST(Uploads, BeyondTheirStagingMemoryAreSubmittedOnTheWay) {
         EXPECT_TRUE(download<uint32_t>(gpu, buffers[i]) == random_numbers(counts[i], 5)) << i;
 }
 
-// The validation layer would complain of a copy to a buffer that is none any more.
+// The validation layer would report a copy to a destroyed buffer.
 TEST(Uploads, TheTargetMayBeGone) {
     Uploads uploads(test_gpu());
     Buffer buffer = upload(uploads, "numbers", random_numbers(100, 1));
@@ -356,12 +357,12 @@ void make_crowds(bool natively, const std::string& scan = "auto") {
                            {"20 groups of three rigs", 20, 3, false, 8},
                            {"the same, culled", 20, 3, true, has_rows ? 28u : 18u}}) {
         const Device device = another_device();          // without pipelines of the case before
-        if (!natively) device.gpu()->processor.reset();  // as hardware, which makes them with the crowd
+        if (!natively) device.gpu()->processor.reset();  // like hardware, which makes pipelines with the crowd
         const GpuCounts& counts = device.gpu()->counts;
         CrowdSettings settings{.scan = scan};
         if (of.culls) settings.culling = Culling{.reduces_joints = true};
         for (size_t i = 0; i < of.group_count; ++i) settings.groups.push_back({&kinds[i % of.kind_count], 10});
-        // The first one goes before the second is made, which runs when the third is made.
+        // The first crowd is destroyed before the second is made. The second still exists while the third is made.
         std::optional<Crowd> second;
         for (const std::string when : {"", ", again", ", beside that"}) {
             const uint64_t allocations = counts.allocations, submissions = counts.submissions,
@@ -390,7 +391,7 @@ void make_crowds(bool natively, const std::string& scan = "auto") {
 
 TEST(GpuMemory, ACrowdOfManyGroupsAsksLittleOfTheDriver) {
     make_crowds(false);
-    if (test_gpu()->uses_software_kernels()) make_crowds(false, "stream");  // as GPUs have it
+    if (test_gpu()->uses_software_kernels()) make_crowds(false, "stream");  // as on GPUs
 }
 
 TEST(GpuMemory, WhereItIsUpdatedNativelyItMakesNoPipelines) {
@@ -407,7 +408,7 @@ TEST(GpuMemory, ValidationMessagesNameBuffers) {
     const Buffer buffer(gpu, "Fox: key times", 64, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT);
     testing::internal::CaptureStderr();
     VkBufferViewCreateInfo create{VK_STRUCTURE_TYPE_BUFFER_VIEW_CREATE_INFO};
-    create.buffer = buffer.handle();  // whose usage allows none
+    create.buffer = buffer.handle();  // its usage flags allow no view
     create.format = VK_FORMAT_R32_UINT;
     create.range = VK_WHOLE_SIZE;
     VkBufferView view = VK_NULL_HANDLE;

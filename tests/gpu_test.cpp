@@ -1,4 +1,4 @@
-// Buffers, kernels, SPIR-V, and the structs that C++ and the shaders share.
+// Buffers, kernels, SPIR-V, and the structs that C++ and shaders share.
 #include "bench/on_chip_shaders.h"
 #include "io_headers.inc"
 #include "base/failure.h"
@@ -41,7 +41,7 @@ constexpr uint32_t kCharacterSpirv[] = {
 #include "draw/character.frag.inc"
 };
 
-// The Failure that `body` throws; the test fails where it throws none.
+// The Failure that `body` throws. The test fails if it throws none.
 Error error_of(const std::function<void()>& body) {
     const Result<void> result = as_result(body);
     if (!result) return result.error();
@@ -211,7 +211,7 @@ TEST(Gpu, WhatIsNoSpirvIsRefused) {
     words[0] ^= 1;
     EXPECT_EQ(error_of([&] { read_spirv(words); }).code, ErrorCode::kInvalidArgument);
     words[0] ^= 1;
-    words[5] &= 0xFFFF;  // an instruction of no words
+    words[5] &= 0xFFFF;  // an instruction of zero words
     EXPECT_EQ(error_of([&] { read_spirv(words); }).code, ErrorCode::kInvalidArgument);
 }
 
@@ -233,8 +233,8 @@ std::map<std::string, Layout> layouts_in_cpp() {
     };
 }
 
-// Names, offsets and array strides of a module's structs. Numbers from the SPIR-V specification, version 1.6,
-// section 3.
+// Names, offsets and array strides of the structs in a SPIR-V module. Enumerants are from the SPIR-V specification,
+// version 1.6, section 3.
 std::map<std::string, Layout> layouts_in_spirv(std::span<const uint32_t> words) {
     enum : uint32_t {
         kOpName = 5,

@@ -1,4 +1,4 @@
-// Groups that are added to a crowd and removed from it: numbers and handles, feedback, memory, updates under way,
+// Groups that are added to a crowd and removed from it: numbers and handles, feedback, memory, pending updates,
 // pictures, and what is refused.
 #include "crowd/crowd_state.h"
 #include "tests/ball.h"
@@ -32,7 +32,7 @@ protected:
     Character character_ = creature(20, 8), other_character_ = creature(33, 9);
 };
 
-// Such as a level that nobody has come to yet.
+// For example, the group of a level that no player has reached yet.
 TEST_F(GroupChanges, GroupsMayBeEmpty) {
     CrowdSettings of = settings(2);
     of.groups.insert(of.groups.begin(), {.character = &other_character_, .instance_count = 0});
@@ -55,7 +55,7 @@ TEST_F(GroupChanges, GroupsMayBeEmpty) {
     go_on(crowd);
 }
 
-// Of which one buffer of the device does not hold all matrices.
+// A group whose matrices do not fit into one buffer of the device.
 TEST_F(GroupChanges, GroupsMayHaveSeveralBatches) {
     const Character large = make_character({.joint_count = 65535,
                                             .shape = RigShape::kBushy,
@@ -91,7 +91,7 @@ TEST_F(GroupChanges, GroupsMayHaveSeveralBatches) {
     EXPECT_EQ(next, crowd.instance_count());
 }
 
-// Also where no group has a number below them.
+// Also if no remaining group has a number below theirs.
 TEST_F(GroupChanges, HandlesOfRemovedGroupsAreRefused) {
     Crowd crowd = create(settings(4, 4));
     ASSERT_TRUE(crowd.add_groups(create(settings(4, 4))));
@@ -132,7 +132,7 @@ TEST_F(GroupChanges, NumbersAreGivenAgainAndHandlesAreNot) {
     EXPECT_FALSE(crowd.read_skin_matrices(gone[1]));
     go_on(crowd);
 
-    // Two instances and one have room in the gap, three more do not
+    // The groups of two and one fit into the gap, a group of three does not
     CrowdSettings small = settings(2);
     small.groups.push_back({.character = &other_character_, .instance_count = 1});
     EXPECT_EQ(crowd.add_groups(create(small)).value(), (std::vector<uint32_t>{1, 3}));
@@ -151,7 +151,7 @@ TEST_F(GroupChanges, NumbersAreGivenAgainAndHandlesAreNot) {
     EXPECT_EQ(blocks, (std::vector<uint32_t>{0, 3, 5, 7, 9}));
 }
 
-// Feedback of the last updates of a group comes with the handles that its instances had.
+// Feedback about a removed group's last updates has the handles that its instances had.
 TEST_F(GroupChanges, EventsOfThoseThatHaveGoneAreTheirs) {
     const Controller dragon = example("dragon");
     CrowdSettings of = settings(2);
@@ -187,13 +187,13 @@ TEST_F(GroupChanges, EventsOfThoseThatHaveGoneAreTheirs) {
     EXPECT_GT(event_count, 2u);
 }
 
-// What is watched of those that come may be more than of those that were there.
+// The added groups may need more feedback per watched instance than those before.
 TEST_F(GroupChanges, FeedbackGetsRoom) {
     const Controller dragon = example("dragon");
     CrowdSettings small = settings(2), large = settings(2);
     for (CrowdSettings* const of : {&small, &large}) {
         of->watch_capacity = 2;
-        of->path = UpdatePath::kDevice;  // under the validation layers, which see what goes beyond a buffer
+        of->path = UpdatePath::kDevice;  // under the validation layers, which report accesses beyond a buffer
     }
     small.groups[0].sockets = {3};
     large.groups[0].controller = &dragon;
@@ -234,8 +234,8 @@ TEST_F(GroupChanges, MemoryIsGivenBack) {
     }
 }
 
-// Nothing waits: changes between updates that have been recorded and have not run, in slots of frames in flight; and
-// what the first frame of a group began with is not lost with it.
+// Changes do not wait for recorded updates that have not run yet, in several slots of frames in flight. The initial
+// contents of a group's first frame are not lost if that frame is.
 TEST_F(GroupChanges, BetweenUpdatesThatAreUnderWay) {
     if (test_gpu()->is_native()) GTEST_SKIP() << "nothing is recorded there";
     CrowdSettings of = settings(5);
@@ -282,7 +282,7 @@ TEST_F(GroupChanges, BetweenUpdatesThatAreUnderWay) {
     expect_same(contents_of_groups(wanted, {0}), contents_of_groups(crowd, {2}), "what has come");
 }
 
-// The previous matrices of the first update are its own.
+// In the first update, the previous matrices equal the current ones.
 TEST_F(GroupChanges, WhatComesHasNotMoved) {
     CrowdSettings of = settings(3);
     of.culling.reset();
@@ -372,7 +372,7 @@ TEST_F(GroupChanges, RefusesWhatDoesNotGoTogether) {
     EXPECT_FALSE(crowd.path(1).value().is_native);
 }
 
-// Where the device refuses, whenever it does: both crowds go on as before.
+// The device refuses at every possible point. Both crowds must go on as before.
 PFN_vkCreateBuffer driver_create_buffer;
 PFN_vkCreateEvent driver_create_event;
 uint32_t made_until_refusal;
@@ -406,7 +406,7 @@ TEST_F(GroupChanges, WhatFailsHasNotHappened) {
     Crowd crowd = make(), other = make();
     ASSERT_TRUE(crowd.add_groups(make()));
     ASSERT_TRUE(crowd.update(0.1f));
-    crowd.state().follow_placements();  // as a renderer has it
+    crowd.state().follow_placements();  // as a renderer does
     driver_create_buffer = gpu.vk.vkCreateBuffer;
     driver_create_event = gpu.vk.vkCreateEvent;
     uint32_t failure_count = 0;
@@ -438,7 +438,7 @@ TEST_F(GroupChanges, WhatFailsHasNotHappened) {
     EXPECT_EQ(output<Affine>(crowd.outputs()[2], &OutputBlock::placement, 3, device.gpu())[2].row[1][3], 5);
 }
 
-// As a change that fails leaves them: where they were before is memory of nobody.
+// A failed change also leaves batches moved: their old memory is freed.
 TEST_F(GroupChanges, FollowedPlacementsFindBatchesThatHaveMoved) {
     CrowdSettings of = settings(3);
     of.groups[0].steering = Steering{.radius = 0.1f};
@@ -446,7 +446,7 @@ TEST_F(GroupChanges, FollowedPlacementsFindBatchesThatHaveMoved) {
     ASSERT_TRUE(crowd.update(0.1f));
     CrowdState& state = crowd.state();
     state.follow_placements();
-    std::vector<Batch> emptied(state.batches.size());  // what a pointer kept to one would find
+    std::vector<Batch> emptied(state.batches.size());  // where a stale pointer would point
     state.batches.swap(emptied);
     std::ranges::move(emptied, state.batches.begin());
     ASSERT_TRUE(crowd.set_destination(crowd.instances(), Vec3<float>{100, 0, 0}));
@@ -458,7 +458,7 @@ TEST_F(GroupChanges, FollowedPlacementsFindBatchesThatHaveMoved) {
 
 class GroupChangesDrawn : public testing::TestWithParam<DrawPath> {};
 
-// With textures, of which those that are there are not decoded again.
+// With textures; existing ones are not decoded again.
 TEST_P(GroupChangesDrawn, PicturesFollow) {
     if (const std::string reason = undrawable_reason(GetParam()); !reason.empty()) GTEST_SKIP() << reason;
     Asset ball = make_ball();

@@ -1,4 +1,4 @@
-// Groups of a crowd: who is there in one, and what the outputs of some hold.
+// Groups of a crowd: their current instances, and the contents of their outputs.
 #pragma once
 
 #include "tests/contents.h"
@@ -14,7 +14,7 @@ inline std::vector<InstanceHandle> there_in(const Crowd& crowd, uint32_t group) 
     return there;
 }
 
-// What the outputs of these groups hold, by their place among them.
+// The contents of these groups' outputs, keyed by the position in `groups`.
 inline Contents contents_of_groups(const Crowd& crowd, const std::vector<uint32_t>& groups) {
     Contents all;
     for (size_t i = 0; i < groups.size(); ++i) {

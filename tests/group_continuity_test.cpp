@@ -1,5 +1,5 @@
-// Groups that are added to a crowd and removed from it: those that stay go on as if nothing had been, those that come
-// as if they had always been there, bit for bit.
+// Groups that are added to a crowd and removed from it: remaining groups go on unaffected, and added ones as if they
+// had always been there, bit for bit.
 #include "tests/group_contents.h"
 #include "tests/kinds.h"
 #include "tests/subset.h"
@@ -15,7 +15,8 @@ const InSubset kGroupContinuityNatively({Subset::kNative}, {"*GroupContinuity*"}
 
 constexpr uint32_t kGroupContinuityKinds = 7, kCarriers = 2, kCarried = 6;
 
-// Five kinds in which instances come and go, some with poses from outside in outfits, some that hang on others.
+// Five kinds of groups whose instances are spawned and despawned, some with poses from outside and outfits, some
+// attached to others.
 struct Groups {
     explicit Groups(UpdatePath path) : settings(kinds.settings(path)) {
         settings.pose_request_capacity = 4;
@@ -29,7 +30,7 @@ struct Groups {
             {.character = &kinds.character, .instance_count = 4, .sockets = {1}, .is_carried = true});
     }
 
-    // Of the kinds from `first` on.
+    // A crowd of `count` kinds, starting with kind `first`.
     Crowd make(uint32_t first = 0, uint32_t count = kGroupContinuityKinds) const {
         CrowdSettings of = settings;
         of.groups = {settings.groups.begin() + first, settings.groups.begin() + first + count};
@@ -46,9 +47,9 @@ std::vector<uint32_t> numbers(uint32_t first, uint32_t count = kGroupContinuityK
     return all;
 }
 
-// What an application does with groups of these kinds, at random: the same for all that are in the same state.
-// `groups`: the numbers that the kinds from `first_kind` on have in the crowd. From the first update on they stand on
-// plots from `first_plot` on.
+// Makes random calls as an application does: the same calls for all crowds in the same state. `groups` are the numbers
+// that the kinds from `first_kind` on have in the crowd. From the first update on, instances stand on plots from
+// `first_plot` on.
 class Player {
 public:
     Player(const Groups& of, std::vector<uint32_t> groups, uint32_t first_plot, uint32_t first_kind = 0)
@@ -80,7 +81,7 @@ public:
     }
 
 private:
-    static constexpr uint32_t kPlots = 200;  // of a kind: nobody is born where others are
+    static constexpr uint32_t kPlots = 200;  // per kind: no instance is spawned where another stands
 
     void hang(Crowd& crowd, Random& random) const {
         const std::vector<InstanceHandle> carriers = there_in(crowd, groups_[kCarriers - first_kind_]);
@@ -187,7 +188,7 @@ TEST_P(GroupContinuity, WhatStaysGoesOnAsIfNothingHadBeen) {
     EXPECT_EQ(crowd.outputs().size(), undisturbed.outputs().size());
 }
 
-// Into a crowd that goes on, and into the gap that others have left.
+// Groups are added to a running crowd, and into the gap that removed ones have left.
 TEST_P(GroupContinuity, WhatComesGoesOnAsInACrowdOfItsOwn) {
     Crowd crowd = groups_.make();
     const Player ours(groups_, numbers(0), 0), own(groups_, numbers(0), 2000);
@@ -216,7 +217,7 @@ TEST_P(GroupContinuity, WhatComesGoesOnAsInACrowdOfItsOwn) {
     }
 }
 
-// Agents in each other's way, and what hangs on sockets of another crowd's.
+// With agents that meet, and things attached to sockets of the crowd that the groups join.
 TEST_P(GroupContinuity, BeforeTheFirstUpdateIsAsIfMadeTogether) {
     Crowd whole = groups_.make(), crowd = groups_.make(0, 5);
     EXPECT_EQ(crowd.add_groups(groups_.make(5, 2)).value(), numbers(5, 2));
@@ -239,7 +240,7 @@ TEST_P(GroupContinuity, BeforeTheFirstUpdateIsAsIfMadeTogether) {
     }
 }
 
-// In a crowd whose groups have been there from the beginning, in the same places.
+// Restored in a crowd whose groups are in the same places, but were there from the beginning.
 TEST_P(GroupContinuity, SavedStatesGoAlong) {
     const auto grown = [&](bool goes_on) {
         Crowd crowd = groups_.make(0, 3);

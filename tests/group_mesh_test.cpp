@@ -1,4 +1,4 @@
-// What an application draws a group from: every section in every level of detail, by Crowd::mesh() alone.
+// Crowd::mesh() gives an application all it needs to draw a group: every section at every level of detail.
 #include "tests/crowd_cases.h"
 #include "tests/kernel_runner.h"
 #include "tests/subset.h"
@@ -11,7 +11,7 @@ namespace {
 
 const InSubset kGroupMeshNatively({Subset::kNative}, {"GroupMesh.*"});
 
-// A creature, its triangles dealt to three sections that have the vertices of all.
+// A creature whose triangles are divided among three sections, each with all vertices.
 Character in_three_sections() {
     Asset asset = make_creature({.joint_count = 60, .level_count = 20, .face_count = 1500}).value();
     std::vector<AssetPrimitive>& primitives = asset.meshes[0].primitives;
@@ -55,7 +55,7 @@ TEST(GroupMesh, HasWhatTheCharacterHasInEveryLevelOfDetail) {
             const IndexRange range = lod == 0 ? IndexRange{section.first_index, section.index_count}
                                               : character.lod_ranges[(lod - 1) * 3 + s];
             const std::vector<uint32_t>& from = lod == 0 ? character.indices : character.lod_indices;
-            ASSERT_TRUE(lod > 0 || of.index_count > 0);  // a section may vanish in the distance
+            ASSERT_TRUE(lod > 0 || of.index_count > 0);  // a section may vanish at a distance
             ASSERT_LE(of.first_index + of.index_count, indices.size());
             EXPECT_TRUE(same_bits(std::span(indices).subspan(of.first_index, of.index_count),
                                   std::span(from).subspan(range.first_index, range.index_count)));

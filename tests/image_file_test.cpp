@@ -1,4 +1,4 @@
-// Images of materials, as files have them. No device is needed.
+// Decoding of material images in their file formats. No device is needed.
 #include "draw/image_file.h"
 
 #include "base/failure.h"
@@ -83,7 +83,7 @@ TEST(ImageFile, WhatIsNoneIsSaid) {
         part.encoded.assign(whole.encoded.begin(), whole.encoded.begin() + static_cast<ptrdiff_t>(size));
         expect_refused(part, "cannot be decoded: a damaged WebP file");
     }
-    // Its head alone: a VP8X chunk that says it is animated, of 8 by 8 pixels.
+    // Only the header: a VP8X chunk that says the image is animated and has 8 by 8 pixels.
     const unsigned char animated[] = {'R', 'I', 'F', 'F', 22, 0, 0, 0, 'W', 'E', 'B', 'P', 'V', 'P', '8',
                                       'X', 10,  0,   0,   0,  2, 0, 0, 0,   7,   0,   0,   7,   0,   0};
     AssetImage moving{.name = "skin"};
@@ -105,7 +105,7 @@ void append_chunk(ImageBytes& png, std::string_view type, const ImageBytes& data
     for (const int shift : {24, 16, 8, 0}) png.push_back(static_cast<uint8_t>(data.size() >> shift));
     for (const char c : type) png.push_back(static_cast<uint8_t>(c));
     append_bytes(png, data);
-    append_bytes(png, {0, 0, 0, 0});  // checksums are not looked at
+    append_bytes(png, {0, 0, 0, 0});  // checksums are not verified
 }
 
 struct PngHeader {
@@ -143,7 +143,7 @@ ImageBytes stream_of_zeros(size_t run_count) {
     add(0b011, 3);                                                     // the last block, of fixed codes
     add(0b00001100, 8);                                                // 0; codes begin at the lowest bit
     for (size_t i = 0; i < run_count; ++i) add(0b00000'10100011, 13);  // 258 times the byte before
-    add(0, 7 + 8);                                                     // the end, and what is left of the last byte
+    add(0, 7 + 8);                                                     // the end, and padding of the last byte
     append_bytes(stream, {0, 0, 0, 0});
     return stream;
 }
@@ -154,8 +154,8 @@ TEST(ImageFile, PngsOfAllKindsAreDecoded) {
                              .decode();
     EXPECT_EQ(deep.rgba, (ImageBytes{10, 20, 30, 40, 50, 60, 70, 80}));
 
-    // 8 by 8 pixels of one bit in seven passes, each row with its filter: only the pixel in the upper left corner,
-    // which is the first pass, has the second colour.
+    // 8 by 8 pixels of one bit in seven passes; each row has a filter byte. Only the upper-left pixel, which is the
+    // first pass, has the second colour.
     ImageBytes passes{0, 0x80};
     passes.resize(2 * (1 + 1 + 1 + 2 + 2 + 4 + 4));
     const Picture interlaced = ImageFile(png_of({.width = 8, .height = 8, .depth = 1, .color = 3, .interlaced = 1},
@@ -175,12 +175,12 @@ TEST(ImageFile, PngsOfAllKindsAreDecoded) {
 TEST(ImageFile, APngMustNotUnpackToFarMoreThanItsPixels) {
     expect_refused(png_of({.width = 1, .height = 1}, stream_of_zeros(1 << 14)),
                    "cannot be decoded: its data are larger than 1 x 1 pixels can be: a damaged PNG file");
-    // The limit is that file's alone.
+    // The size limit depends on each file's own header.
     const Picture large = ImageFile(png_of({.width = 255, .height = 255}, stream_of_zeros(1010))).decode();
     EXPECT_EQ(large.rgba, ImageBytes(255 * 255 * 4));
 }
 
-// A progressive JPEG of 8 by 8 grey pixels: a scan for the mean, and the others for nothing.
+// A progressive JPEG of 8 by 8 grey pixels: one scan for the mean; the others contain nothing.
 AssetImage jpeg_of(int scan_count) {
     ImageBytes jpeg{0xFF, 0xD8};
     const auto append_segment = [&](uint8_t marker, const ImageBytes& data) {
@@ -205,7 +205,7 @@ AssetImage jpeg_of(int scan_count) {
         jpeg.push_back(0);
     }
     append_bytes(jpeg, {0xFF, 0xD9});
-    append_bytes(jpeg, scans_of_others);  // as in a video behind the picture
+    append_bytes(jpeg, scans_of_others);  // as in a video appended to the picture
     return encoded_image(jpeg);
 }
 
@@ -216,7 +216,7 @@ TEST(ImageFile, AJpegHasAtMostOneHundredScans) {
     EXPECT_EQ(grey.rgba[0], 128);
     AssetImage many = jpeg_of(101);
     expect_refused(many, "cannot be decoded: a JPEG file of 101 scans, more than the limit of 100");
-    many.encoded.insert(many.encoded.begin(), many.encoded.front());  // as a byte that fills up to a marker
+    many.encoded.insert(many.encoded.begin(), many.encoded.front());  // a fill byte before a marker
     expect_refused(many, "cannot be decoded: a JPEG file of 101 scans");
 }
 

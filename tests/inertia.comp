@@ -1,8 +1,8 @@
-// One joint an invocation: begins a transition and applies it.
+// One joint per invocation: begins a transition and applies it.
 #include "blend/inertia.glsl"
 
 WORKGROUP(64);
-// [joint]: shown, shown before, target, target before
+// [joint]: shown pose, shown before, target, target before
 READONLY_BUFFER(0, JointPose, poses);
 WRITEONLY_BUFFER(1, JointPose, results);
 layout(push_constant) uniform Push {

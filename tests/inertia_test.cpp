@@ -1,4 +1,4 @@
-// Inertial transitions: the functions of the shaders against the reference, and the reference against what it promises.
+// Inertial transitions: the shader functions against the reference, and the reference's own guarantees.
 #include "blend/inertia_io.h"
 #include "blend/inertia_reference.h"
 #include "sample/sample_io.h"
@@ -39,7 +39,7 @@ TEST(Inertia, DecaysToRestWithoutOvershoot) {
                 const double v = x * speed, end_s = std::min(duration_s, speed < 0 ? -5 / speed : duration_s);
                 const auto at = [&](double t) { return decayed_reference(x, v, t, duration_s); };
                 EXPECT_EQ(at(0), x);
-                // Half the acceleration times the step
+                // The error is half the acceleration times the step
                 EXPECT_NEAR((at(kStep_s) - at(0)) / kStep_s, v, x * 1e-2 / (end_s * end_s));
                 EXPECT_EQ(at(end_s), 0);
                 EXPECT_EQ(at(2 * duration_s), 0);
@@ -55,7 +55,7 @@ TEST(Inertia, DecaysToRestWithoutOvershoot) {
     EXPECT_EQ(decayed_reference(1, 0, 0, 0), 0) << "a transition that takes no time";
 }
 
-// A swing that is cut off while it nears the target's, which moves too: neither place nor speed jumps.
+// A swing toward a moving target is interrupted: neither position nor speed may jump.
 TEST(Inertia, NeitherPlaceNorSpeedJumps) {
     // The quintic's largest is about 10 offsets / duration^2
     constexpr double kStep_s = 1e-3, kDuration_s = 0.4, kSwitch_s = 0.5, kAcceleration = 120;
@@ -86,7 +86,7 @@ TEST(Inertia, NeitherPlaceNorSpeedJumps) {
     EXPECT_EQ(shown(kSwitch_s + kDuration_s).translation, target(kSwitch_s + kDuration_s).translation);
 }
 
-// An offset that grows is taken back from where it is.
+// If the offset is growing, its initial speed is taken as 0.
 TEST(Inertia, AnOffsetThatGrowsHasNoSpeed) {
     const Trs<double> rest;
     const Trs<double> away{axis_angle(Vec3<double>{1, 0, 0}, 0.5), {0, 2, 0}, {1, 1, 3}},
@@ -121,14 +121,14 @@ TEST(Inertia, TheShadersFollowTheReference) {
         return out;
     };
     for (int i = 0; i < 2000; ++i) {
-        // Short of half a turn, where either way round is right
+        // Less than half a turn, where both directions would be equally short
         const Trs<double> target = random.trs(1, 0.3),
                           shown = i % 10 == 0 ? target : near(target, i % 10 == 1 ? 0.01 : 2.8);
         for (const Trs<double>& t :
              {shown, i % 3 == 0 ? shown : near(shown, 0.05), target, i % 2 == 0 ? target : near(target, 0.05)})
             poses.push_back(to_pose(t));
     }
-    for (int i = 0; i < 100; ++i) {  // turns that come from beyond half a turn
+    for (int i = 0; i < 100; ++i) {  // turns that pass half a turn
         const Trs<double> target = random.trs(1, 0.3);
         const Vec3<double> axis = random.direction();
         Trs<double> shown = target, before = target;
@@ -155,7 +155,7 @@ TEST(Inertia, TheShadersFollowTheReference) {
                 {as_unit_trs(poses[4 * i]), as_unit_trs(poses[4 * i + 1]), target, as_unit_trs(poses[4 * i + 3])},
                 static_cast<float>(kTimeStep_s));
             const Trs<double> wanted = inertia_apply_reference(inertia, elapsed_s, 0.3f, target);
-            // A speed is a difference divided by the time step, and its rounding lasts as long as the transition.
+            // A speed is a difference divided by the time step. Its rounding error acts during the whole transition.
             const double error = matrix_error(to_affine(as_unit_trs(got[i])).as<float>(), to_affine(wanted), 1) /
                                  (1 + (elapsed_s < 0.3f ? elapsed_s / kTimeStep_s : 0));
             EXPECT_LE(error, kInertiaBound) << "joint " << i << " after " << elapsed_s;

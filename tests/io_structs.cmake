@@ -1,5 +1,5 @@
-# Every struct of the *_io.h headers (cmake/io_structs.cmake), for gpu_test: io_structs.inc lists them with their members
-# for C++; io_structs.comp has a buffer of each, whose layout the test reads from its SPIR-V.
+# Every struct of the *_io.h headers (cmake/io_structs.cmake), for gpu_test. io_structs.inc lists them with their
+# members for C++. io_structs.comp has a buffer of each, whose layout the test reads from the SPIR-V.
 list(TRANSFORM THRONG_IO_HEADERS REPLACE "(.+)" "#include \"\\1\"\n" OUTPUT_VARIABLE includes)
 string(CONCAT includes ${includes})
 set(in_cpp "")

@@ -1,4 +1,4 @@
-// What AMD's compiler makes of the kernels, where its driver is installed, beside the committed record.
+// What AMD's compiler makes of the kernels, compared with the committed record. Needs AMD's driver.
 #include "base/failure.h"
 #include "bench/isa/compiler.h"
 #include "bench/isa/executable.h"
@@ -28,7 +28,7 @@ std::shared_ptr<Gpu> compiler_or_null() {
     }
 }
 
-// What a row of the table is known by.
+// The key of a record: what identifies it in the table.
 std::string key_of(const Json& record) {
     return text(record, "configuration") + "; " + text(record, "kernel") + "; " + text(record, "scan") + "; " +
            record["subgroup_size"].dump();
@@ -47,7 +47,7 @@ TEST(Isa, ADeviceThatCompilesOnlyRunsNothing) {
     EXPECT_TRUE(gpu->compiles_only());
     EXPECT_FALSE(gpu->info.usable);
     std::vector<Executable> made;
-    std::string refusal;  // of drivers that say less, as some versions do
+    std::string refusal;  // set by drivers that report less, as some versions do
     gpu->on_pipeline = [&](const MadePipeline& pipeline) {
         try {
             for (const Executable& executable : executables_of(*gpu, pipeline)) made.push_back(executable);
@@ -68,7 +68,7 @@ TEST(Isa, ADeviceThatCompilesOnlyRunsNothing) {
     }
 }
 
-// A stage's kernel has the name of its file, a scan method's may have another behind it.
+// A stage's kernel is named after its file. A scan method's kernel may have a suffix.
 TEST(Isa, EachKernelIsInTheRecord) {
     const auto record_file = source_file("bench/results/2026-11-29_isa_navi21.jsonl"), sources = source_file("src");
     THRONG_SKIP_WITHOUT(record_file);
@@ -90,7 +90,7 @@ TEST(Isa, EachKernelIsInTheRecord) {
     EXPECT_GT(count, 20u);
 }
 
-// Where this goes red on purpose: throng bench isa --json > bench/results/…_isa_navi21.jsonl
+// If a change of machine code is intended, run: throng bench isa --json > bench/results/…_isa_navi21.jsonl
 TEST(Isa, DefaultFormsAreAsTheRecordHasThem) {
     const auto record_file = source_file("bench/results/2026-11-29_isa_navi21.jsonl");
     THRONG_SKIP_WITHOUT(record_file);
@@ -117,7 +117,8 @@ TEST(Isa, DefaultFormsAreAsTheRecordHasThem) {
     }
 }
 
-// The planner's built-in costs of GPUs are what `throng tune --predicted` prints, and choose well by machine code.
+// The planner's built-in GPU costs must equal the output of `throng tune --predicted`, and lead to good choices by
+// machine code.
 TEST(Isa, CostsOfThePlannerAreThoseOfMachineCode) {
     constexpr uint32_t kAmd = 0x1002;
     const std::shared_ptr<Gpu> gpu = compiler_or_null();

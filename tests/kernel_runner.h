@@ -1,4 +1,4 @@
-// Runs one kernel over buffers with guard words behind them.
+// Runs one kernel over buffers that have guard words behind them.
 #pragma once
 
 #include "gpu/barrier.h"
@@ -26,8 +26,8 @@ std::vector<T> poison(size_t count) {
     return out;
 }
 
-// Values on the device, and guard words behind them that a kernel reaches if it writes too far: they lie within the
-// bound range, for the software device cuts off what lies beyond.
+// Values on the device, followed by guard words, which a kernel overwrites if it writes too far. The guard words are
+// inside the bound range, since the software device discards writes beyond it.
 template <class T>
 class Guarded {
 public:
@@ -40,7 +40,7 @@ public:
     }
     operator BufferRange() const { return BufferRange(buffer_); }
 
-    // The values as they are now; fails the test where a guard word has changed.
+    // The current values. Fails the test if a guard word has changed.
     std::vector<T> read() const {
         const std::vector<std::byte> bytes = download<std::byte>(test_gpu(), buffer_);
         std::vector<T> out(size_bytes_ / sizeof(T));
@@ -59,7 +59,7 @@ private:
     Buffer buffer_;
 };
 
-// What a crowd writes: in its buffer, or on a native device the memory in its place; nothing where it has neither.
+// An output of a crowd: in its buffer, or on a native device in host memory. Empty if the crowd has neither.
 inline BufferRange output_range(const OutputBlock& block, BufferView OutputBlock::*member, VkDeviceSize offset_bytes,
                                 VkDeviceSize size_bytes) {
     const HostOutputs& host = block.host;
@@ -101,7 +101,7 @@ inline bool has_output(const OutputBlock& block, BufferView OutputBlock::*member
     return bool(output_range(block, member, 0, 0));
 }
 
-// Of vectors or spans.
+// For vectors or spans.
 template <class Values>
 bool same_bits(const Values& a, const Values& b) {
     return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(a[0])) == 0);

@@ -1,5 +1,5 @@
-# A kernel of an instruction set (src/native/kernel_*.cpp) gives the linker one function and nothing that it could take
-# for another file's: `OBJECTS` (separated by '|') are looked at with `NM`.
+# A kernel for one instruction set (src/native/kernel_*.cpp) must export exactly one function, so that the linker cannot
+# use its code in place of another file's. Checks `OBJECTS` (separated by '|') with `NM`.
 string(REPLACE "|" ";" OBJECTS "${OBJECTS}")
 if(NOT OBJECTS)
   message(FATAL_ERROR "there is no kernel")

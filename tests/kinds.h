@@ -20,8 +20,8 @@ inline uint32_t parameter_of(const Controller& controller, const char* name) {
     return static_cast<uint32_t>(found - controller.parameters.begin());
 }
 
-// Groups of all kinds: two clips with poses from outside, root motion, inertial transitions and sockets, springs in the
-// wind (if it blows), agents.
+// Groups of all kinds: two clips with poses from outside; root motion; inertial transitions and sockets; springs in the
+// wind (if there is any); agents.
 struct Kinds {
     Character character = creature(30, 10), walking = walking_creature();
     Controller walker = example("walker"), dragon = example("dragon");
@@ -32,7 +32,7 @@ struct Kinds {
 
     CrowdSettings settings(UpdatePath path) {
         CrowdSettings settings{.path = path, .culling = Culling{}, .watch_capacity = 5 * kRoom};
-        if (path != UpdatePath::kAuto) settings.scan = "serial";  // else crowds of other sizes have other methods
+        if (path != UpdatePath::kAuto) settings.scan = "serial";  // otherwise crowds of other sizes use other methods
         settings.groups = {{.character = &character, .pose_capacity = kRoom},
                            {.character = &walking, .controller = &walker},
                            {.character = &character, .controller = &dragon, .sockets = {3, 7}},
@@ -42,7 +42,7 @@ struct Kinds {
     }
 };
 
-// Far from each other, so that agents do not meet.
+// Places far apart, so that agents do not meet.
 inline Affine plot(uint32_t number) {
     return to_affine(
         Trs<float>{.translation = {static_cast<float>(number % 32) * 1000, 0, static_cast<float>(number / 32) * 1000}});

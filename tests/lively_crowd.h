@@ -1,4 +1,4 @@
-// Crowds that do a lot, and all that their updates give, bit for bit.
+// Crowds that use many features, and all results of their updates, bit for bit.
 #pragma once
 
 #include "tests/crowd_cases.h"
@@ -11,11 +11,11 @@ namespace throng::test {
 
 Device native_device(DeviceSettings settings = {});
 
-// Walks ahead in each of its clips.
+// A creature that walks ahead in each of its clips.
 Character walking_creature();
 
-// Characters that play two clips, many of one of them, and two that have controllers, events and sockets; of these one
-// has root motion, the other inertial transitions.
+// Characters that play two clips, with many instances of one of them, and two with controllers, events and sockets: one
+// with root motion, one with inertial transitions.
 struct LivelyCrowd {
     MixedCrowd mixed{0.1};
     Character walking = walking_creature(), flying = creature(90, 25);
@@ -29,7 +29,7 @@ struct LivelyCrowd {
 
     double size_of(uint32_t instance) const;
     Crowd create_on(const Device& device, UpdatePath path) const;
-    // The same for every crowd that has got as many.
+    // Makes the same calls for every crowd in its update with this number.
     void update(Crowd& crowd, uint32_t update, const CrowdView* view = nullptr) const;
 };
 
@@ -37,10 +37,10 @@ Feedback feedback_of(Crowd& crowd);
 
 bool same_events(const Feedback& a, const Feedback& b, float most_apart_s = 0);
 
-// What lies within a box is seen, from above it.
+// A view from above that sees all within a box.
 CrowdView view_of_box(const Vec3<float>& middle, float half);
 
-// Whatever updates gave, to be compared.
+// Collects the results of updates as bytes, to compare them.
 class UpdateBits {
 public:
     template <class Values>
@@ -48,7 +48,7 @@ public:
         const auto bytes = std::as_bytes(std::span(values));
         all.insert(all.end(), bytes.begin(), bytes.end());
     }
-    // Member by member, since there is padding.
+    // Member by member, since the struct has padding.
     void add(std::span<const PlayedMotion> played);
     // The outputs of a crowd on a native device, as its last update left them.
     void add_results(Crowd& crowd);

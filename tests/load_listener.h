@@ -1,4 +1,4 @@
-// What is heard of a call with LoadHooks.
+// Records the calls to LoadHooks.
 #pragma once
 
 #include <throng/load_hooks.h>
@@ -11,7 +11,7 @@
 
 namespace throng::test {
 
-// Expects what LoadHooks promises. Cancels at the poll with the number `yes_at`.
+// Expects what LoadHooks guarantees. Cancels at the poll with the number `yes_at`.
 struct Listener {
     LoadHooks hooks() {
         return {.progress = [this](double part_done) { hear(part_done); }, .is_cancelled = [this] { return poll(); }};

@@ -1,5 +1,5 @@
-// Looks: what an outfit hides is as if it were not there, what it colours as if the material had that colour, and what
-// it gives another material as if the file had.
+// Looks: a part that an outfit hides is as if it were absent. A tint or another material gives the same picture as if
+// the file had it.
 #include "tests/ball.h"
 #include "tests/crowd_cases.h"
 #include "tests/draw_path.h"
@@ -16,7 +16,7 @@ namespace {
 const InSubset kLookInSubsets({Subset::kGpuAssisted}, {"*Looks.WhatIsHiddenIsAsIfItWereNotThere/ByShaders"}),
     kLookOnOtherDrivers({Subset::kOtherDriver}, {"-*Looks.*"}), kLookNatively({Subset::kNative}, {"*Looks.*"});
 
-// A creature in two sections, "creature" by name: the second has every third triangle and a material of its own.
+// A creature in two sections, named "creature": the second has every third triangle and its own material.
 Asset in_two_sections() {
     Asset asset = make_creature({.joint_count = 30, .level_count = 10}).value();
     std::vector<AssetPrimitive>& primitives = asset.meshes[0].primitives;
@@ -68,7 +68,7 @@ protected:
     std::optional<Renderer> renderer_;
 };
 
-// The largest difference of a byte.
+// The largest difference between two bytes.
 int difference(const std::vector<uint8_t>& a, const std::vector<uint8_t>& b) {
     int most = 0;
     for (size_t i = 0; i < a.size(); ++i) most = std::max(most, std::abs(a[i] - b[i]));
@@ -108,7 +108,7 @@ TEST_P(Looks, ColorsAreTimesTheMaterials) {
     EXPECT_LE(difference(picture, picture_of(wanted)), 1);
 }
 
-// Materials of each way in which one is drawn, with a texture and without.
+// Materials of every way of drawing, with and without a texture.
 TEST_P(Looks, AnotherMaterialIsAsIfTheFileHadIt) {
     Asset dressed = asset_;
     const auto add = [&](const AssetMaterial& material) { dressed.materials.push_back(material); };
@@ -138,7 +138,7 @@ TEST_P(Looks, AnotherMaterialIsAsIfTheFileHadIt) {
             EXPECT_EQ(picture, picture_of(wanted)) << material;
             EXPECT_TRUE(pictures.insert(picture).second) << material;
         }
-        // Each instance has its own: the picture has something of all
+        // With a different material on each instance, the picture differs from all of those
         for (uint32_t i = 0; i < kLookCount; ++i)
             ASSERT_TRUE(crowd.set_look(InstanceHandle{i}, {.outfit = 1 + i % material_count}));
         EXPECT_TRUE(pictures.insert(picture_of(crowd)).second);
@@ -147,7 +147,7 @@ TEST_P(Looks, AnotherMaterialIsAsIfTheFileHadIt) {
     }
 }
 
-// One instance's look is no other's.
+// Setting one instance's look does not change another's.
 TEST_P(Looks, EachInstanceHasItsOwn) {
     const Character character = without_lods(asset_);
     std::set<std::vector<uint8_t>> pictures;

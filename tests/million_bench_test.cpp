@@ -1,4 +1,4 @@
-// The benchmark of very many characters: what was timed is kept if a later part fails.
+// The benchmark of very many characters: finished measurements are kept if a later part fails.
 #include "bench/million_bench.h"
 #include "base/failure.h"
 #include "bench/report/records.h"
@@ -27,7 +27,7 @@ VKAPI_ATTR VkResult VKAPI_CALL lose_device(VkQueue, uint32_t, const VkSubmitInfo
 
 constexpr uint32_t kFew = 300;
 
-// Calls `before_recording` when recording is to be timed.
+// Calls `before_recording` before the time of recording is measured.
 std::vector<Json> measure_a_few(const Device& device, const std::function<void(Gpu&)>& before_recording) {
     const Character character = *compile_character(
         *make_creature({.joint_count = 40, .level_count = 12, .face_count = 300}));

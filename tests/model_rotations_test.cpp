@@ -1,4 +1,4 @@
-// Layers that blend rotations in model space: the reference against what it promises, crowds against the reference.
+// Layers that blend rotations in model space: the reference's own guarantees, and crowds against the reference.
 #include "blend/active_clips_reference.h"
 #include "tests/crowd_cases.h"
 #include "tests/subset.h"
@@ -14,7 +14,7 @@ namespace {
 const InSubset kModelRotationsInSubsets({Subset::kGpuAssisted}, {"ModelRotations.CrowdsFollowTheReference"});
 const InSubset kModelRotationsNatively({Subset::kNative}, {"ModelRotations.*"});
 
-// The rotation of model_from_joint of a character without scale, as columns.
+// Compares the rotation of model_from_joint of a character without scale, by columns.
 double direction_error(const Affine& got, const Quaternion<double>& wanted) {
     const AffineT<double> matrix = to_affine(Trs<double>{.rotation = wanted});
     double worst = 0;
@@ -72,8 +72,8 @@ TEST(ModelRotations, TheLowestLayerIsTheSameInEitherSpace) {
               active_clips_reference(std::vector{layer_of(pose, 1, false)}).rotation);
 }
 
-// A chain: hips, spine, head, and something that hangs from it and has no part in the aim; one clip turns the hips by a
-// quarter turn, the other aims.
+// A chain of hips, spine and head, and a charm that hangs from the head and has no part in the aim. One clip turns the
+// hips by a quarter turn, the other aims.
 class AimingCharacter {
 public:
     Quaternion<double> turn = axis_angle(Vec3<double>{0, 1, 0}, std::numbers::pi / 2),
@@ -141,7 +141,7 @@ TEST(ModelRotations, WhatIsAimedKeepsItsDirectionWhereTheHipsTurn) {
     EXPECT_LE(direction_error(in_parent[1], aiming.turn * spine), 1e-6) << "in its parent it turns with the hips";
 }
 
-// Random plays and blends in layers of either kind.
+// Random plays and blends in both kinds of layers.
 void follow_rotations(const Character& character, uint32_t instances, uint32_t layer_count, UpdatePath path) {
     Random random(character.rig.joint_count());
     std::vector<JointMask> masks{
@@ -191,12 +191,12 @@ TEST(ModelRotations, CrowdsFollowTheReference) {
     follow_rotations(creature(1, 1), 3, 2, UpdatePath::kAuto);
 }
 
-// More joints than one dispatch of a software device can walk.
+// More joints than a software device can process in one dispatch.
 TEST(ModelRotations, ManyJointsTakeSeveralDispatches) {
     follow_rotations(creature(8000, 60, 0), 2, 3, UpdatePath::kAuto);
 }
 
-// Inertial transitions and poses of the application come after.
+// Inertial transitions and poses from the application are applied afterwards.
 TEST(ModelRotations, AStateMachineFollowsTheReference) {
     constexpr uint32_t kInstances = 20;
     const Character character = creature(60, 15);

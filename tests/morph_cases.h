@@ -1,4 +1,4 @@
-// Assets with morph targets, and what their files say of the weights.
+// Assets with morph targets, and the weights that their files specify.
 #pragma once
 
 #include "tests/test_rig.h"
@@ -7,7 +7,7 @@
 
 namespace throng::test {
 
-// The weight in the file's own terms (glTF 2.0, appendix C), written once more.
+// The weight by the rules of the file format (glTF 2.0, appendix C), implemented a second time.
 inline double weight_of_track(const AssetMorphTrack& track, size_t target_count, size_t target, double time_s) {
     const bool cubic = track.interpolation == Interpolation::kCubicSpline;
     const auto at = [&](size_t key, size_t part) {
@@ -31,7 +31,7 @@ inline const AssetMorphTrack* track_of(const AssetClip& clip, uint32_t node) {
     return found == clip.morph_tracks.end() ? nullptr : &*found;
 }
 
-// One clip, of one second, that moves one joint and the weights that `tracks` say; three targets of which the first
+// One clip of one second that moves one joint and animates the weights in `tracks`. Three targets, of which the first
 // moves the first vertex.
 inline Asset small_asset(std::vector<AssetMorphTrack> tracks = {}) {
     Asset asset = make_asset({.joint_count = 3, .scale_spread = 0, .clip_count = 2, .vertex_count = 6});

@@ -1,4 +1,4 @@
-// Morph targets: the stage against its reference, and positions of crowds against the definition.
+// Morph targets: the stage against its reference, and crowds' positions against the definition.
 #include "control/controller_io.h"
 #include "morph/morph.h"
 #include "morph/morph_reference.h"
@@ -41,7 +41,7 @@ std::vector<MorphLayer> layers_of(const Character& character, const Playback& pl
 
 class Stage {
 public:
-    // An instance shows so many at most.
+    // `limit`: how many morphs an instance shows at most.
     explicit Stage(const Character& character, uint32_t limit = UINT32_MAX) : character_(character), limit_(limit) {
         upload_now([&](Uploads& uploads) { upload_morph_tables(uploads, character, tables_); });
     }
@@ -117,8 +117,8 @@ private:
     Buffers tables_;
 };
 
-// The active morphs may differ where weights are equal but for rounding: each must have its weight, and none that was
-// left out may be larger than one that was not.
+// The set of active morphs may differ if weights are equal up to rounding. Each must have its weight, and none that was
+// left out may have a larger weight than one that was not.
 double compare(const std::vector<io::ActiveMorph>& got, const std::vector<double>& weights) {
     double worst = 0, least = 1e30;
     std::vector<bool> is_active(weights.size());
@@ -150,7 +150,8 @@ double compare(const std::vector<io::ActiveMorph>& got, const std::vector<double
 double as_float(double value) { return static_cast<float>(value); }
 
 TEST(Morph, TwoClipsFollowTheReference) {
-    // They make a loop's header another block, which no driver takes; what is compiled is valid by SPIR-V's validator.
+    // The layers make another block a loop's header, which no driver accepts. Without them, the module is valid by
+    // SPIR-V's validator.
     if (const char* validation = std::getenv("THRONG_VALIDATION");
         validation && validation == std::string_view("gpu-assisted"))
         GTEST_SKIP() << "the instrumentation of Debian 12's validation layers breaks this kernel";
@@ -226,9 +227,9 @@ TEST(Morph, LayersKeepTheRules) {
     expect(weights({{.active_clips = {rest}}}), {0, 0.5, 0});
     expect(weights({{.active_clips = {still}}}), {0, 0.5, 0});
     expect(weights({{.active_clips = {at_half}}}), {0.6, 0.5, 0.4});
-    // What a clip does not animate counts with the default weight
+    // Targets that a clip does not animate count with their default weight
     expect(weights({{.active_clips = {{0, 1, 0.25}, {1, 0, 0.75}}}}), {0.25, 0.625, 0.1});
-    // A layer leaves what none of its active clips animates
+    // A layer does not change targets that none of its active clips animates
     expect(weights({{.active_clips = {{0, 1, 1}}}, {.weight = 0.5, .active_clips = {still}}}), {1, 1, 0.4});
     expect(weights({{.active_clips = {{0, 1, 1}}}, {.weight = 0.5, .active_clips = {{0, 0, 1}}}}), {0.6, 0.5, 0.4});
     expect(weights({{.active_clips = {rest}}, {.is_additive = true, .weight = 0.5, .active_clips = {{0, 1, 1}}}}),
@@ -322,7 +323,7 @@ TEST(Morph, CrowdsOfTwoClipsShowThem) {
     std::printf("  largest error of a position %.1e of the size; morphs move by %.2f\n", worst, moved);
 }
 
-// A face uses dozens at once; where a crowd has a limit, it shows the largest of them.
+// A face uses dozens of targets at once. With a limit, a crowd shows those with the largest weights.
 TEST(Morph, CrowdsShowAllOrAsManyAsTheyAreToldTo) {
     const Character character = compiled(make_asset({.joint_count = 9, .seed = 4, .cubic = true, .morph_count = 25}));
     ASSERT_EQ(character.morphs.size(), 50u);
@@ -400,7 +401,7 @@ TEST(Morph, CrowdsWithAControllerShowThem) {
                     << "instance " << i << ", update " << update;
             }
         }
-        // Skinned by the matrices that the crowd has: how those follow the reference is another test's.
+        // Skinned with the crowd's own matrices; how those follow the reference is tested elsewhere.
         for (uint32_t i = 0; i < kInstances; ++i) {
             std::vector<AffineT<double>> matrices;
             const std::vector<Affine> read = *crowd.read_skin_matrices({i});
@@ -416,7 +417,7 @@ TEST(Morph, CrowdsWithAControllerShowThem) {
     std::printf("  largest error of a position %.1e of the size\n", worst);
 }
 
-// A clip that moves no joint has one row of keys; its weights go on all the same.
+// A clip that moves no joint has one row of keys. Its weights are still animated.
 TEST(Morph, AClipOfWeightsAloneIsPlayed) {
     Asset asset = small_asset({{.node = 0, .times_s = {0, 1}, .values = {0, 0, 0, 1, 0, 0}}});
     asset.clips[0].tracks.clear();
@@ -437,8 +438,8 @@ TEST(Morph, AClipOfWeightsAloneIsPlayed) {
     }
 }
 
-// A real character, against the file itself: weights, differences and skinning written once more. Its clips keep all
-// weights at 0, so they are given some.
+// A real character against its file: weights, differences and skinning implemented a second time. Its clips keep all
+// weights at 0, so the test sets some.
 TEST(Morph, ARealCharacterShowsWhatItsFileSays) {
     const std::filesystem::path file = shared_folder("characters") / "robot_expressive/RobotExpressive.glb";
     if (!std::filesystem::exists(file)) GTEST_SKIP() << file << " is missing";

@@ -1,4 +1,4 @@
-// The native renderer beside the device's: the same pictures of crowds of all kinds, and the same bytes for any number
+// The native renderer against the device's: the same pictures of crowds of all kinds, and the same bytes for any number
 // of threads.
 #include "bench/psnr.h"
 #include "draw/camera.h"
@@ -44,8 +44,8 @@ struct Pair {
     Renderer native, device;
 };
 
-// How much of a picture differs from what is three pixels farther right: sky and ground without shadows change little
-// along a row, characters do.
+// The share of pixels that differ from the pixel three to the right. Sky and ground without shadows change little along
+// a row; characters do.
 double part_with_detail(const Picture& picture) {
     constexpr size_t kStep = 3;
     size_t count = 0;
@@ -65,13 +65,14 @@ protected:
         if (!test_gpu()->processor || test_gpu()->is_native()) GTEST_SKIP() << "no device has both renderers";
     }
     static void TearDownTestSuite() { pairs().clear(); }
-    // By their number of samples. Kept, since to make pipelines takes longer than to draw a small picture.
+    // Keyed by sample count. Kept, since creating pipelines takes longer than drawing a small picture.
     static std::map<uint32_t, Pair>& pairs() {
         static std::map<uint32_t, Pair> all;
         return all;
     }
 
-    // Updates the crowd and draws it with both. Where THRONG_PICTURES names a folder, the pictures are written there.
+    // Updates the crowd and draws it with both renderers. If THRONG_PICTURES names a folder, the pictures are written
+    // there.
     static void expect_alike(const std::string& what, Pair& pair, Crowd& crowd, const Camera& camera,
                              const DrawOptions& options, size_t left_out_pixels = 0) {
         std::vector<Picture> pictures;
@@ -114,7 +115,7 @@ protected:
     }
 };
 
-// In rows, one behind the other, each turned and of its own size; every second one mirrored where asked for.
+// In rows behind each other, each with its own rotation and size; every other one mirrored if `has_mirrored`.
 std::vector<Affine> in_rows(const Character& character, uint32_t count, bool has_mirrored = false) {
     const auto columns = static_cast<uint32_t>(std::ceil(std::sqrt(count)));
     std::vector<Affine> places;
@@ -252,8 +253,9 @@ TEST_F(NativeDraw, Materials) {
                                      (is_double_sided ? ", both sides" : "");
             expect_alike(name, one);
             expect_alike(name + ", small", many);
-            // lavapipe chooses mip levels by a linear approximation of log2, up to 0.043 below the exact ones. At the
-            // edge of a mask an alpha close to the cutoff then falls on the other side: with one sample a whole pixel
+            // lavapipe computes mip levels with a linear approximation of log2, up to 0.043 below the exact ones. At
+            // the edge of a mask, an alpha close to the cutoff may then fall on the other side; with one sample, that
+            // is a whole pixel
             const size_t left_out_pixels = mode == AlphaMode::kOpaque ? 0 : kNativeDrawWidth * kNativeDrawHeight / 1000;
             expect_alike(name + ", 1 sample", many, whole(many), {}, 1, left_out_pixels);
         }
@@ -323,7 +325,7 @@ TEST_F(NativeDraw, Options) {
     expect_alike("1 sample", crowd, {}, 1);
 }
 
-// One of very many stands so high that the shadow map does not reach there: its shadow is seen all the same.
+// One of very many instances stands so high that the shadow map does not include it. Its shadow must still be visible.
 TEST_F(NativeDraw, AStrayHighAbove) {
     const Character ball = compiled(make_ball({}), kExact);
     constexpr uint32_t kMany = 110;
@@ -334,7 +336,7 @@ TEST_F(NativeDraw, AStrayHighAbove) {
     expect_alike("a stray high above", crowd, camera, {.to_sun = {0, 1, 0}});
 }
 
-// So that triangles reach behind the near plane, are seen through the ground, or are smaller than pixels.
+// With these cameras, triangles cross the near plane, are seen through the ground, or are smaller than pixels.
 TEST_F(NativeDraw, Cameras) {
     const Character character = creature();
     for (const bool culls : {false, true}) {
@@ -360,7 +362,7 @@ TEST_F(NativeDraw, Cameras) {
     }
 }
 
-// Tiles at the right and at the bottom are smaller than the others here; the larger picture has more than sixteen.
+// The tiles at the right and bottom edges are smaller than the others. The larger picture has more than sixteen tiles.
 TEST_F(NativeDraw, LargePictures) {
     const Character character = creature();
     Crowd crowd = placed_crowd(character, 40, {.culling = Culling{}});
@@ -397,7 +399,7 @@ private:
     Buffer buffer_;
 };
 
-// Two frames in each command buffer, and more of both than are under way at a time.
+// Two frames per command buffer, and more of both than can be in flight.
 TEST_F(NativeDraw, RecordedDrawingIsThatOfTheCall) {
     const Character character = creature();
     Crowd crowd = placed_crowd(character, 9, {.culling = Culling{}});
@@ -420,7 +422,7 @@ TEST_F(NativeDraw, RecordedDrawingIsThatOfTheCall) {
     }
 }
 
-// As displays take it, whoever draws; a picture that is returned has red first all the same.
+// Displays take blue first, with either renderer. A picture that is returned always has red first.
 TEST_F(NativeDraw, ARecordedPictureMayHaveBlueFirst) {
     const Character character = creature();
     Crowd crowd = placed_crowd(character, 9, {.culling = Culling{}});
@@ -497,7 +499,7 @@ TEST_F(NativeDraw, IsChosenForSoftwareDevicesAndNotForGpus) {
     EXPECT_FALSE(make_renderer(DrawPath::kDevice).is_native());
 
     const Device gpu = another_device();
-    gpu.gpu()->processor.reset();  // as hardware has none
+    gpu.gpu()->processor.reset();  // as on hardware, which has none
     EXPECT_NE(natively_undrawable_reason(*gpu.gpu()).find("is a GPU"), std::string::npos);
     const Result<Renderer> native = Renderer::create(gpu, {.width = 8, .height = 8, .path = DrawPath::kNative}),
                            chosen = Renderer::create(gpu, {.width = 8, .height = 8});
@@ -507,7 +509,7 @@ TEST_F(NativeDraw, IsChosenForSoftwareDevicesAndNotForGpus) {
     EXPECT_FALSE(chosen->is_native());
 }
 
-// Occlusion is a pass of the device's: here it is neither made nor leaves anything out.
+// Occlusion is a pass on the device. The native renderer neither runs it nor culls by it.
 TEST_F(NativeDraw, OcclusionChangesNothing) {
     const Character character = creature();
     std::vector<Picture> pictures;
@@ -517,7 +519,7 @@ TEST_F(NativeDraw, OcclusionChangesNothing) {
                                            .height = kNativeDrawHeight,
                                            .options = {.occlusion = occlusion},
                                            .path = DrawPath::kNative});
-        for (int frame = 0; frame < 3; ++frame)  // the device would go by what the frame before hid
+        for (int frame = 0; frame < 3; ++frame)  // the device would cull by the previous frame
             pictures.push_back(renderer.render_frame(crowd, 0.1f, whole(crowd))->picture);
     }
     for (size_t frame = 0; frame < 3; ++frame) EXPECT_EQ(pictures[frame].rgba, pictures[3 + frame].rgba) << frame;

@@ -1,5 +1,5 @@
-// Crowds of all materials, each drawn by a thread of its own on one native device: the pictures are those of one
-// thread. ./run sanitize runs this under the sanitizers.
+// Crowds with all materials on one native device, each drawn by its own thread: the pictures equal those of one thread.
+// ./run sanitize runs this under the sanitizers.
 #include "tests/ball.h"
 #include "tests/kernel_runner.h"
 #include "tests/lively_crowd.h"

@@ -1,4 +1,4 @@
-// Devices without Vulkan beside the test device; whatever threads compute; and what they refuse.
+// Devices without Vulkan against the test device: equal results for any number of threads, and what they refuse.
 #include "crowd/batch_plan.h"
 #include "crowd/crowd_state.h"
 #include "native/native_rig.h"
@@ -14,7 +14,7 @@
 namespace throng::test {
 namespace {
 
-// Every second job on a thread of its own, the others on the caller's, the last first.
+// Runs every other job on another thread and the rest on the caller's, in reverse order.
 class BackwardJobs : public JobSystem {
 public:
     uint32_t concurrency() const override { return 3; }
@@ -41,7 +41,7 @@ double difference(std::span<const Affine> a, std::span<const Affine> b, double s
     return worst;
 }
 
-// How far apart vertices and joints are at most.
+// The largest distance between vertices and between joints of two crowds.
 double distance(Crowd& a, Crowd& b, uint32_t instance) {
     const std::vector<Vec3<float>> of_a = *a.read_positions({instance}), of_b = *b.read_positions({instance});
     EXPECT_EQ(of_a.size(), of_b.size());
@@ -114,7 +114,7 @@ TEST(Native, ThreadsChangeNothing) {
     }
 }
 
-// A few large meshes are work for several threads.
+// A few large meshes are split among several threads.
 TEST(Native, EachInstanceMayBeSkinnedByAThreadOfItsOwn) {
     class WideJobs : public JobSystem {
     public:
@@ -170,7 +170,7 @@ TEST(Native, WhatNeedsVulkanIsRefused) {
     EXPECT_TRUE(crowd.record(VK_NULL_HANDLE, 0.1f)) << "as update()";
 }
 
-// In a memory of so many bytes: the MiB that are asked for, where that is too little.
+// With this much memory the crowd is refused. Returns the MiB that the error asks for.
 uint64_t needed_mib(const CrowdSettings& settings, uint64_t memory_bytes) {
     const Device device = native_device();
     device.gpu()->memory_properties.memoryHeaps[0].size = memory_bytes;

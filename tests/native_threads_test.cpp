@@ -1,5 +1,5 @@
-// Crowds of all kinds, each updated by a thread of its own on one native device, beside a joint sampler that all share:
-// the results are those of one thread. ./run sanitize runs this under the thread sanitizer.
+// Crowds of all kinds on one native device, each updated by its own thread, and a joint sampler shared by all: the
+// results equal those of one thread. ./run sanitize runs this under the thread sanitizer.
 #include "crowd/crowd_state.h"
 #include "tests/kernel_runner.h"
 #include "tests/lively_crowd.h"
@@ -94,7 +94,7 @@ struct ManyKinds {
     }
 };
 
-// Coarser levels of detail have fewer joints.
+// At this distance all use coarser levels of detail, which have fewer joints.
 std::vector<std::byte> run_far_away(const Device& device, const Character& character) {
     constexpr uint32_t kCount = 40;
     Crowd crowd = *Crowd::create(device, {.groups = {{&character, kCount}},

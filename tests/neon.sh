@@ -1,6 +1,6 @@
 #!/bin/sh
-# neon.sh [GOOGLETEST'S OPTIONS]: the native engine's tests against the reference, compiled for 64-bit ARM and run here
-# by an emulator, in some minutes. Needs Debian's g++-aarch64-linux-gnu, qemu-user and googletest (its source).
+# neon.sh [GOOGLETEST'S OPTIONS]: compiles the native engine's tests against the reference for 64-bit ARM and runs them
+# in an emulator, which takes some minutes. Needs Debian's g++-aarch64-linux-gnu, qemu-user and googletest (its source).
 set -eu
 cd "$(dirname "$0")/.."
 cmake -S tests/neon -B build/neon -G Ninja -DCMAKE_BUILD_TYPE=Release -DCMAKE_SYSTEM_NAME=Linux \

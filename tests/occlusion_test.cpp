@@ -1,4 +1,4 @@
-// Instances that are hidden behind what has been drawn.
+// Occlusion culling: instances hidden behind what has been drawn.
 #include "crowd/crowd_state.h"
 #include "crowd/cull_stage.h"
 #include "cull/occlusion_reference.h"
@@ -17,7 +17,7 @@
 namespace throng::test {
 namespace {
 
-// A picture of depths, ready to be read.
+// An image with these depths, ready to be read.
 Image depth_image(const std::vector<float>& depths, uint32_t width, uint32_t height) {
     Image image(test_gpu(), {.what = "depths",
                              .extent = {width, height},
@@ -94,7 +94,7 @@ TEST(Occlusion, WhatTheReferenceSeesIsDrawn) {
                 for (float& depth : depths) depth *= static_cast<float>(size);
                 io::CullView seen = cull_view_of(&view, 0);
                 std::vector<float> given = depths;
-                if (!reversed) {  // the same scene with depths that grow: 1 - z
+                if (!reversed) {  // the same scene with depths that increase with distance: 1 - z
                     for (float& depth : given) depth = 1 - depth;
                     for (size_t k = 0; k < 4; ++k)
                         view.clip_from_world[2][k] = view.clip_from_world[3][k] - view.clip_from_world[2][k];
@@ -126,8 +126,8 @@ TEST(Occlusion, WhatTheReferenceSeesIsDrawn) {
     std::printf("  %u drawn; %u hidden, by the reference %u\n", shown, hidden, hidden_by_reference);
 }
 
-// What waited is animated as soon as nothing hides it; what is hidden again is drawn once more, for it may hide others,
-// and then no longer.
+// A waiting instance is animated as soon as nothing hides it. One that becomes hidden is drawn once more, since it may
+// hide others, and then no longer.
 TEST(Occlusion, WhatAppearsIsAnimatedAtOnce) {
     const Character character = small_character();
     constexpr uint32_t kCount = 20, kSize = 64;
@@ -161,8 +161,8 @@ TEST(Occlusion, WhatAppearsIsAnimatedAtOnce) {
     EXPECT_TRUE(same_bits(previous, *crowd.read_skin_matrices({0}))) << "what appears has not moved";
 }
 
-// A picture has more texels than the device dispatches workgroups of; another, larger than the first, comes while that
-// one's update is under way.
+// A picture with more texels than the device dispatches workgroups. A larger one follows while the first one's update
+// is still running.
 TEST(Occlusion, PicturesMayBeLargeAndChangeInSize) {
     const Character character = small_character();
     Crowd crowd = create({.groups = {{&character, 2}}, .culling = Culling{}});
@@ -207,8 +207,8 @@ TEST(Occlusion, NothingIsSavedOrRestoredBetweenTheHalves) {
     EXPECT_TRUE(crowd.save_state());
 }
 
-// A gap of one column in a wall, at each place after the other: what reaches within a texel of it is drawn, since other
-// roundings drew the wall.
+// A gap of one column in a wall, at every position in turn. What comes within a texel of the gap is drawn, since the
+// wall was drawn with different rounding.
 TEST(Occlusion, ATexelAroundABoxCountsToo) {
     const Character character = small_character();
     constexpr uint32_t kCount = 12, kSize = 48;
@@ -299,11 +299,11 @@ Character block_of(Character character) {
     return character;
 }
 
-// From anywhere to anywhere, in one submission each: the picture is that of a crowd that is animated and drawn
-// entirely, to the pixel, shadows included. Every tenth view stays for three frames, of which the last hides most.
+// Jumps between random views, one submission each: the picture equals that of a fully animated and drawn crowd to the
+// pixel, shadows included. Every tenth view stays for three frames, of which the last hides most.
 struct Kept {
     bool skins_once = false;
-    bool pools = false;  // skin matrices of what is drawn, in place of updates that are left out
+    bool pools = false;  // skin matrices only of what is drawn, instead of skipped updates
 };
 
 void expect_nothing_lost(uint32_t view_count, const Kept& kept) {
@@ -339,7 +339,7 @@ void expect_nothing_lost(uint32_t view_count, const Kept& kept) {
         const Result<RenderResult> seen = renderer->render_frame(crowd, 0.01f, camera),
                                    wanted = renderer->render_frame(whole, 0.01f, camera);
         if (!seen || !wanted) return false;
-        // Pools have kernels of their own: an edge may fall to either side of a pixel.
+        // Pools use other kernels, so an edge may fall on either side of a pixel centre.
         return different_bytes(seen->picture, wanted->picture) <= (kept.pools && !rounds_like_the_cpu() ? 12 : 0);
     };
     for (uint32_t number = 0; number < view_count; ++number) {

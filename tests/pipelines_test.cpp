@@ -1,4 +1,4 @@
-// Pipelines that kernels share, and what is kept of them from one start to the next.
+// Pipelines that kernels share, and the pipeline cache that is kept between program starts.
 #include "base/cache_folder.h"
 #include "control/control.h"
 #include "gpu/pipeline_cache.h"
@@ -73,7 +73,7 @@ TEST(SharedKernels, CodeIsComparedByItsWords) {
 TEST(Pipelines, AreMadeOnceForWhatIsTheSame) {
     const Device device = another_device();
     const std::shared_ptr<Gpu>& gpu = device.gpu();
-    gpu->processor.reset();  // as hardware, which makes them with the kernels
+    gpu->processor.reset();  // like hardware, which creates pipelines with the kernels
     const std::atomic<uint64_t>& made = gpu->counts.pipelines;
     const Kernel one = control_kernel(gpu), same = control_kernel(gpu);
     EXPECT_EQ(made, 1u);
@@ -128,7 +128,7 @@ TEST(Pipelines, OfASoftwareDeviceAreMadeForWhatIsRecorded) {
     settings.path = UpdatePath::kDevice;
     Crowd recorded = Crowd::create(device, settings).value();
     EXPECT_EQ(made, 0u);
-    // In the second update placements stand still, and cells are made of them
+    // In the second update placements stand still, so cells are made
     ASSERT_TRUE(recorded.update(0.1f) && recorded.update(0.1f));
     const uint64_t once = made;
     EXPECT_GT(once, 2u);
@@ -136,7 +136,7 @@ TEST(Pipelines, OfASoftwareDeviceAreMadeForWhatIsRecorded) {
     EXPECT_EQ(made, once);
 }
 
-// A birth needs kernels that the first update, of nobody, does not.
+// Spawning needs kernels that the first update, of an empty crowd, does not.
 TEST(Pipelines, OfASoftwareDeviceAreMadeBeforeTheyAreNeededWhereAsked) {
     const Character character = make_character({});
     const CrowdSettings settings{
@@ -159,7 +159,7 @@ TEST(Pipelines, OfASoftwareDeviceAreMadeBeforeTheyAreNeededWhereAsked) {
 
 // ---- Kept
 
-// A driver's data: who it is, then what it remembers.
+// The cache data of a driver: its identity, followed by what it remembers.
 std::vector<std::byte> driver_data(const VkPhysicalDeviceProperties& device, size_t remembered_bytes) {
     VkPipelineCacheHeaderVersionOne head{sizeof(VkPipelineCacheHeaderVersionOne),
                                          VK_PIPELINE_CACHE_HEADER_VERSION_ONE,
@@ -204,7 +204,7 @@ TEST(PipelineCache, AnotherDriversFileIsNotUsed) {
     EXPECT_TRUE(pipeline_cache_data(pipeline_cache_bytes(longer_head), device).empty());
 }
 
-// A driver that remembers `remembered_bytes`, and what it was told when the cache was made.
+// A fake driver that remembers `remembered_bytes`, and the size of the data that the cache was created with.
 size_t remembered_bytes = 0, told_bytes = 0;
 VkPhysicalDeviceProperties remembering_device{};
 PFN_vkCreatePipelineCache driver_create = nullptr;
@@ -224,7 +224,7 @@ VKAPI_ATTR VkResult VKAPI_CALL remember(VkDevice, VkPipelineCache, size_t* size,
     return VK_SUCCESS;
 }
 
-// Of a device of its own.
+// Uses a device of its own.
 class PipelineCacheFile : public testing::Test {
 protected:
     PipelineCacheFile() {
@@ -281,15 +281,15 @@ TEST_F(PipelineCacheFile, ThatIsDamagedIsBegunAnew) {
     EXPECT_EQ(told_bytes, sizeof(VkPipelineCacheHeaderVersionOne) + 100);
 }
 
-// No folder of /dev/null can be made, not by root either.
+// No folder can be created below /dev/null, not even by root.
 TEST_F(PipelineCacheFile, WithoutAFolderThatCanBeWrittenIsNoFailure) {
     testing::internal::CaptureStderr();
     PipelineCache(*device_.gpu(), "/dev/null/throng/pipelines.bin");
-    PipelineCache(*device_.gpu(), folder_.path());  // is there, and no file
+    PipelineCache(*device_.gpu(), folder_.path());  // exists, but is not a file
     EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
 }
 
-// Sets a variable of the environment, or removes it, until it goes.
+// Sets or removes an environment variable, and restores it in the destructor.
 class Variable {
 public:
     Variable(const char* name, const char* value) : name_(name) {

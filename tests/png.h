@@ -1,4 +1,4 @@
-// Pictures that the tests look at, read by another than who wrote them.
+// Reads the pictures that tests check, with another decoder than the code that wrote them uses.
 #pragma once
 
 #include <cstdint>
@@ -9,7 +9,7 @@ namespace throng::test {
 
 struct Png {
     int width = 0, height = 0;
-    int channels = 0;  // of the file
+    int channels = 0;  // in the file
     std::vector<uint8_t> rgba;
 
     const uint8_t* at(int x, int y) const {
@@ -17,7 +17,7 @@ struct Png {
     }
 };
 
-// Fails the test, and is one black pixel, where there is no picture.
+// Without a picture, fails the test and returns one black pixel.
 Png read_png(const std::filesystem::path& path);
 
 }  // namespace throng::test

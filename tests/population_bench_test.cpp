@@ -1,5 +1,5 @@
-// The benchmark of instances that come and go: all of its crowds are checked before they are timed, also after births
-// and deaths, and none that is wrong is timed.
+// The benchmark of instances that are spawned and despawned: all of its crowds are checked before they are timed, also
+// after births and deaths, and wrong ones are not timed.
 #include "bench/population_bench.h"
 #include "tests/test_device.h"
 #include "tools/creatures/creature.h"

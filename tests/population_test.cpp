@@ -1,4 +1,4 @@
-// Instances that come and go: each is as it would be in a crowd that was made when it came.
+// Instances that are spawned and despawned: each behaves as in a crowd that was created when it was spawned.
 #include "crowd/crowd_state.h"
 #include "tests/kinds.h"
 #include "tests/lively_crowd.h"
@@ -20,7 +20,8 @@ const InSubset kPopulationInSubsets({Subset::kGpuAssisted},
 const InSubset kPopulationOnOtherDrivers({Subset::kOtherDriver}, {"-Population.*"});
 const InSubset kPopulationNatively({Subset::kNative}, {"Population.*", "-Population.DiscardedBirthsAndDeaths*"});
 
-// A crowd, and for each set of instances that came at the same time one that was made then and has no others.
+// A crowd, and for each cohort of instances spawned at the same time another crowd, created then, with no other
+// instances.
 class Lives {
 public:
     explicit Lives(UpdatePath path) : path_(path) {
@@ -135,7 +136,7 @@ private:
         EXPECT_TRUE(crowd_.watch(some));
     }
 
-    // The same for both.
+    // Makes the same change in both crowds.
     void change(Random& random, Cohort& cohort, uint32_t number) {
         const Member& member = cohort.members[number];
         const Playback playback = random_playback(random, kinds_.character);
@@ -201,7 +202,7 @@ TEST_P(PopulationOnPath, NewbornsAreAsNew) {
     Lives lives(GetParam());
     Random random(3);
     for (int update = 0; update < 24; ++update) {
-        if (update % 4 == 1 || update == 14) lives.despawn(random);  // some go and come between the same two updates
+        if (update % 4 == 1 || update == 14) lives.despawn(random);  // some despawn and spawn between two updates
         if (update % 4 < 2 && update < 18) lives.spawn(random);
         lives.change(random);
         lives.update(update % 7 == 3 ? 0 : static_cast<float>(random.between(0, 0.1)));
@@ -293,7 +294,7 @@ TEST(Population, RefusesWhatIsNotThere) {
     EXPECT_EQ(Crowd::create(test_device(), settings).error().code, ErrorCode::kUnsupported);
 }
 
-// A crowd that begins with nobody, fills up and is empty again.
+// A crowd that starts empty, fills up and is empty again.
 TEST(Population, MayBeEmpty) {
     Few few;
     few.settings.groups.erase(few.settings.groups.begin());
@@ -317,7 +318,8 @@ TEST(Population, MayBeEmpty) {
     update(0);
 }
 
-// Who comes where another was drawn is not taken for it: what it had before is what it has now.
+// A new instance in the slot of another that was drawn has no motion from it: its previous matrices equal its current
+// ones.
 TEST(Population, PreviousMatricesOfNewbornsAreTheirOwn) {
     const Device device = native_device();
     const Character character = creature(20, 8);
@@ -341,7 +343,7 @@ TEST(Population, PreviousMatricesOfNewbornsAreTheirOwn) {
     }
 }
 
-// feedback() may tell of an update after its instances have gone and others have come.
+// feedback() may report an update after its instances have been despawned and others spawned.
 TEST(Population, EventsAreOfWhoeverWasThere) {
     const Character character = creature(20, 8);
     const Controller controller = example("dragon");
@@ -378,7 +380,7 @@ TEST(Population, WhoHasGoneIsNoLongerWatched) {
     EXPECT_EQ(told.watched[0].instance, InstanceHandle{1});
 }
 
-// A view that sees nobody: groups with sockets are animated all the same, and nothing of them is listed.
+// In a view that sees no instance, groups with sockets are still animated, and none of their instances is listed.
 TEST(Population, WhoIsNotSeenIsAnimatedWhereItsSocketsAreNeeded) {
     const Character character = creature(30, 10);
     const CrowdGroup group{.character = &character, .sockets = {3}};
@@ -410,7 +412,7 @@ TEST(Population, WhoIsNotSeenIsAnimatedWhereItsSocketsAreNeeded) {
     }
 }
 
-// Rows of a skin pool are those of who is there, nearest first, and shared poses stay as they were made.
+// Skin pool rows go to the current instances, nearest first, and shared poses do not change.
 TEST(Population, WhoIsThereHasRowsOfASkinPool) {
     const Character character = creature(30, 10);
     CrowdGroup group{.character = &character, .instance_count = 20, .skin_pool = SkinPool{.capacity = 12}};
@@ -472,7 +474,8 @@ TEST(Population, WhoHasGoneIsInNobodysWay) {
     EXPECT_EQ(walk(true, true), alone);
 }
 
-// It was nobody's step that its predecessor took. Also where it is born in an update that takes no time.
+// A new agent starts at rest: it does not take over the step of the agent that had its slot before. The same holds if
+// it is spawned in an update with a time step of 0.
 TEST(Population, ANewAgentSetsOutFromRest) {
     const Character character = creature(20, 8);
     const std::array ahead{Vec3<float>{0, 0, 500}};
@@ -496,8 +499,8 @@ TEST(Population, ANewAgentSetsOutFromRest) {
         EXPECT_EQ(walk(true, born_in_s), walk(false, born_in_s)) << born_in_s;
 }
 
-// Who is told something and goes again before the next update leaves nothing of it behind, and takes nothing from who
-// stays.
+// Commands for an instance that is despawned before the next update leave nothing behind, and commands for other
+// instances are kept.
 TEST(Population, CommandsForWhoHasGoneAreDropped) {
     const Character character = creature(20, 8);
     const Controller controller = example("dragon");
@@ -521,8 +524,7 @@ TEST(Population, CommandsForWhoHasGoneAreDropped) {
     EXPECT_EQ(told.watched.at(1).parameters[forward], 4);
 }
 
-// Births and deaths of a frame that is dropped are there in the next, whether they came before it was recorded or
-// after.
+// Instances spawned and despawned in a dropped frame take effect in the next one, whether before or after the record.
 TEST(Population, DiscardedBirthsAndDeathsComeLater) {
     const Character character = creature(20, 8);
     const Controller controller = example("dragon");
@@ -559,7 +561,7 @@ TEST(Population, DiscardedBirthsAndDeathsComeLater) {
             EXPECT_TRUE(crowds[1].discard_last_record());
         }
         for (Crowd& crowd : crowds) ASSERT_TRUE(crowd.update(0.3f));
-        for (uint32_t i = random.below(3); i > 0; --i) change();  // before feedback() is asked
+        for (uint32_t i = random.below(3); i > 0; --i) change();  // before feedback() is called
         const Feedback a = feedback_of(crowds[0]), b = feedback_of(crowds[1]);
         EXPECT_TRUE(same_events(a, b)) << update;
         event_count += a.events.size();

@@ -1,4 +1,4 @@
-// Poses that the application sets, over animated ones, against the reference.
+// Poses that the application sets over the animation, against the reference.
 #include "blend/blend_reference.h"
 #include "blend/pose_override.h"
 #include "reference/reference.h"
@@ -19,13 +19,13 @@ const InSubset kPoseOverrideInSubsets({Subset::kGpuAssisted, Subset::kSubgroups}
 const InSubset kPoseOverrideOnOtherDrivers({Subset::kOtherDriver}, {"-PoseOverride.*"});
 const InSubset kPoseOverrideNatively({Subset::kNative}, {"PoseOverride.*"});
 
-// The rest pose, bent at all joints; less than makes it unclear which way round is the shorter one.
+// The rest pose, bent at all joints; too little to make it ambiguous which way round is shorter.
 std::vector<Trs<float>> bent(Random& random, const Character& character) {
     std::vector<Trs<float>> pose = character.rig.rest;
     for (Trs<float>& joint : pose) {
         Trs<double> moved = joint.as<double>();
         moved.rotation = moved.rotation * axis_angle(random.direction(), random.between(0, 0.8));
-        // Neither length one nor a hemisphere is asked for
+        // Quaternions may have any length and sign
         const double length = random.between(0.5, 2) * (random.chance(0.5) ? -1 : 1);
         moved.rotation = {moved.rotation.x * length, moved.rotation.y * length, moved.rotation.z * length,
                           moved.rotation.w * length};
@@ -36,8 +36,8 @@ std::vector<Trs<float>> bent(Random& random, const Character& character) {
     return pose;
 }
 
-// The same bits; in one pass from rows, of which a group with room for poses has its own or none, vertices within the
-// bound.
+// Compares bit for bit. If a group is updated in one pass from rows, groups with and without pose capacity have
+// different rows or none; their vertices must agree within the bound.
 bool same_poses(Crowd& a, uint32_t of_a, Crowd& b, uint32_t of_b, double size) {
     bool has_rows = false;
     for (uint32_t group = 0; a.path(group); ++group) {
@@ -51,7 +51,7 @@ bool same_poses(Crowd& a, uint32_t of_a, Crowd& b, uint32_t of_b, double size) {
                               });
 }
 
-// Of the update path that the settings ask for, and the same without room for poses.
+// Two crowds on the settings' update path, one with and one without pose capacity.
 struct WithAndWithoutOverrides {
     Crowd overridden, plain;
 
@@ -124,8 +124,8 @@ TEST(PoseOverride, ControllersFollowTheReferenceStaged) {
 
 constexpr uint32_t kAnyNumber = ~0u;
 
-// Characters of two clips, in several groups and batches; more poses than one piece of an upload holds. `scan` also
-// where it takes similarities.
+// Characters that play two clips, in several groups and batches, with more poses than one upload chunk holds. `scan`
+// may be a method that takes similarities.
 void expect_blended(UpdatePath path, const std::string& scan, SkinFormat format, uint32_t most_workgroups) {
     constexpr uint32_t kInstances = 70;
     const Character character = creature(100), other = creature(30, 15, 0);
@@ -197,7 +197,7 @@ TEST(PoseOverride, TwoClipsFollowTheReference) {
     if (has_scan("doubling")) expect_blended(UpdatePath::kFused, "doubling", SkinFormat::kAffine, kAnyNumber);
 }
 
-// Whatever plays below, the same pose is the same to the bit.
+// The same pose gives the same bits, whatever is animated below it.
 TEST(PoseOverride, FullWeightIsThePoseAndNoneIsTheAnimation) {
     const Character character = creature(60);
     const Controller controller = example("walker");
@@ -246,7 +246,7 @@ TEST(PoseOverride, FadesAreEasedAndTurnBackWhereTheyAre) {
     EXPECT_EQ(fade.weight(), 0);
     fade.advance(0.5f);
     EXPECT_NEAR(fade.weight(), 0.25 * 0.25 * 2.5, 1e-7);
-    fade.set(0);  // replaces the pose: the fade goes on
+    fade.set(0);  // replaces the pose; the fade continues
     fade.advance(0.5f);
     EXPECT_NEAR(fade.weight(), 0.5, 1e-7);
     fade.clear(1);

@@ -1,4 +1,4 @@
-// A character for rules that move joints, and what tests of them ask of its pose.
+// A character for procedural rules, and queries about its pose.
 #pragma once
 
 #include "procedural/procedural_reference.h"
@@ -12,7 +12,7 @@ namespace throng::test {
 
 using Locals = std::vector<Trs<double>>;  // parent_from_joint[joint_count]
 
-// A straight chain up along +y, a unit a bone, beside a first joint that all hang on.
+// A straight chain along +y, one unit per bone, beside a first joint that is the parent of all.
 inline Character chain(uint32_t joint_count) {
     Asset asset = make_asset(
         {.joint_count = joint_count, .shape = RigShape::kChain, .scale_spread = 0, .clip_count = 0});
@@ -30,12 +30,12 @@ inline Locals rest_of(const Character& character) {
     return local;
 }
 
-// Of a joint, in the model.
+// The position of a joint in model space.
 inline Vec3<double> place_of(const Character& character, const Locals& local, uint32_t joint) {
     return transform_point(pose_from_local(character, local).model_from_joint[joint], {});
 }
 
-// What a crowd's wind is after so many seconds.
+// The wind's state after `at_s` seconds.
 inline WindClock::Moment blowing(const Wind& wind, double at_s = 0) {
     WindClock clock;
     clock.set(wind);

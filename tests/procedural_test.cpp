@@ -1,4 +1,4 @@
-// Rules that move joints: which are refused, and the kernel against the definition.
+// Procedural rules: which are refused, and the kernel against the definition.
 #include "blend/blend_reference.h"
 #include "reference/reference.h"
 #include "procedural/procedural_reference.h"
@@ -58,7 +58,7 @@ TEST(Procedural, WrongRulesAreRefusedWithTheirNumber) {
     }
 }
 
-// A deep limb of a random rig, for rules to move.
+// A limb deep in a random rig, for rules to move.
 struct Limb {
     uint32_t root, parent, end;
 };
@@ -72,8 +72,8 @@ Limb deepest_limb(const Rig& rig) {
     return {root, rig.parents[end], end};
 }
 
-// Errors of all joints of a crowd's instances that are moved about for a while, sorted. Gently: where a spring's end is
-// driven past its joint, the way back is anyone's choice, and float and double choose differently.
+// Sorted errors of all joints of a crowd's instances, which are moved about gently for a while. If a spring's end is
+// driven past its joint, the way back is ambiguous, and float and double choose differently.
 std::vector<double> errors(const Character& character, const std::vector<ProceduralRule>& moved_by,
                            const std::string& scan) {
     const ProceduralRules rules{.targets = {"prey", "ledge"}, .rules = moved_by};
@@ -146,7 +146,7 @@ std::vector<double> errors(const Character& character, const std::vector<Procedu
     return all;
 }
 
-// Each rule alone, then all one after the other: rounding is what springs on springs with short bones make most of.
+// Each rule alone, then all in sequence. Rounding errors grow most with springs on springs with short bones.
 void follow_rules(double scale_spread, const std::string& scan) {
     const Character character = make_character(
         {.joint_count = 70, .shape = RigShape::kRandom, .seed = 9, .scale_spread = scale_spread});
@@ -185,7 +185,7 @@ TEST(Procedural, MovesSimilaritiesAsTheReferenceDoes) {
     follow_rules(0, has_scan("subgroup_quaternion") ? "subgroup_quaternion" : "serial_quaternion");
 }
 
-// Wind on a chain that is too long for the loops of a software device, or moved whole.
+// A spring chain with so many joints and colliders that a software device's loops cannot process it.
 TEST(Procedural, ChainsBeyondTheDevicesLoopsAreRefused) {
     const Character character = make_character(
         {.joint_count = 4000, .shape = RigShape::kChain, .clip_count = 1, .key_count = 2});
@@ -200,7 +200,7 @@ TEST(Procedural, ChainsBeyondTheDevicesLoopsAreRefused) {
     EXPECT_NE(crowd.error().text().find("steps"), std::string::npos) << crowd.error().text();
 }
 
-// A limb that is hidden by its scale, a target without weight, and one where the joint is: finite, and in place.
+// A limb shrunk to nothing, a target without weight, and a target at the joint itself: results are finite and in place.
 TEST(Procedural, LimbsWithoutLengthAndTargetsWithoutWeightChangeNothing) {
     const Character character = chain(6);
     const ProceduralRules rules{
@@ -218,7 +218,7 @@ TEST(Procedural, LimbsWithoutLengthAndTargetsWithoutWeightChangeNothing) {
     for (uint32_t i = 0; i < 3; ++i)
         ASSERT_TRUE(crowd.set_target(InstanceHandle{i}, 0, {{3, 1, 0}, i == 0 ? 0.0f : 1.0f}));
     const std::vector<AffineT<double>> rest = reference_pose(character, {})->model_from_joint;
-    // Where it is
+    // At the joint's own position
     ASSERT_TRUE(crowd.set_target(
         InstanceHandle{0}, 1, {Vec3<double>{rest[2].row[0][3], rest[2].row[1][3], rest[2].row[2][3]}.as<float>(), 1}));
     ASSERT_TRUE(crowd.update(0.1f));
@@ -230,8 +230,8 @@ TEST(Procedural, LimbsWithoutLengthAndTargetsWithoutWeightChangeNothing) {
     }
 }
 
-// What exporters write for no length at all: 1e-9 of the size in a knight's toes. Nothing swings there, and what hangs
-// on it goes on as if there were none.
+// Exporters write tiny lengths in place of 0: 1e-9 of the size in a knight's toes. Such bones do not swing, and what is
+// attached to them behaves as if they had no length.
 TEST(Procedural, BonesThatAreAllButNoneAreNotMoved) {
     const auto swung = [](float part) {
         Character character = chain(6);
@@ -263,7 +263,7 @@ TEST(Procedural, BonesThatAreAllButNoneAreNotMoved) {
     }
 }
 
-// Written by an application's shaders, or here by the processor.
+// Target values as an application's shaders could write them; here the processor writes them.
 TEST(Procedural, TargetsThatAreNoPlacesHaveNoEffect) {
     const Character character = chain(6);
     const ProceduralRules rules{
@@ -287,7 +287,8 @@ TEST(Procedural, TargetsThatAreNoPlacesHaveNoEffect) {
         }
 }
 
-// A device that dispatches no more than three workgroups: four batches, and chains by threes. The same bits come out.
+// A device that dispatches at most three workgroups needs four batches, and processes chains three at a time. The bits
+// must be the same.
 TEST(Procedural, BatchesAndManyChainsChangeNothing) {
     constexpr uint32_t kInstances = 10;
     const Character character = make_character({.joint_count = 40, .shape = RigShape::kComb, .seed = 5});
@@ -315,7 +316,7 @@ TEST(Procedural, BatchesAndManyChainsChangeNothing) {
         EXPECT_EQ(*whole.read_model_matrices({i}), *parts->read_model_matrices({i})) << i;
 }
 
-// Layers, a pose that was set, wind and targets; the reference does it all.
+// Layers, a pose override, wind and targets together. The reference computes all of it.
 TEST(Procedural, WorksBelowAController) {
     const Character character = make_character({.joint_count = 30, .shape = RigShape::kChain, .seed = 2});
     const ProceduralRules rules{.targets = {"prey"},

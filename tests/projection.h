@@ -1,4 +1,4 @@
-// Where cameras see points.
+// Projects points to where cameras see them.
 #pragma once
 
 #include <throng/draw.h>

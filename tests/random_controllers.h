@@ -1,11 +1,12 @@
-// Controllers made of a seed.
+// Random controllers made from a seed.
 #pragma once
 
 #include "tests/test_rig.h"
 
 namespace throng::test {
 
-// Times, rates and speeds whose products are exact, so that the way does not depend on how it is divided into steps.
+// Times, rates and speeds whose products are exact, so that the result does not depend on how time is divided into
+// steps.
 struct Exact {
     Controller controller;
     std::vector<float> durations_s;
@@ -34,7 +35,7 @@ inline Exact random_controller(Random& random) {
     return exact;
 }
 
-// Three states a layer, alike but for their sync groups or playing nothing, and transitions between them.
+// Three states per layer that differ only in their sync groups or in playing nothing, with transitions between them.
 inline void add_random_transitions(Random& random, Controller& controller) {
     using When = ControllerCondition::Test;
     for (ControllerLayer& layer : controller.layers) {

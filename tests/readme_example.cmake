@@ -1,4 +1,4 @@
-# Fails unless the README shows the example word for word.
+# Fails unless the README contains the example word for word.
 file(READ ${README} readme)
 file(READ ${EXAMPLE} example)
 string(FIND "${readme}" "```cpp\n${example}```" position)

@@ -1,4 +1,4 @@
-// Command buffers of a test's own.
+// Command buffers that a test records itself.
 #pragma once
 
 #include "gpu/gpu.h"
@@ -7,7 +7,7 @@
 
 namespace throng::test {
 
-// Command buffers that are recorded, and submitted or not.
+// Records command buffers, which may be submitted or not.
 class Recorder {
 public:
     Recorder() {

@@ -1,4 +1,4 @@
-// Renderers: frames one after another, sizes, and what is refused.
+// Renderers: consecutive frames, sizes, and what is refused.
 #include "crowd/crowd_state.h"
 #include "gpu/barrier.h"
 #include "gpu/upload.h"
@@ -19,7 +19,7 @@ namespace {
 
 using namespace test;
 
-// Instrumented, the one left out takes too long.
+// Under GPU-assisted validation the excluded test takes too long.
 const InSubset kRendererInSubsets({Subset::kGpuAssisted}, {"Renderer.*", "-Renderer.FramesFollowEachOther"}),
     kRendererNatively({Subset::kNative}, {"Renderer.*"});
 
@@ -30,14 +30,14 @@ Renderer renderer_of(RendererSettings settings = {.width = kDrawWidth, .height =
     return std::move(*renderer);
 }
 
-// So that one thread can make it while others use the queue.
+// One thread can create a renderer while others use the queue.
 TEST(Renderer, IsMadeWithoutASubmission) {
     const uint64_t before = test_gpu()->counts.submissions;
     renderer_of();
     EXPECT_EQ(test_gpu()->counts.submissions, before);
 }
 
-// Whatever lies where its matrices will be.
+// Whatever the memory for its matrices contains.
 TEST(Renderer, ShowsNobodyBeforeTheFirstUpdate) {
     const Character character = compile_character(square()).value();
     for (const DrawPath path : {DrawPath::kNative, DrawPath::kDevice}) {
@@ -86,8 +86,8 @@ TEST(Renderer, RefusesACameraThatSeesNothing) {
     const Camera down{.eye = {0, 5, 0}, .target = {0, 0, 0}};
     EXPECT_TRUE(renderer.render(*crowd, down)) << "straight down is a direction, too";
 }
-// Two frames recorded into one command buffer, so that nothing but barriers is between them, for crowds that cull and
-// keep two sets of matrices, or neither.
+// Two frames in one command buffer, so that only barriers separate them, for crowds that cull and keep two sets of
+// matrices, and for crowds that do neither.
 TEST(Renderer, FramesFollowEachOther) {
     const Result<Character> character = compile_character(square(), kExact);
     ASSERT_TRUE(character);

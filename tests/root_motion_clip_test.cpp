@@ -1,5 +1,5 @@
-// Root motion taken out of clips: what is taken and what is left make the original, and instances on the GPU move by
-// it.
+// Root motion extracted from clips: the extracted motion and the remaining clip together give the original, and
+// instances on the GPU move by it.
 #include "control/controller_reference.h"
 #include "control/layer_commands.h"
 #include "crowd/crowd_state.h"
@@ -30,7 +30,7 @@ struct ModelPose {
 };
 using Motion = std::function<ModelPose(double time_s)>;
 
-// On a circle to the left, 1.2 m/s and 50 degrees/s, with what a walk has beside: two steps a second.
+// A left circle at 1.2 m/s and 50 degrees/s, with the sway of a walk: two steps per second.
 ModelPose walk(double time_s) {
     const double yaw = 50 * pi / 180 * time_s, radius = 1.2 / (50 * pi / 180), phase = 2 * pi * time_s;
     const Quaternion<double> swing = axis_angle(normalized(Vec3<double>{1, 0, 0.4}), 0.15 * std::sin(phase));
@@ -38,8 +38,8 @@ ModelPose walk(double time_s) {
             {0.1 + radius * (1 - std::cos(yaw)), 0.9 + 0.04 * std::sin(2 * phase), -0.2 + radius * std::sin(yaw)}};
 }
 
-// A walker: hips, which a leg hangs on, under an armature that is turned and scaled as exporters do; the armature is a
-// joint or not.
+// A walker: hips with a leg, under an armature that is turned and scaled as exporters do. The armature may be a joint
+// or not.
 struct Walker {
     Asset asset{.name = "walker"};
     Trs<double> armature{
@@ -81,7 +81,7 @@ struct Walker {
             {.node = node, .target = target, .interpolation = interpolation, .times_s = times_s, .values = values});
     }
 
-    // Keys at these times so that the hips, in model space, move like that; the leg swings.
+    // Adds keys at these times so that the hips move like `motion` in model space; the leg swings.
     void move(const char* name, const std::vector<float>& times_s, const Motion& motion,
               Interpolation interpolation = Interpolation::kLinear) {
         clip(name, times_s.back());
@@ -129,8 +129,8 @@ std::vector<Vec3<double>> points(const Character& character, uint32_t clip, doub
     return reference_positions(character, *reference_pose(character, {.first = {clip, time_s, 1, false}}));
 }
 
-// Largest distance of a vertex, as a part of the size, of what is left of a clip, moved by its rows, from the whole
-// clip.
+// The largest distance of a vertex between the whole clip and the remaining clip moved by its root rows, as a fraction
+// of the size.
 double put_together_error(const Character& whole, const Character& taken, uint32_t clip, double time_s) {
     const double duration_s = whole.clips[clip].duration_s;
     const GroundMove place = place_at(rows_of(taken, taken.clips[clip]), phase_at(time_s, duration_s, false));
@@ -207,7 +207,7 @@ TEST(RootMotionOfClips, WhatIsLeftStaysWhereTheClipBegins) {
         EXPECT_NEAR(to[0][3], from[0][3], 2e-4);
         EXPECT_NEAR(to[2][3], from[2][3], 2e-4);
         EXPECT_NEAR(to[1][3], walk(time_s).position.y, 1e-3);
-        // The turn against the begin has no twist about +y: its matrix is symmetric there.
+        // The rotation relative to the clip's start has no twist about +y: its matrix is symmetric in these entries.
         double against_x = 0, against_z = 0;  // entries (z, x) and (x, z) of to * transposed(from)
         for (size_t k = 0; k < 3; ++k) {
             against_x += to[2][k] * from[0][k] * 1e4;
@@ -219,7 +219,7 @@ TEST(RootMotionOfClips, WhatIsLeftStaysWhereTheClipBegins) {
 
 TEST(RootMotionOfClips, TwoCyclesWalkOn) {
     Walker walker(true);
-    walker.move("walk", times(2, 30), walk);  // whole periods of all that sways
+    walker.move("walk", times(2, 30), walk);  // whole periods of everything that sways
     const Character taken = compiled(walker.asset, kTaken);
     walker.asset.clips.clear();
     walker.move("twice", times(4, 30), walk);
@@ -262,7 +262,7 @@ TEST(RootMotionOfClips, AClipThatStaysHasNoRows) {
     }
 }
 
-// What jumps must not leave a part of the jump behind.
+// If the root jumps, the remaining clip must not keep a part of the jump.
 TEST(RootMotionOfClips, StepsAreTakenWhole) {
     Walker walker(true);
     walker.move(
@@ -309,7 +309,7 @@ TEST(RootMotionOfClips, TurnsOfAnySizeAreFollowed) {
         }
 }
 
-// Over the head and back on the feet: that is no turn about +y.
+// The root turns over forward and lands on its feet, which is no rotation about +y.
 TEST(RootMotionOfClips, ASomersaultIsNoTurn) {
     Walker walker(false);
     walker.move("somersault", times(1, 30), [](double time_s) {
@@ -392,7 +392,7 @@ TEST(RootMotionOfClips, AFileKeepsIt) {
 
 // ---- On the GPU
 
-// A crowd of walkers with a layer to play on, and what the reference makes of each.
+// A crowd of walkers with a layer to play clips on, and the reference's result for each.
 class Walking {
 public:
     Walking(const Character& character, uint32_t count, bool moves_placements, UpdatePath path = UpdatePath::kAuto,
@@ -528,7 +528,8 @@ TEST(RootMotionOnTheGpu, AStateThatPlaysNothingStands) {
     }
 }
 
-// Each step is rounded to what a float holds at such a distance: by itself fifteen times the bound.
+// Each step is rounded to the float precision at such a distance. Those errors alone would add up to fifteen times the
+// bound.
 TEST(RootMotionOnTheGpu, ManyShortStepsAddUp) {
     constexpr float kStep_s = 1 / 30.0f, kSpeed = 1.5f;
     constexpr int kSteps = 3000;

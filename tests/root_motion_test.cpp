@@ -1,4 +1,4 @@
-// Moves over the ground: the algebra, and that loops and steps add up.
+// Movement on the ground: the algebra, and that loops and steps add up.
 #include "control/root_motion_reference.h"
 #include "tests/test_rig.h"
 
@@ -14,7 +14,7 @@ using namespace test;
 
 constexpr uint32_t kHalf = 0x80000000u;
 
-// A quarter turn to the right and two metres ahead in a cycle, on an arc, in 5 rows.
+// A quarter turn to the right and two metres ahead per cycle, along an arc of 5 rows.
 std::vector<std::array<float, 4>> arc() {
     std::vector<std::array<float, 4>> rows;
     for (int i = 0; i <= 4; ++i) {

@@ -1,4 +1,4 @@
-// Cursors into clips, and how far a pose is off.
+// Cursors into clips, and the error of a pose.
 #pragma once
 
 #include "control/control_reference.h"
@@ -10,13 +10,13 @@
 
 namespace throng::test {
 
-// Clips have numbers from 0; the one after the last is the rest pose.
+// Clips are numbered from 0. The number after the last clip is the rest pose.
 inline io::ClipCursor cursor_at(const Character& character, uint32_t clip, double time_s) {
     return cursor_reference({.clip = clip < character.clips.size() ? clip : kNone, .time_s = time_s, .loop = false},
                             character.clips, character.times_s, character.rig.joint_count());
 }
 
-// A moment of a clip, or the rest pose.
+// A time in a clip, or the rest pose.
 struct Moment {
     uint32_t clip = 0;
     double time_s = 0;
@@ -33,7 +33,7 @@ inline double component_error(double got, double wanted) {
     return std::isnan(error) ? 1e9 : error;
 }
 
-// q and -q are one rotation.
+// q and -q are the same rotation.
 inline double pose_error(const io::JointPose& got, const Trs<double>& wanted) {
     const Quaternion<double> q{got.rotation.x, got.rotation.y, got.rotation.z, got.rotation.w};
     const Quaternion<double> w = dot(q, wanted.rotation) < 0 ? -wanted.rotation : wanted.rotation;

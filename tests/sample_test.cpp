@@ -1,4 +1,4 @@
-// Poses against the reference: compiled clips at random times, and arcs of every size.
+// Sampled poses against the reference: compiled clips at random times, and arcs of every angle.
 #include "sample/sample.h"
 #include "sample/sample_reference.h"
 #include "tests/kernel_runner.h"
@@ -13,7 +13,7 @@
 namespace throng {
 namespace {
 
-// Instrumented, those left out take too long.
+// Under GPU-assisted validation the excluded test takes too long.
 const test::InSubset kSampleInSubsets({test::Subset::kGpuAssisted},
                                       {"Sample.*", "-Sample.PackedClipsFollowTheReference"});
 const test::InSubset kSampleNatively({test::Subset::kNative}, {"Sample.*"});
@@ -94,7 +94,7 @@ TEST(Sample, PackedClipsFollowTheReference) {
     }
 }
 
-// A clip without weight is not computed, and its poses are left alone.
+// A clip with weight 0 is not sampled, and its poses are left unchanged.
 TEST(Sample, SkipsClipsWithoutWeight) {
     const Character character = make_character({.joint_count = 70});
     const io::ClipCursor first = cursor_at(character, 0, 0.3), second = cursor_at(character, 1, 0.7);
@@ -116,7 +116,7 @@ TEST(Sample, SkipsClipsWithoutWeight) {
     }
 }
 
-// One clip of two rows; each joint turns by an angle of its own, from nothing to half a turn.
+// One clip of two rows. Each joint turns by its own angle, from zero to half a turn.
 TEST(Sample, ArcsOfEverySize) {
     std::vector<double> angles_rad{0, std::numbers::pi};
     for (double angle = 1e-9; angle < std::numbers::pi; angle *= 1.1) angles_rad.push_back(angle);
@@ -137,8 +137,8 @@ TEST(Sample, ArcsOfEverySize) {
     character.keys.push_back({1, 2, 3, 0});
     character.keys.push_back({1, 1, 1, 0});
     for (uint32_t joint = 0; joint < joint_count; ++joint) {
-        // Half a turn, to the bit: the quaternions are at right angles, and either way round would be right but for dot
-        // >= 0.
+        // An exact half turn: the quaternions are orthogonal, so either direction would be correct. The rule dot >= 0
+        // decides.
         const Vec3<double> axis = joint < 2 ? Vec3<double>{0, 1, 0} : random.direction();
         const Quaternion<double> from = joint < 2 ? Quaternion<double>{} : random.rotation(),
                                  turn = axis_angle(axis, angles_rad[joint]);
@@ -178,7 +178,7 @@ TEST(Sample, ArcsOfEverySize) {
                 worst_length);
 }
 
-// A stepped track holds its earlier row to the last moment, beside a linear one and a constant.
+// A stepped track holds its earlier row until the last moment, beside a linear track and a constant one.
 TEST(Sample, StepLinearAndConstant) {
     Character character;
     character.rig.parents = {kNone};

@@ -1,4 +1,4 @@
-// A crowd that is given a saved state goes on as the one that saved it, bit for bit.
+// A crowd that restores a saved state goes on exactly as the crowd that saved it, bit for bit.
 #include "tests/contents.h"
 #include "tests/kinds.h"
 #include "tests/recorder.h"
@@ -18,7 +18,7 @@ std::vector<InstanceHandle> there_in(const Crowd& crowd) {
     return there;
 }
 
-// Whatever an application does, at random: the same in crowds that are in the same state.
+// Makes random calls as an application does: the same calls for crowds in the same state.
 class Application {
 public:
     Application(UpdatePath path, const Culling& culling) : settings_(kinds_.settings(path)) {
@@ -60,7 +60,7 @@ public:
         EXPECT_TRUE(crowd.request_poses(*crowd.handle(kKinds * kRoom)));
     }
 
-    // All that updates from `first` to before `end` give.
+    // All outputs and feedback of the updates from `first` up to, but not including, `end`.
     std::string go_on(Crowd& crowd, uint32_t first, uint32_t end) const {
         std::string bits;
         for (uint32_t update = first; update < end; ++update) {
@@ -68,7 +68,7 @@ public:
             Random random(1000 + update);
             const float size = kinds_.character.size;
             CrowdView view = view_of_box({static_cast<float>(random.between(0, 9000)), 0, 0}, 9000 + 100 * size);
-            view.full_rate_pixels = 1e4f;  // nobody is as large: all skip updates, where they may
+            view.full_rate_pixels = 1e4f;  // no instance is as large, so all skip updates where allowed
             const Result<void> updated = crowd.update(static_cast<float>(random.between(0, 0.1f)),
                                                       update % 3 == 0 ? nullptr : &view);
             EXPECT_TRUE(updated) << refusal(updated);
@@ -83,7 +83,7 @@ public:
 private:
     static constexpr uint32_t kKinds = 5, kCarriers = 2, kCarried = 6;
 
-    // Some of what is carried, on some of those that have sockets, or on another that is carried.
+    // Attaches some carried instances to others that have sockets, or to another carried instance.
     static void hang(Crowd& crowd, Random& random) {
         const Instances carried = *crowd.instances(kCarried), carriers = *crowd.instances(kCarriers);
         for (uint32_t i = 0; i < carried.size(); ++i) {
@@ -129,7 +129,8 @@ struct Case {
 
 class SavedStateOnPath : public testing::TestWithParam<Case> {};
 
-// Saved where changes wait for the next update, between two for views, so that some are on their way to a later pose.
+// Saved while changes wait for the next update, between two updates for views, so that some instances are interpolating
+// toward a later pose.
 TEST_P(SavedStateOnPath, GoesOnBitForBit) {
     const Application player(GetParam().path, GetParam().culling);
     Crowd crowd = player.make();
@@ -190,14 +191,15 @@ TEST_F(SavedState, KeepsWhatThePreviousUpdateShowed) {
     }
 }
 
-// A budget that no update keeps to lowers the rate more and more, until all are animated in every eighth update only.
+// A budget that no update meets lowers the rate further and further, until every instance is animated only in every
+// eighth update.
 TEST_F(SavedState, KeepsHowFarABudgetHasLoweredTheRate) {
     CrowdSettings of = settings(16);
     of.culling = Culling{.skips_updates = true};
     of.groups[0].pose_capacity = 0;
     const CrowdView unlimited = view_of_box({}, 10 * character_.size);
     CrowdView view = unlimited;
-    view.full_rate_pixels = 1;  // at first, all are larger
+    view.full_rate_pixels = 1;  // at first, all instances are larger
     view.budget_ms = 1e-6f;
     Crowd crowd = create(of), other = create(of), at_full_rate = create(of);
     for (Crowd* const one : {&crowd, &at_full_rate})
@@ -238,7 +240,7 @@ TEST_F(SavedState, WatchedOnesComeInTheOrderThatWasAskedFor) {
     }
 }
 
-// Refused, and the crowd goes on as if nothing had been asked.
+// A refused state leaves the crowd as it was.
 TEST_F(SavedState, RefusesWhatIsNotIts) {
     Crowd crowd = create(settings()), same = create(settings());
     const std::vector<Trs<float>> pose(character_.rig.rest);
@@ -288,7 +290,8 @@ TEST_F(SavedState, RefusesWhatIsNotIts) {
     expect_same(contents_of(crowd.outputs()), contents_of(same.outputs()), "after refusals");
 }
 
-// Springs, targets, clips of states, how agents walk: of the same numbers of everything.
+// All counts are equal, but a group's socket is on another joint, or the state has more watched instances than
+// watch_capacity.
 TEST_F(SavedState, RefusesThatOfOtherSocketsAndOfMoreWhoAreWatched) {
     const auto with = [&](uint32_t socket, uint32_t watch_capacity) {
         CrowdSettings made = settings();
@@ -327,7 +330,7 @@ TEST_F(SavedState, RefusesThatOfMorePosesThanCanBeRequested) {
     EXPECT_TRUE(feedback_of(narrow).poses.empty());
 }
 
-// A clip of the same length in another's place, or another joint, would go unnoticed until it is seen.
+// Another clip of the same length or another joint would go unnoticed until the result is seen.
 TEST_F(SavedState, RefusesThatOfOtherNames) {
     Crowd crowd = create(settings());
     ASSERT_TRUE(crowd.update(0.1f));
@@ -344,7 +347,8 @@ TEST_F(SavedState, RefusesThatOfOtherNames) {
     }
 }
 
-// Whatever the order in which room became free before.
+// After a restore, the next pose takes the same slot as in the original crowd, whatever the order in which slots were
+// freed.
 TEST_F(SavedState, PosesGoToTheSameRoomAfterIt) {
     CrowdSettings of = settings();
     of.groups[0].pose_capacity = 3;
@@ -443,7 +447,7 @@ TEST_F(SavedState, IsTheSameOfCrowdsThatWereDrivenAlike) {
     }
 }
 
-// What was submitted counts, and what was discarded does not.
+// Submitted updates are in the state, discarded ones are not.
 TEST_F(SavedState, BetweenRecordedUpdates) {
     if (test_gpu()->is_native()) GTEST_SKIP() << "it has no command buffers";
     CrowdSettings of = settings();

@@ -1,5 +1,5 @@
 // Every scan method against the reference. Quarter turns, Hurwitz quaternions and integer translations make every
-// product exact in float, so that a method must give the reference's very numbers, whatever its order of association.
+// product exact in float, so a method must match the reference exactly, whatever its order of association.
 #include "bench/on_chip_shaders.h"
 #include "base/failure.h"
 #include "scan/scan.h"
@@ -21,8 +21,8 @@
 namespace throng {
 namespace {
 
-// Those that have each method, not the whole grid: GPU-assisted validation instruments every pipeline that is made, and
-// scans make one for each skeleton.
+// Tests that cover each method, not the whole grid: GPU-assisted validation instruments every pipeline, and scans
+// create one per skeleton.
 const test::InSubset kScanUnderValidation({test::Subset::kGpuAssisted},
                                           {"Scan/OnChip.*/random", "Scan.EveryMethodIsExactWithNarrowWords"});
 const test::InSubset kScanWithOtherSubgroups({test::Subset::kSubgroups}, {"Scan.EveryNumberOfThreadsIsExact"});
@@ -55,7 +55,7 @@ Local as_local(const Trs<double>& similarity) {
     return {{{q.x, q.y, q.z, q.w}, {t.x, t.y, t.z, s}}, to_affine(rounded)};
 }
 
-// The rotation is one of the 24 Hurwitz units, whose products are such again; the scale is 1 or -1.
+// The rotation is one of the 24 Hurwitz units, which are closed under multiplication; the scale is 1 or -1.
 Local exact_similarity(Random& random) {
     const auto sign = [&](double value) { return random.chance(0.5) ? value : -value; };
     std::array<double, 4> q{};
@@ -72,7 +72,7 @@ Local exact_local(Random& random, ScanFormat format) {
     return format == ScanFormat::kAffine ? as_local(exact_transform(random)) : exact_similarity(random);
 }
 
-// Transforms of several instances of one rig, and what the reference makes of them.
+// Transforms of several instances of one rig, and the reference's results.
 struct RigCrowd {
     ScanRig rig;
     uint32_t instance_count;
@@ -121,7 +121,7 @@ std::vector<T> transposed(const std::vector<T>& in, size_t rows, size_t columns,
     return out;
 }
 
-// Buffers of the first `instance_count` instances, laid out as the method has them.
+// The buffers for the first `instance_count` instances, in the method's layout.
 struct ScanRun {
     const RigCrowd& crowd;
     uint32_t instance_count;
@@ -146,7 +146,7 @@ struct ScanRun {
                 {io::kScratchBuffer, scratch}};
     }
 
-    // [instance][joint], after a look at the guard words and the input.
+    // [instance][joint]. Also checks the guard words and that the input is unchanged.
     std::vector<Affine> result() const {
         EXPECT_TRUE(same_bits(local.read(), input)) << "the method wrote its input";
         scratch.read();
@@ -168,7 +168,7 @@ std::vector<Affine> run_scan(const ScanStage& stage, const RigCrowd& crowd, uint
     return run.result();
 }
 
-// Equal as numbers, so that the two zeros are one; never for a NaN.
+// Compares as numbers, so that the two zeros are equal and a NaN equals nothing.
 size_t count_different(const std::vector<Affine>& got, const std::vector<AffineT<double>>& wanted) {
     size_t different = 0;
     for (size_t i = 0; i < got.size(); ++i) different += got[i].as<double>() == wanted[i] ? 0 : 1;
@@ -183,12 +183,12 @@ std::string place(const ScanChoice& choice, RigShape shape, uint32_t joint_count
            std::to_string(instance_count) + " instances";
 }
 
-// Those that the device has.
+// The methods that the device supports.
 auto methods() {
     return scan_table() | std::views::filter([](const ScanMethod& method) { return has_scan(method.name); });
 }
 
-// What was compared, by method, and what was left out because the method does not apply.
+// Counts comparisons per method, and the cases that were skipped because the method does not apply.
 class Tally {
 public:
     void compared(const ScanMethod& method, size_t matrices) {
@@ -218,8 +218,8 @@ private:
     std::map<std::string_view, Row> rows_;
 };
 
-// A method may refuse a rig of many thousand joints for its loop iterations or for the paths of its leaves, and lanes
-// for too little shared memory; nothing else is an excuse.
+// With many thousand joints, a method may refuse a rig for its loop iterations or its leaves' paths, and a thread count
+// for too little shared memory. No other reason is accepted.
 void expect_excusable(const std::string& unsupported_reason, const ScanChoice& choice, const ScanRig& rig,
                       const ScanLimits& limits, const std::string& where) {
     if (unsupported_reason.find("loop iterations") != std::string::npos) {
@@ -241,7 +241,7 @@ void expect_excusable(const std::string& unsupported_reason, const ScanChoice& c
     }
 }
 
-// One choice on one rig; false where a number differs.
+// Checks one choice on one rig. False if any number differs.
 bool is_exact(Tally& tally, const ScanChoice& choice, const RigCrowd& crowd, const ScanLimits& limits,
               std::span<const uint32_t> instance_counts, const std::string& where) {
     const ScanPlan plan = plan_scan(*choice.method, crowd.rig, limits, choice.threads);
@@ -331,7 +331,7 @@ TEST(Scan, EveryMethodIsExactForTheLargestRigs) {
     tally.print();
 }
 
-// Devices that offer less than this one: every way round that a method has for them.
+// With limits lower than the device's: covers every fallback that methods have for such devices.
 TEST(Scan, EveryMethodIsExactWithinLowerLimits) {
     const ScanLimits device = device_limits();
     std::map<std::string, ScanLimits> lowered;
@@ -365,7 +365,7 @@ TEST(Scan, EveryMethodIsExactWithinLowerLimits) {
         }
         std::printf("  %s:\n", name.c_str());
         tally.print();
-        // Those that exchange through shared memory have another way, too
+        // Methods that exchange values through shared memory have another fallback, too
         for (const ScanMethod& method : methods())
             if (method.origin != ScanOrigin::kOurs) {
                 EXPECT_EQ(tally.cases(method), 9u) << name << ", " << method.name;
@@ -450,8 +450,8 @@ TEST_P(OnChip, EveryVariantIsExact) {
 INSTANTIATE_TEST_SUITE_P(Scan, OnChip, testing::Values(RigShape::kChain, RigShape::kRandom),
                          [](const auto& of) { return std::string(name_of(of.param)); });
 
-// Rotation, translation and scale near 1, non-uniform where the method takes it: rounding differs between the methods,
-// and stays small.
+// Rotation, translation and scale near 1, non-uniform if the method supports it. Rounding differs between the methods,
+// but stays small.
 TEST(Scan, EveryMethodRoundsLittle) {
     constexpr double kBound = 1e-5;  // of the crowd's extent
     const ScanLimits limits = device_limits();
@@ -494,7 +494,7 @@ TEST(Scan, AMethodThatDoesNotApplyIsRefused) {
     EXPECT_NE(refused.error().text().find("7 invocations"), std::string::npos) << refused.error().text();
 }
 
-// parent_from_joint of a child stands on the right; two rotations that do not commute tell the sides apart.
+// A child's parent_from_joint is the right factor. Two rotations that do not commute tell the sides apart.
 TEST(Scan, TheReferenceMultipliesParentFirst) {
     Affine turn_x, turn_z;
     turn_x.row = {{{1, 0, 0, 1}, {0, 0, -1, 0}, {0, 1, 0, 0}}};

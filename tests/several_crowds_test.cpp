@@ -1,4 +1,4 @@
-// Several crowds in one picture: the same as one crowd of all their groups.
+// Several crowds in one picture: the same picture as one crowd with all their groups.
 #include "tests/crowd_cases.h"
 #include "tests/draw_path.h"
 #include "tests/recorder.h"
@@ -23,7 +23,7 @@ protected:
                         .value();
     }
 
-    // Each group stands behind the one before; `first`: of the groups, where it is in the whole.
+    // Each group stands behind the one before. `first`: the number of the crowd's first group in the whole.
     Crowd crowd_of(const std::vector<const Character*>& characters, size_t first, bool culls = true) const {
         CrowdSettings settings{.keep_model_matrices = true};
         if (culls) settings.culling.emplace();
@@ -63,7 +63,7 @@ TEST_P(SeveralCrowds, LookAsOneCrowdOfAllGroups) {
     }
 }
 
-// One that culls and one that does not, each by its own pipelines.
+// One crowd culls and one does not, so each has its own pipelines.
 TEST_P(SeveralCrowds, MayBeOfDifferentKinds) {
     const bool on_device = GetParam() == DrawPath::kDevice;
     ASSERT_TRUE(renderer_.set_options({.occlusion = on_device}));

@@ -1,4 +1,4 @@
-// Commands of an application's shaders do what the calls of the same names do.
+// Commands written by an application's shaders have the same effect as the calls of the same names.
 #include "crowd/crowd_state.h"
 #include "tests/contents.h"
 #include "tests/draw_path.h"
@@ -23,7 +23,7 @@ const InSubset kShaderCommandsInSubsets({Subset::kGpuAssisted},
 constexpr uint32_t kGroups = 6, kDirect = 5, kGroupCapacity = 200;
 constexpr uint32_t kHeadWords = sizeof(CommandHead) / sizeof(uint32_t);
 
-// As a shader would leave them, by block.
+// Commands per block, as shaders would write them.
 using Commands = std::vector<std::vector<InstanceCommand>>;
 
 void write(const Crowd& crowd, uint32_t block_index, std::span<const InstanceCommand> commands) {
@@ -39,7 +39,7 @@ void write(const Crowd& crowd, uint32_t block_index, std::span<const InstanceCom
     });
 }
 
-// An entry that shaders may write without a command.
+// Writes an entry that shaders may change without a command.
 template <class T>
 void write(const Crowd& crowd, uint32_t block_index, BufferView OutputBlock::*member, uint32_t entry, const T& value) {
     const OutputBlock& block = crowd.outputs()[block_index];
@@ -54,7 +54,7 @@ CommandHead head_of(const Crowd& crowd, uint32_t block) {
     return {.count = words[0], .lost = words[1], .ignored = words[2]};
 }
 
-// Two crowds of all kinds of groups: one that the CPU calls, one that shaders command.
+// Two crowds with groups of all kinds: the CPU calls one, and shaders command the other.
 class Both {
 public:
     explicit Both(UpdatePath path) {
@@ -123,7 +123,7 @@ private:
         }
     }
 
-    // Some of these numbers are given to others at once: what comes last counts.
+    // Some of these slots are reused at once: the last command counts.
     void despawn(Random& random) {
         std::vector<InstanceHandle> gone;
         std::erase_if(there_, [&](const InstanceHandle& one) {
@@ -135,7 +135,7 @@ private:
         for (const InstanceHandle& one : gone) ask(one, InstanceCommand::despawn(in_block(one)));
     }
 
-    // Agents and targets: not of those who are born in this update, who begin without.
+    // Sets agents' destinations and targets, but not for instances spawned in this update, which begin without.
     void lead(Random& random, const InstanceHandle& one) {
         const uint32_t group = one.instance / kRoom;
         const Vec3<float> place = random.vector(50).as<float>();
@@ -150,7 +150,7 @@ private:
         }
     }
 
-    // Times and fades of which device and CPU make the same numbers.
+    // Times and fades for which device and CPU compute the same numbers.
     ClipPlayback clip(Random& random) const {
         const uint32_t clip = random.below(static_cast<uint32_t>(kinds_.character.clips.size()));
         return {.clip = random.chance(0.2) ? kNone : clip,
@@ -254,7 +254,7 @@ TEST_F(ShaderCommands, OfTheSameThingTheLastCounts) {
     EXPECT_EQ(there(crowd), std::vector{3u});
     EXPECT_EQ(placement(crowd, 3), at(6));
     EXPECT_EQ(head_of(crowd, 0).ignored, 0u);
-    // Nothing of that is left over.
+    // Nothing is left over from that.
     write(crowd, 0, std::array{InstanceCommand::spawn(4, at(7)), InstanceCommand::set_placement(3, at(8))});
     ASSERT_TRUE(crowd.update(0.1f));
     EXPECT_EQ(there(crowd), (std::vector{3u, 4u}));
@@ -286,7 +286,7 @@ TEST_F(ShaderCommands, WhatFindsNoRoomIsCounted) {
     EXPECT_EQ(head_of(crowd, 0).lost, 0u);
 }
 
-// Each is ignored, and counted.
+// Each impossible command is ignored and counted.
 TEST_F(ShaderCommands, WhatIsImpossibleIsIgnored) {
     const float infinite = std::numeric_limits<float>::infinity();
     const Controller direct = direct_layers(2), walker = example("walker");
@@ -334,7 +334,7 @@ TEST_F(ShaderCommands, WhatIsImpossibleIsIgnored) {
     }
 }
 
-// Whatever bits a shader writes.
+// Shaders may write arbitrary bits.
 TEST_F(ShaderCommands, RandomBitsDoNoHarm) {
     Kinds kinds;
     CrowdSettings of = kinds.settings(UpdatePath::kAuto);
@@ -367,7 +367,7 @@ TEST_F(ShaderCommands, RandomBitsDoNoHarm) {
     EXPECT_LT(ignored, 20u * 5 * kGroupCapacity);
 }
 
-// The CPU's population may be commanded, but not spawned.
+// Instances whose population the CPU controls may be commanded, but not spawned or despawned.
 TEST_F(ShaderCommands, OfTheCpusPopulation) {
     Crowd crowd = create(settings(false));
     write(crowd, 0,
@@ -381,7 +381,7 @@ TEST_F(ShaderCommands, OfTheCpusPopulation) {
     ASSERT_TRUE(crowd.update(0.1f));
     EXPECT_EQ(placement(crowd, 1), at(3));
     EXPECT_EQ(placement(crowd, 2), at(4));
-    // Nobody is there: whoever comes begins with nothing of it.
+    // The slot is empty. The command must not affect an instance that is spawned there later.
     write(crowd, 0, std::array{InstanceCommand::set_playback(4, {.first = {.clip = 0, .time_s = 0.2}})});
     ASSERT_TRUE(crowd.update(0.1f));
     ASSERT_TRUE(crowd.spawn(0, std::array{at(0)}));
@@ -421,7 +421,7 @@ TEST_F(ShaderCommands, SettingsThatDoNotGoTogether) {
     EXPECT_TRUE(message([](CrowdGroup&) {}).empty());
 }
 
-// Also of commands that no update has obeyed yet.
+// A saved state also contains commands that no update has applied yet.
 TEST_F(ShaderCommands, AreInASavedState) {
     Crowd crowd = create(settings()), other = create(settings());
     write(crowd, 0,
@@ -436,7 +436,7 @@ TEST_F(ShaderCommands, AreInASavedState) {
     expect_same(contents_of(crowd.outputs()), contents_of(other.outputs()), "");
 }
 
-// A picture is fitted to those who are there.
+// Pictures are fitted to the current instances.
 TEST_F(ShaderCommands, PicturesFollowThem) {
     if (const std::string reason = undrawable_reason(DrawPath::kAuto); !reason.empty()) GTEST_SKIP() << reason;
     Crowd crowd = create(settings());

@@ -1,4 +1,4 @@
-// What tests find beside the repository.
+// Where tests find repository files and shared material, and macros to skip tests.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -8,10 +8,10 @@
 
 namespace throng {
 
-// A file of the repository; of the folder THRONG_SOURCE, where a bundle of the tests has some of them.
+// A file of the repository, or of the folder THRONG_SOURCE, which has some of them if the tests run from a bundle.
 std::filesystem::path source_file(const std::string& name);
 
-// A folder of the shared material (characters, goldens, invalid); a test skips where it is missing.
+// A folder of the shared material (characters, goldens, invalid). Tests skip if it is missing.
 std::filesystem::path shared_folder(const std::string& name);
 
 #if defined(__SANITIZE_ADDRESS__)
@@ -24,8 +24,8 @@ inline constexpr bool kSanitized = false;
 
 }  // namespace throng
 
-// For tests that take long then, and only repeat with more data what others do, or run nothing of the library's that
-// others do not.
+// For tests that take long under sanitizers, and either repeat other tests with more data or run no library code that
+// other tests do not.
 #define THRONG_SKIP_WHERE_SANITIZED() \
     if (throng::kSanitized) GTEST_SKIP() << "it takes long under sanitizers"
 

@@ -1,4 +1,5 @@
-// What is computed of characters: once for all crowds of a device, and anew where anything of it differs.
+// Tables computed from characters: shared by all crowds of a device, and computed anew if anything in the character
+// differs.
 #include "crowd/crowd_state.h"
 #include "tests/crowd_cases.h"
 #include "tests/kernel_runner.h"
@@ -70,9 +71,9 @@ TEST_F(SharedRigs, WhatDiffersHasItsOwn) {
     }
 }
 
-// What one has not uploaded yet, another cannot read.
+// A crowd must not use tables that another crowd has not uploaded yet.
 TEST_F(SharedRigs, AreThereBeforeTheFirstUpdateOfWhoMadeThem) {
-    const Crowd first = crowd_of(character_);  // is never updated
+    const Crowd first = crowd_of(character_);  // never updated
     Crowd second = crowd_of(character_);
     const Device device = another_device();
     Crowd alone = Crowd::create(device, settings_of(character_)).expect();
@@ -84,7 +85,7 @@ TEST_F(SharedRigs, AreThereBeforeTheFirstUpdateOfWhoMadeThem) {
         EXPECT_EQ(second.read_skin_matrices({instance}).value(), alone.read_skin_matrices({instance}).value());
 }
 
-// The last one gone, nothing is kept; and it can be made again.
+// Nothing is kept after the last crowd is destroyed, and the tables can be made again.
 TEST_F(SharedRigs, GoWithTheirLastCrowd) {
     std::weak_ptr<const NativeRig> native;
     std::weak_ptr<const GroupRows> rows;
@@ -98,7 +99,7 @@ TEST_F(SharedRigs, GoWithTheirLastCrowd) {
     EXPECT_TRUE(crowd_of(character_).update(0.1f));
 }
 
-// Groups with a skin pool only look at theirs while they are made.
+// Groups with a skin pool use theirs only during creation.
 TEST_F(SharedRigs, AreKeptUntilAllGroupsOfACrowdAreMade) {
     throng::SharedRigs rigs(test_gpu());
     const std::weak_ptr<const NativeRig> first = rigs.native(character_, {});

@@ -1,4 +1,4 @@
-// Textures of the same images are made once; images that are decoded ahead are not decoded again.
+// Textures of the same image are made once, and images that are decoded ahead are not decoded again.
 #include "crowd/shared_images.h"
 #include "draw/native_group.h"
 #include "tests/ball.h"
@@ -43,7 +43,7 @@ protected:
     bool has_picture() const {
         return test_gpu()->values.find<Picture>(image_key(SharedValue::kPicture, asset_.images[0])) != nullptr;
     }
-    // What the renderer then needs.
+    // Whichever of them the renderer needs.
     bool is_decoded() const { return is_native() ? has_texture() : has_picture(); }
 
     Asset asset_ = make_ball();
@@ -100,7 +100,7 @@ TEST_P(SharedTextures, ImagesMayBeDecodedAhead) {
     Crowd crowd = create({.groups = {{.character = &ball_, .instance_count = 1}}});
     ASSERT_TRUE(decode_images(crowd));
     EXPECT_TRUE(is_decoded());
-    // They go along with the group.
+    // Decoded images move along with the group.
     const Character plain = ball_of(make_ball());
     Crowd running = crowd_of(plain);
     const auto added = running.add_groups(std::move(crowd));
@@ -128,7 +128,7 @@ TEST_P(SharedTextures, OfACrowdThatHasGoneAreFoundByTheNext) {
     EXPECT_EQ(drawn_with(), first);
 }
 
-// Of groups that the renderer has already nothing is kept either.
+// Nothing is kept for groups that the renderer already has, either.
 TEST_P(SharedTextures, WhatIsDecodedTooLateGoesWithTheNextPicture) {
     Renderer drawer = renderer();
     const Crowd crowd = crowd_of(ball_);

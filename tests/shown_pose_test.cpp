@@ -1,4 +1,4 @@
-// Poses that instances show, as they come back with the feedback: set elsewhere, they show the same.
+// Poses that instances show, as feedback returns them: setting them elsewhere shows the same.
 #include "tests/crowd_cases.h"
 #include "tests/goldens.h"
 #include "tests/lively_crowd.h"
@@ -16,7 +16,7 @@ double furthest(const std::vector<Vec3<float>>& a, const std::vector<Vec3<float>
     return most;
 }
 
-// Of random clips in random blends.
+// Tests random clips in random blends.
 void expect_poses_come_back(const Character& character, CrowdSettings settings, double bound) {
     constexpr uint32_t kCount = 6;
     settings.groups = {{.character = &character, .instance_count = kCount, .pose_capacity = kCount}};
@@ -83,7 +83,7 @@ TEST(ShownPose, ComesOnceAndOfWhoWasAskedAbout) {
     ASSERT_TRUE(crowd.update(0));
     EXPECT_EQ(asked(), std::vector<InstanceHandle>());
 
-    // Who goes before the update shows nothing; who goes after it is told of as it was.
+    // An instance despawned before the update reports no pose. One despawned after it is reported under its old handle.
     ASSERT_TRUE(crowd.request_poses(std::span(there).first(2)) && crowd.despawn(std::array{there[0]}));
     ASSERT_TRUE(crowd.update(0) && crowd.despawn(std::array{there[1]}));
     const std::vector<InstanceHandle> reborn = *crowd.spawn(1, std::array{Affine{}, Affine{}});

@@ -1,4 +1,4 @@
-// Skin matrices of only those instances that are drawn, and poses that those far away share.
+// Skin pools: skin matrices only for instances that are drawn, and poses shared by distant instances.
 #include "bench/pixels_off.h"
 #include "cull/cull.h"
 #include "control/control_reference.h"
@@ -26,7 +26,7 @@ const InSubset kSkinPoolNatively({Subset::kNative}, {"SkinPool.*"});
 
 constexpr uint32_t kSkinPoolWidth = 320, kSkinPoolHeight = 240;
 
-// In a square before the camera that view() has.
+// Random placements in a square in front of view()'s camera.
 std::vector<Affine> places(uint32_t count, double extent) {
     Random random(5);
     std::vector<Affine> all;
@@ -47,8 +47,8 @@ struct Counts {
     uint32_t own = 0, shared = 0;
 };
 
-// Whoever is drawn has its own pose, bit for bit as without a pool in all joints of its level, or one that a picture
-// hardly tells from it; rows are given away once, and those of shared poses to nobody.
+// Each drawn instance has its own pose, with the same bits as without a pool in all joints of its level, or a shared
+// pose that looks almost the same. No row is assigned twice, and rows of shared poses belong to no instance.
 Counts expect_right(Crowd& pooled, Crowd& whole, const Character& character, std::span<const Playback> playbacks,
                     std::span<const Affine> placements, const CrowdView& seen, bool reduces_joints) {
     const GroupSkinPool& pool = *pooled.state().groups[0].skin_pool;
@@ -112,7 +112,7 @@ void expect_exact_or_near(UpdatePath path) {
                 seen.lod_pixels = reduces ? 0.5f : 1.0f;
                 for (Crowd* crowd : {&pooled, &whole}) ASSERT_TRUE(crowd->update(0.05f, &seen));
                 for (Playback& playback : playbacks) playback = advanced(playback, character, 0.05);
-                if (reduces) seen.shared_pose_pixels += seen.lod_pixels;  // positions are those of fewer joints
+                if (reduces) seen.shared_pose_pixels += seen.lod_pixels;  // positions use fewer joints
                 const Counts counts = expect_right(pooled, whole, character, playbacks, placements, seen, reduces);
                 EXPECT_GT(counts.own, 0u);
                 EXPECT_TRUE(pixels < 2 || counts.shared > 20) << counts.shared;
@@ -146,10 +146,10 @@ void expect_shared_where_full(UpdatePath path) {
     ASSERT_GT(drawn.size(), kCapacity);
     const auto own = static_cast<uint32_t>(std::ranges::count(drawn, false, &DrawnInstance::shares_pose));
     EXPECT_EQ(own, kCapacity);
-    // The finest come first, and lists have them first
+    // The finest levels get rows first and come first in lists
     EXPECT_FALSE(drawn.front().shares_pose);
     EXPECT_TRUE(drawn.back().shares_pose);
-    // They show a pose of the clip that has most weight, near their own time
+    // The others show a pose of the clip with the largest weight, near their own time
     const auto& clips = character.clips;
     for (const DrawnInstance& one : drawn) {
         if (!one.shares_pose) {
@@ -246,7 +246,7 @@ TEST(SkinPool, PicturesAreThoseOfEverything) {
     EXPECT_LE(difference / static_cast<double>(exact.size()), 0.5) << "of 255, on average";
 }
 
-// Two batches, each with a pool of its own, beside a group without one and a group of nobody.
+// Two batches with one pool each, beside a group without a pool and an empty group.
 TEST(SkinPool, EachBatchHasAPool) {
     const Character character = creature_with_lods();
     constexpr uint32_t kCount = 300, kCapacity = 3;
@@ -278,7 +278,7 @@ TEST(SkinPool, EachBatchHasAPool) {
     EXPECT_GT(own[2], 0u);
 }
 
-// The kernels list what their native twins do, who are held against the reference.
+// The kernels produce the same lists as their native versions, which are tested against the reference.
 TEST(SkinPool, OfManyAWorkgroupTakesSeveralCells) {
     const Character character = small_character();
     constexpr uint32_t kCount = 140'000;
@@ -292,7 +292,7 @@ TEST(SkinPool, OfManyAWorkgroupTakesSeveralCells) {
              .path = path,
              .culling = Culling{}});
         ASSERT_TRUE(crowd.set_placement(crowd.instances(), placements));
-        for (int update = 0; update < 2; ++update) {  // without cells, and with them
+        for (int update = 0; update < 2; ++update) {  // first without cells, then with them
             ASSERT_TRUE(crowd.update(0, &seen));
             lists.push_back(drawn_of(crowd));
         }
@@ -332,10 +332,10 @@ TEST(SkinPool, MemoryGoesByWhatIsDrawn) {
     const uint64_t matrices = character.palette.size() * 48;
     EXPECT_GT(bytes({}, 3000), 3000 * matrices);
     const uint64_t few = bytes(SkinPool{.capacity = 10}, 1000), many = bytes(SkinPool{.capacity = 10}, 3000);
-    EXPECT_LT(many - few, 2000u * 200);  // state of instances alone
+    EXPECT_LT(many - few, 2000u * 200);  // only the state of instances
 }
 
-// At 30 poses a second these clips have 2^64 - 4,294,969,434 of them and so on: in 64 bits, 18 in all.
+// At 30 poses per second the three clips and the rest pose need 2^64 + 18 poses, which overflows 64 bits to 18.
 TEST(SkinPool, ClipsThatLastForAeonsAreRefused) {
     Character character = make_character({.name = "endless", .joint_count = 4, .clip_count = 3});
     ASSERT_EQ(character.clips.size(), 3u);

@@ -1,5 +1,5 @@
-// Crowds whose vertices are skinned once: they hold what the reference says, and pictures of them are those of crowds
-// that the draw skins.
+// Crowds whose vertices are skinned once by a compute stage: the vertices match the reference, and pictures match those
+// of crowds that are skinned in the draw.
 #include "skin/skin_reference.h"
 #include "tests/crowd_cases.h"
 #include "tests/kernel_runner.h"
@@ -68,7 +68,7 @@ TEST(SkinStage, WithoutAViewAllIsSkinned) {
     }
 }
 
-// Listed instances have the vertices of their level; who is not listed is left alone.
+// Listed instances have the vertices of their level; others are left unchanged.
 TEST(SkinStage, WithAViewWhatItListsIsSkinned) {
     const Character character = *compile_character(
         *make_creature({.joint_count = 40, .level_count = 12, .face_count = 800}));
@@ -127,7 +127,7 @@ TEST(SkinStage, WithAViewWhatItListsIsSkinned) {
     EXPECT_LE(worst, 1e-6);
 }
 
-// Normals are rounded to 16 bits, so that colours differ by little.
+// Normals are rounded to 16 bits, so colours may differ slightly.
 void expect_like(const Picture& picture, const Picture& other) {
     ASSERT_EQ(picture.rgba.size(), other.rgba.size());
     int most = 0;
@@ -165,7 +165,7 @@ TEST(SkinStage, PicturesAreThoseThatTheDrawSkins) {
                 const Camera camera = fit_camera(world_bounds(crowd), 4.0f / 3);
                 Result<RenderResult> result = renderer->render_frame(crowd, 0.1f, camera);
                 ASSERT_TRUE(result) << result.error().text();
-                // The second half of an update has listed some
+                // A second frame, in which the second half of the update lists some
                 if (culls) result = renderer->render_frame(crowd, 0, camera);
                 ASSERT_TRUE(result);
                 pictures.push_back(result->picture);

@@ -1,4 +1,4 @@
-// Skinned vertices against the reference: 4 and 8 influences, several sections, several instances, both blends.
+// Skinned vertices against the reference: 4 and 8 influences, several sections and instances, both blend modes.
 #include "skin/skin.h"
 #include "morph/morph_io.h"
 #include "skin/skin_reference.h"
@@ -28,8 +28,8 @@ void normalize_weights(std::span<Influences> of_vertex) {
         for (float& weight : four.weights) weight /= sum;
 }
 
-// Sections in any order and of any size, the pools' first elements used by none of them.
-// `sums_to_one`: weights do, as dual quaternions need it.
+// Sections in any order and of any size. No section uses the pools' first elements.
+// `sums_to_one`: weights sum to 1, as dual quaternions need.
 Character make_mesh(Random& random, uint32_t palette_count, const std::vector<std::pair<uint32_t, uint32_t>>& sections,
                     bool sums_to_one = false) {
     Character character;
@@ -71,7 +71,7 @@ Character make_mesh(Random& random, uint32_t palette_count, const std::vector<st
     return character;
 }
 
-// As the kernel rounds them.
+// Decodes an octahedral normal, with the kernel's rounding.
 Vec3<double> unpacked(uint32_t octahedral) {
     const auto fraction = [](uint32_t bits) { return std::max(static_cast<int16_t>(bits & 0xFFFF) / 32767.0, -1.0); };
     const double x = fraction(octahedral), y = fraction(octahedral >> 16), z = 1 - std::abs(x) - std::abs(y);
@@ -79,7 +79,7 @@ Vec3<double> unpacked(uint32_t octahedral) {
     return normalized(Vec3<double>{(1 - std::abs(y)) * (x < 0 ? -1 : 1), (1 - std::abs(x)) * (y < 0 ? -1 : 1), z});
 }
 
-// By the inverse transpose, which is made of cross products of the columns, over the determinant.
+// Transforms by the inverse transpose: cross products of the columns over the determinant.
 Vec3<double> transformed_normal(const AffineT<double>& m, const Vec3<double>& n) {
     const auto column = [&](size_t k) { return Vec3<double>{m.row[0][k], m.row[1][k], m.row[2][k]}; };
     const Vec3<double> sum = cross(column(1), column(2)) * n.x + cross(column(2), column(0)) * n.y +
@@ -113,7 +113,7 @@ std::vector<uint32_t> stored(SkinFormat format, const AffineT<double>& matrix, c
     return words;
 }
 
-// One instance of several, every section.
+// One of several instances, all sections.
 Skinned run_skin(const Character& character, const SkinCase& of, Random& random) {
     const auto palette_count = static_cast<uint32_t>(character.palette.size());
     std::vector<uint32_t> matrices;
@@ -126,7 +126,7 @@ Skinned run_skin(const Character& character, const SkinCase& of, Random& random)
             matrices.insert(matrices.end(), words.begin(), words.end());
             if (i == of.instance) of_instance.push_back(to_affine(parts.as<float>().as<double>()));
         }
-    // Of morphs of all sections, fewer than all, none.
+    // Morphs of all sections; anywhere from none up to the limit.
     constexpr uint32_t kShown = 8;
     std::vector<io::ActiveMorph> shown(of.instance_count * size_t{kShown});
     std::vector<WeightedMorph> of_instance_shown;
@@ -249,7 +249,7 @@ TEST(Skin, TheReferenceWeighsPositions) {
     character.sections = {{.vertex_count = 1, .influence_sets = 1}};
     std::vector<AffineT<double>> skin(2);
     skin[0].row[0][3] = 4;   // moves by 4 along x
-    skin[1].row[1][3] = -8;  // by -8 along y
+    skin[1].row[1][3] = -8;  // moves by -8 along y
     EXPECT_EQ(skin_reference(character, skin)[0], (Vec3<double>{1 + 3, 2 - 2, 3}));
 }
 
@@ -260,8 +260,8 @@ AffineT<double> blended(SkinBlend blend, const AffineT<double>& a, const AffineT
     return transform.result();
 }
 
-// Kavan's example: half way along a forearm that is twisted by 170 degrees, linear blending leaves a twelfth of its
-// girth, dual quaternions all of it.
+// Kavan's example: halfway along a forearm twisted by 170 degrees, linear blending keeps a twelfth of the girth, dual
+// quaternions all of it.
 TEST(Skin, ATwistedLimbKeepsItsGirth) {
     constexpr double kTwist = 170 * 3.14159265358979 / 180;
     const AffineT<double> twisted = to_affine(Trs<double>{axis_angle(Vec3<double>{1, 0, 0}, kTwist), {}, {1, 1, 1}});
@@ -275,8 +275,8 @@ TEST(Skin, ATwistedLimbKeepsItsGirth) {
     EXPECT_NEAR(girth(SkinBlend::kDualQuaternion), 1, 1e-12);
 }
 
-// A bend about an elbow that is nowhere near the origin is one about the elbow, and one transform alone is what it is,
-// on either side of the quaternions.
+// A bend about an elbow far from the origin stays a bend about the elbow. A single transform is applied unchanged, for
+// either sign of the quaternions.
 TEST(Skin, DualQuaternionsKnowNoOrigin) {
     Random random(4);
     for (int round = 0; round < 50; ++round) {

@@ -1,4 +1,4 @@
-// Groups of which only the sockets are computed: these are those of any other group, and there is nothing else.
+// Groups that compute only their sockets: these match any other group's, and there are no other outputs.
 #include "tests/kernel_runner.h"
 #include "tests/lively_crowd.h"
 #include "tests/recorder.h"
@@ -15,10 +15,10 @@ namespace {
 
 const InSubset kSocketsOnlyNatively({Subset::kNative}, {"SocketsOnly.*", "-SocketsOnly.OnTheDeviceIsRefused"});
 
-// Each of them is that close to the exact pose; not bit for bit, as clips have other rows for fewer joints.
+// Each of the two is this close to the exact pose. They differ in bits, since clips have other rows for fewer joints.
 constexpr double kAlike = 2 * kPoseBound;
 
-constexpr std::array kWatchedSockets{3u, 25u, 59u};  // instances, one of each group
+constexpr std::array kWatchedSockets{3u, 25u, 59u};  // instances, one from each group
 
 std::vector<Affine> sockets_of(const Crowd& crowd, size_t group) {
     const OutputBlock& block = crowd.outputs()[group];
@@ -51,7 +51,7 @@ protected:
         made.groups[0].pose_capacity = 2;
         return made;
     }
-    // One group of 2 instances.
+    // Settings with only one group of 2 instances.
     CrowdSettings of_one() const {
         CrowdSettings made{.groups = {settings(true).groups[0]}, .pose_request_capacity = 1};
         made.groups[0].instance_count = 2;
@@ -102,7 +102,7 @@ TEST_F(SocketsOnly, AreThoseOfAnyOtherGroup) {
             EXPECT_EQ(copy_of(feedback.watched.at(group).sockets), std::vector(told, told + 3));
         }
     }
-    // In world space, by the joints of the whole pose.
+    // A world-space socket against the same joint of the whole pose.
     const Affine world_from_model = output<Affine>(whole.outputs()[0], &OutputBlock::placement, 4)[3],
                  joint = whole.read_model_matrices({3})->at(7), socket = sockets_of(only, 0)[3 * 3 + 2];
     EXPECT_LE(matrix_error(socket, world_from_model.as<double>() * joint.as<double>(), character_.size), kAlike);
@@ -148,7 +148,7 @@ TEST_F(SocketsOnly, WhereTheyCannotBeComputedAloneIsRefused) {
     expect_refused(staged, ErrorCode::kUnsupported, not_alone);
 }
 
-// Also where it is another group that cannot be updated natively.
+// Also if another group is the one that cannot be updated natively.
 TEST_F(SocketsOnly, OnTheDeviceIsRefused) {
     if (test_gpu()->is_native()) GTEST_SKIP() << "there is nothing but the processor";
     const std::string place = character_.name + ": sockets only: ";

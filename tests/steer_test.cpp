@@ -1,4 +1,5 @@
-// Agents: each step against the reference, that no order changes a byte, and that crowds get where they want to.
+// Agents: each step against the reference, the same bytes in any instance order, and that crowds reach their
+// destinations.
 #include "control/root_motion_reference.h"
 #include "crowd/crowd_state.h"
 #include "steer/steer_reference.h"
@@ -21,7 +22,7 @@ const InSubset kSteerNatively({Subset::kNative}, {"Steer.*"});
 
 constexpr float kWalk = 1.3f;  // units a second, of the clip
 
-// Something small, whose first clip walks ahead where that is asked for.
+// A small character, whose first clip walks ahead if `walks`.
 Character body(bool walks) {
     Character character = make_character({.name = "body", .joint_count = 2});
     if (!walks) return character;
@@ -31,7 +32,7 @@ Character body(bool walks) {
     return character;
 }
 
-// Walks as fast as it is told.
+// A controller whose parameter sets the walking speed.
 Controller walker(const Character& character) {
     return {.name = "walker",
             .parameters = {{.name = "alert"}, {.name = "speed"}},
@@ -71,7 +72,7 @@ void send(Crowd& crowd, const std::vector<std::optional<Vec3<float>>>& destinati
     }
 }
 
-// A crowd, and what the reference makes of each of its updates.
+// A crowd, and the reference's result for each of its updates.
 class Followed {
 public:
     Followed(const CrowdSettings& settings, const std::vector<Affine>& places,
@@ -115,7 +116,7 @@ public:
         for (size_t k = 0; k < who.size(); ++k) {
             const uint32_t i = who[k];
             SCOPED_TRACE("instance " + std::to_string(i));
-            // Places are floats
+            // Positions are stored as floats
             const double extent = std::max(std::abs(double{before_[i].row[0][3]}),
                                            std::abs(double{before_[i].row[2][3]}));
             const double scale = length(Vec3<double>{wanted[k].world_from_model.row[0][2],
@@ -150,7 +151,7 @@ private:
     bool is_carried(uint32_t i) const {
         return groups_[i].controller && groups_[i].moves_placements && !groups_[i].character->root_rows.empty();
     }
-    // Root motion of an update, of which this is the first of five rows that are kept of an instance.
+    // The root motion of an update: the first of an instance's five rows.
     static AffineT<double> move_of(const io::vec4& m) {
         AffineT<double> move;
         move.row = {{{m.z, 0, m.w, m.x}, {0, 1, 0, 0}, {-m.w, 0, m.z, m.y}}};
@@ -242,7 +243,7 @@ void follow_steering(double x, double z, uint64_t seed) {
 TEST(Steer, FollowsTheReference) { follow_steering(0, 0, 1); }
 TEST(Steer, FollowsTheReferenceFarFromTheOrigin) { follow_steering(400, -1000, 2); }
 
-// A few large ones, near and far: the small ones see each other as without them.
+// With a few large agents near and far, the small ones avoid each other as without them.
 TEST(Steer, LargeAgentsDoNotBlindSmallOnes) {
     constexpr uint32_t kSmall = 400, kLarge = 3;
     constexpr float kRadius = 0.1f;
@@ -321,7 +322,7 @@ TEST(Steer, RunsAndBatchesGiveTheSameBytes) {
     EXPECT_TRUE(same_bits(placements_of(whole), placements_of(*parts)));
 }
 
-// Those of a bucket are met in another order; only who shares a place goes by its number.
+// Agents of a bucket are visited in another order. Numbers matter only between agents at the same place.
 TEST(Steer, NumbersChangeNoByte) {
     constexpr uint32_t kCount = 100;
     const Character character = body(false);
@@ -347,8 +348,8 @@ TEST(Steer, NumbersChangeNoByte) {
     EXPECT_TRUE(same_bits(forwards, backwards));
 }
 
-// Until all stand at their destinations, or so many seconds have passed. Gives how much nearer than the sum of
-// their radii two have come, as a part of it.
+// Runs until all agents stand at their destinations or `seconds` have passed. Returns how far any two came closer than
+// the sum of their radii, as a fraction of it.
 double walk_home(Crowd& crowd, std::span<const Vec3<float>> destinations, float radius, double seconds,
                  bool begins_apart = true) {
     double worst = 0;
@@ -482,7 +483,7 @@ TEST(Steer, ADestinationIsTakenAwayOrWrittenOnTheGpu) {
     EXPECT_GT(moved[1], 0.5);
 }
 
-// Else root motion would carry it away.
+// Otherwise root motion would carry it away.
 TEST(Steer, WhoHasNoDestinationIsToldToStand) {
     const Character character = body(true);
     const Controller controller = walker(character);
@@ -497,7 +498,7 @@ TEST(Steer, WhoHasNoDestinationIsToldToStand) {
     EXPECT_NEAR(apart(before[0], placements_of(crowd)[0]), 0, 1e-6);
 }
 
-// Who has walked into the picture is drawn, and who has left it is not.
+// Agents that walk into view are drawn, and those that leave it are not.
 TEST(Steer, WhatAViewSeesIsWhereTheyStandNow) {
     const Character character = body(false);
     Crowd crowd = create(

@@ -18,7 +18,7 @@ struct Patterns {
     std::vector<std::string> taken, left_out;
 };
 
-// Filled before main().
+// Filled by static initialisation, before main().
 std::array<Patterns, kSubsetNames.size()>& patterns() {
     static std::array<Patterns, kSubsetNames.size()> of_subsets;
     return of_subsets;

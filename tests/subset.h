@@ -1,4 +1,4 @@
-// Runs of some of the tests, on devices or under checks where all would take too long: `throng_tests --subset NAME`.
+// Subsets of the tests, for devices or checks on which all tests take too long: `throng_tests --subset NAME`.
 #pragma once
 
 #include <initializer_list>
@@ -8,26 +8,26 @@
 namespace throng::test {
 
 enum class Subset {
-    // "gpu_assisted": under GPU-assisted validation, which finds accesses out of bounds. A kernel may take seconds
-    // there, so these are few, but among them run the kernels of every stage and scan method.
+    // "gpu_assisted": under GPU-assisted validation, which finds out-of-bounds accesses. A kernel may take seconds
+    // there, so the subset is small, but it covers the kernels of every stage and scan method.
     kGpuAssisted,
-    kSubgroups,      // "subgroups": invocations that work together, with subgroups of another size
-    kWideSubgroups,  // "wide_subgroups": those of them that exchange registers, with larger subgroups
+    kSubgroups,      // "subgroups": cooperating invocations, with another subgroup size
+    kWideSubgroups,  // "wide_subgroups": those that exchange registers, with larger subgroups
     kNative,         // "native": on a device without Vulkan
-    // "other_driver": those of "gpu_assisted", but for what is left out here: the same shaders with other numbers, and
-    // tests that take long for shaders which others run too.
+    // "other_driver": those of "gpu_assisted" except what is excluded here: the same shaders with other numbers, and
+    // slow tests of shaders that other tests run, too.
     kOtherDriver,
 };
 
-// A file of tests says by one of these, outside of functions, which of its tests belong to which of the subsets:
-// by patterns as in --gtest_filter, of which those that begin with '-' leave out what others take in.
+// Defined outside of functions, one of these assigns tests of its file to subsets, by patterns as in --gtest_filter.
+// Patterns that begin with '-' exclude tests.
 class InSubset {
 public:
     InSubset(std::initializer_list<Subset> subsets, std::initializer_list<std::string_view> tests);
 };
 
-// The --gtest_filter of a subset. Throws std::runtime_error where there is none of this name, and where a pattern
-// matches no test.
+// The --gtest_filter of a subset. Throws std::runtime_error if there is no subset of this name or a pattern matches no
+// test.
 std::string filter_of_subset(std::string_view name);
 
 }  // namespace throng::test

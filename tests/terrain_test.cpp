@@ -1,4 +1,4 @@
-// Instances stand on the ground: against a scalar form in double precision.
+// Instances stand on the terrain: compared with a scalar implementation in double precision.
 #include "crowd/crowd_state.h"
 #include "tests/crowd_cases.h"
 #include "tests/subset.h"

@@ -29,7 +29,7 @@ std::optional<Device>& device_slot() {
     return device;
 }
 
-// Fails the running test when the layer has spoken since the last look.
+// Fails the running test if the validation layer has reported anything since the last check.
 class ValidationListener : public testing::EmptyTestEventListener {
     void OnTestEnd(const testing::TestInfo&) override {
         if (!device_slot()) return;

@@ -1,4 +1,4 @@
-// The device of the tests: validated, and shared by all tests of the process.
+// The device of the tests: validated, and shared by all tests in the process.
 #pragma once
 
 #include "tests/shared.h"
@@ -11,18 +11,18 @@
 
 namespace throng {
 
-// THRONG_DEVICE selects it (as --device does); THRONG_VALIDATION is off, standard, synchronization (the default) or
-// gpu-assisted. A message of the validation layer fails the test during which it came.
+// THRONG_DEVICE selects the device (like --device). THRONG_VALIDATION is off, standard, synchronization (the default)
+// or gpu-assisted. A validation message fails the test that is running.
 Device& test_device();
-// Whether the same formula has the same bits in every kernel, natively too. Compilers of GPUs may contract it to other
-// fused operations in each kernel.
+// Whether the same formula gives the same bits in every kernel, including native ones. GPU compilers may contract it
+// into different fused operations in each kernel.
 bool rounds_like_the_cpu();
 
-// The same device once more, whose limits a test may lower to pretend that it is smaller; not validated.
+// Another Device of the same hardware, not validated. Tests may lower its limits to simulate a smaller one.
 Device another_device();
-// Whether it has this scan method: a device without Vulkan has few.
+// Whether the device has this scan method. A device without Vulkan has few.
 bool has_scan(std::string_view method);
-// One that dispatches no more workgroups than these (or its own): crowds fall into batches.
+// A device that dispatches at most this many workgroups (or its own limit), so that crowds are split into batches.
 Device device_of_workgroups(uint32_t most_workgroups);
 
 }  // namespace throng

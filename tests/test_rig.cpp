@@ -46,7 +46,7 @@ AssetTrack make_track(Random& random, uint32_t node, TrackTarget target, const T
         put_tangent();
         if (target == TrackTarget::kRotation) {
             q = normalized(q * axis_angle(random.direction(), random.between(0, 1.2)));
-            const double side = !cubic && random.chance(0.3) ? -1 : 1;  // the same rotation
+            const double side = !cubic && random.chance(0.3) ? -1 : 1;  // a negated quaternion is the same rotation
             put({side * q.x, side * q.y, side * q.z, side * q.w});
         } else if (target == TrackTarget::kTranslation) {
             const Vec3<double> t = rest.translation + random.vector(0.1);
@@ -92,8 +92,8 @@ AssetPrimitive make_primitive(Random& random, uint32_t vertex_count, uint32_t in
     return primitive;
 }
 
-// Half of the vertices are moved by no target, and a target moves half of the others. Clips animate no, constant and
-// varying weights.
+// Half of the vertices are moved by no target; each target moves half of the rest. Clips have no weights, constant
+// weights, or varying ones.
 void add_morphs(Asset& asset, const AssetSettings& settings) {
     Random random(settings.seed + 77);
     for (uint32_t m = 0; m < 2; ++m) {

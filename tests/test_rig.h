@@ -1,4 +1,4 @@
-// Rigs, characters and transforms made in memory from a seed, the same on every machine.
+// Rigs, characters and transforms generated from a seed, identical on every machine.
 #pragma once
 
 #include <throng/throng.h>
@@ -16,7 +16,7 @@ namespace throng::test {
 inline constexpr float kInfinity = std::numeric_limits<float>::infinity(),
                        kNan = std::numeric_limits<float>::quiet_NaN();
 
-// SplitMix64 (Steele, Lea, Flood, OOPSLA 2014). The standard's distributions differ between libraries.
+// SplitMix64 (Steele, Lea, Flood, OOPSLA 2014). The standard library's distributions differ between implementations.
 class Random {
 public:
     explicit Random(uint64_t seed) : state_(seed) {}
@@ -64,28 +64,28 @@ struct AssetSettings {
     uint32_t joint_count = 20;
     RigShape shape = RigShape::kRandom;
     uint64_t seed = 1;
-    double scale_spread = 0.1;   // of joints, in the rest pose and in clips; 0: no scale at all
+    double scale_spread = 0.1;   // of joints, in the rest pose and in clips; 0: no scale
     uint32_t clip_count = 3;     // 1, 2, … seconds long
-    uint32_t axis_count = 3;     // different key times among the tracks of a clip
-    uint32_t key_count = 6;      // a track
+    uint32_t axis_count = 3;     // different sets of key times among a clip's tracks
+    uint32_t key_count = 6;      // per track
     bool cubic = false;          // a third of the tracks; the rest is linear, and some step
     uint32_t vertex_count = 30;  // of each of the two meshes: the first with 4 influences, the second with 8
-    // Targets of each mesh, with weights in most clips; the second mesh is then node 1's
+    // Targets per mesh, with weights in most clips. If there are any, the second mesh is at node 1
     uint32_t morph_count = 0;
 
     friend auto operator<=>(const AssetSettings&, const AssetSettings&) = default;
 };
-// Every node a joint of the one skin, node k below make_parents()[k].
+// Every node is a joint of the only skin; the parent of node k is make_parents()[k].
 Asset make_asset(const AssetSettings& settings);
-// Fails the test, and is empty, where it cannot be compiled.
+// If compilation fails, fails the test and returns an empty character.
 Character compiled(const Asset& asset, const CompileSettings& settings = kExact);
 inline Character make_character(const AssetSettings& settings) { return compiled(make_asset(settings)); }
 
-// The larger of two errors; infinite where one is not a number, which std::max() may pass over.
+// The larger of two errors. Infinite if one is NaN, which std::max() may ignore.
 double worse_of(double a, double b);
 
-// A matrix's linear part is compared relative to its largest element (at least 1), its translation relative to the
-// size. Infinite where a number is not finite.
+// The linear part is compared relative to its largest element (at least 1), the translation relative to `size`.
+// Infinite if a number is not finite.
 double matrix_error(const Affine& got, const AffineT<double>& wanted, double size);
 
 }  // namespace throng::test

@@ -1,4 +1,4 @@
-// What is in a text.
+// Searches in strings.
 #pragma once
 
 #include <string>

@@ -1,6 +1,6 @@
-// Reads a .glb with three.js, a reader that is not ours, and prints as JSON what it finds: the names of the clips, the
-// numbers of vertices and faces of the skinned meshes, and of each joint, in the order of the skin, model_from_joint by
-// columns, in that clip at that time. Usage: node three_reader.js FILE.glb CLIP SECONDS
+// Reads a .glb with three.js, an independent reader, and prints as JSON: the names of the clips, the vertex and face
+// counts of the skinned meshes, and model_from_joint (column-major) of each joint in skin order, for that clip at that
+// time. Usage: node three_reader.js FILE.glb CLIP SECONDS
 "use strict";
 const fs = require("fs"), vm = require("vm");
 

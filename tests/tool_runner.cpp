@@ -28,7 +28,7 @@ constexpr bool kAddressSanitizer = __has_feature(address_sanitizer);
 constexpr bool kAddressSanitizer = false;
 #endif
 
-// Without moving the offset, since a process that still runs writes there.
+// Does not move the file offset, since a process that is still running writes there.
 std::string contents(std::FILE* file) {
     std::string text;
     char buffer[4096];
@@ -76,7 +76,7 @@ Outcome run_tool(const Words& arguments, const RunSettings& settings) {
         const rlimit no_core{0, 0}, memory{settings.memory_limit_bytes, settings.memory_limit_bytes};
         setrlimit(RLIMIT_CORE, &no_core);
         if (settings.memory_limit_bytes > 0 && !kAddressSanitizer) setrlimit(RLIMIT_AS, &memory);
-        alarm(settings.time_limit_s);  // survives exec, and kills
+        alarm(settings.time_limit_s);  // stays set across exec, and kills the process
         execvp(program, const_cast<char* const*>(words.data()));
         _exit(127);
     }

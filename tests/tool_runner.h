@@ -1,4 +1,4 @@
-// Runs the command line as a user does, in a process of its own.
+// Runs the command line as a user would, in a separate process.
 #pragma once
 
 #include "tests/files.h"
@@ -19,7 +19,7 @@ namespace throng::test {
 
 using Json = nlohmann::json;
 
-// Words of a command line: as they are, or as a text in which spaces divide them.
+// The words of a command line, as a list or as a string that is split at spaces.
 struct Words : std::vector<std::string> {
     using vector::vector;
     Words(std::vector<std::string> words) : vector(std::move(words)) {}
@@ -31,30 +31,30 @@ struct Words : std::vector<std::string> {
 
 struct RunSettings {
     std::map<std::string, std::string> environment;
-    uint64_t memory_limit_bytes = 0;  // of the address space; 0: none
+    uint64_t memory_limit_bytes = 0;  // of address space; 0: unlimited
     unsigned time_limit_s = 300;
-    const char* program = nullptr;   // another one than the tool, of the PATH
-    const char* out_path = nullptr;  // where standard output goes; it is not captured then
-    // Called every few milliseconds while it runs, with its process and what it has written on stderr.
+    const char* program = nullptr;   // another program instead of the tool, found by PATH
+    const char* out_path = nullptr;  // file for standard output, which is then not captured
+    // Called every few milliseconds while the process runs, with its id and what it has written to stderr.
     std::function<void(int process, const std::string& err)> watch = nullptr;
 };
 
 struct Outcome {
-    int exit_code = -1;  // -1: a signal
+    int exit_code = -1;  // -1: ended by a signal
     int signal = 0;
     std::string out, err;
     double time_s = 0;
 
-    // Exit code 0 and not a word on stderr.
+    // Exit code 0 and nothing on stderr.
     bool succeeded() const { return exit_code == 0 && err.empty(); }
-    // An exit code of its own and one line on stderr, which names the thing.
+    // A regular exit with an error, and one line on stderr that contains `named`.
     bool refused(const std::string& named) const;
     friend std::ostream& operator<<(std::ostream& stream, const Outcome& outcome);
 };
 
 Outcome run_tool(const Words& arguments, const RunSettings& settings = {});
 
-// What the tool does in a folder of the tests' own, in which it runs.
+// Tests that run the tool in a temporary folder.
 class ToolTest : public testing::Test {
 protected:
     struct Refused {
@@ -68,13 +68,14 @@ protected:
     static std::string file(const std::string& name);
     static std::string write(const std::string& name, const std::string& content);
     static std::set<std::filesystem::path> files();
-    // A creature in that file.
+    // Writes a creature to that file.
     static void generate(const std::string& name, const Words& arguments);
-    // What a command says that succeeds, as it must: throws else, which ends the test.
+    // The result of a command that must succeed. If it fails, throws, which ends the test.
     static Outcome succeed(const Words& arguments, const RunSettings& settings = {});
-    // What it prints with --json.
+    // The output with --json.
     static Json json_of(const Words& arguments, const RunSettings& settings = {});
-    // Each in one line that names the thing, with nothing on stdout, soon, and with no file more or less.
+    // Each command must fail quickly with one line that contains `named`, print nothing on stdout, and not create or
+    // remove files.
     static void expect_refused(const std::vector<Refused>& cases);
 
     static inline std::unique_ptr<TemporaryFolder> folder_;

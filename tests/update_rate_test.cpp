@@ -1,4 +1,5 @@
-// Updates that do not animate everything that is drawn: who is animated when, and how skin matrices go on meanwhile.
+// Updates that animate only some of the drawn instances: which ones, and how the skin matrices of others are
+// interpolated meanwhile.
 #include "bind/skin_format.h"
 #include "crowd/crowd_state.h"
 #include "crowd/cull_stage.h"
@@ -24,7 +25,7 @@ const InSubset kUpdateRateInSubsets({Subset::kNative}, {"UpdateRate.*", "-Update
 
 constexpr uint32_t kUpdateRateWidth = 160, kUpdateRateHeight = 120;
 
-// In rows behind one another, all in view.
+// In rows behind each other, all in view.
 std::vector<Affine> rows_of(uint32_t count, double size) {
     std::vector<Affine> places;
     for (uint32_t i = 0; i < count; ++i)
@@ -41,7 +42,7 @@ CrowdView view_along(float full_rate_pixels) {
     return view;
 }
 
-// 0 where rounding decides.
+// The expected number of updates per animation, or 0 if rounding decides.
 uint32_t expected_period(const CrowdView& view, const Affine& place, const Group& group) {
     const CullBox box{((group.posed_min + group.posed_max) * 0.5f).as<double>(),
                       ((group.posed_max - group.posed_min) * 0.5f).as<double>()};
@@ -69,7 +70,7 @@ uint32_t animated_in_last_update(Crowd& crowd) {
     return count;
 }
 
-// Against a crowd that is animated entirely in each update, and the reference's way between its poses.
+// Against a crowd that is fully animated in every update, and the reference's interpolation between its poses.
 void expect_interpolated(const CrowdGroup& group, SkinFormat format, bool keeps_previous, double bound) {
     constexpr uint32_t kCount = 40, kUpdates = 26;
     CrowdGroup copied = group;
@@ -136,7 +137,7 @@ void expect_interpolated(const CrowdGroup& group, SkinFormat format, bool keeps_
                                         bound * group.character->size);
                 }
                 EXPECT_TRUE(way.left != 0 || same_bits(got, way.shown)) << "waits";
-                // The bound above holds for who arrives, too.
+                // The bound above also holds for instances that reach their target.
                 EXPECT_TRUE(way.left != 1 || !rounds_like_the_cpu() || same_bits(got, way.target)) << "arrives";
                 between += way.left > 1;
                 if (way.left > 0) --way.left;
@@ -185,7 +186,7 @@ TEST(UpdateRate, TheCostIsEven) {
     EXPECT_EQ(animated_in_last_update(crowd), kCount) << "without a view";
 }
 
-// Nothing is ever within a budget of next to nothing, and always within one without end.
+// Every update exceeds a tiny budget, and none exceeds an infinite one.
 TEST(UpdateRate, ABudgetLetsMoreAndMoreWait) {
     constexpr uint32_t kCount = 640;
     const Character character = small_character();
@@ -226,7 +227,8 @@ TEST(UpdateRate, CoarserLevelsHaveFewerJoints) {
         ASSERT_TRUE(crowd->set_placement(crowd->instances(), places) &&
                     crowd->set_playback(crowd->instances(), playbacks));
     CrowdView view = view_along(0);
-    // A set of joints has a kernel of its own; a native device's engine keeps 16-bit rows, relative to what they move
+    // A set of joints has its own kernel. A native device stores 16-bit rows, whose precision depends on what the
+    // joints move
     const double bound = test_gpu()->is_native() ? kPoseBound : 2e-6;
     const std::vector<FusedJoints>& sets = reduced.state().groups[0].fused;
     ASSERT_EQ(sets.size(), 1 + character.lods.size());
@@ -264,8 +266,8 @@ TEST(UpdateRate, CoarserLevelsHaveFewerJoints) {
     EXPECT_EQ(overridden.state().groups[0].fused.size(), 1u) << "poses from outside may move any joint";
 }
 
-// Matrices of joints that only the finer level has were not animated before: they do not wait for their turn, and have
-// not moved.
+// Joints that only the finer level has were not animated before: they are animated at once, and their previous matrices
+// equal the current ones.
 TEST(UpdateRate, AFinerLevelIsAnimatedAtOnce) {
     const Character character = *compile_character(
         *make_creature({.joint_count = 60, .level_count = 15, .face_count = 1500}), {.error = 0});
@@ -281,7 +283,7 @@ TEST(UpdateRate, AFinerLevelIsAnimatedAtOnce) {
                                      to_affine(Trs<double>{.translation = {0, 0, -20.0 * character.size}}).as<float>());
     for (Crowd* one : {&crowd, &whole})
         ASSERT_TRUE(one->set_placement(one->instances(), places) && one->set_playback(one->instances(), playbacks));
-    CrowdView view = view_along(1e6f);  // every eighth update
+    CrowdView view = view_along(1e6f);  // animated in every eighth update
     for (const float lod_pixels : {1e6f, 1e6f, 1e6f, 1e-20f}) {
         view.lod_pixels = lod_pixels;
         ASSERT_TRUE(crowd.update(0.05f, &view) && whole.update(0.05f));
@@ -295,7 +297,8 @@ TEST(UpdateRate, AFinerLevelIsAnimatedAtOnce) {
     EXPECT_LT(animated_in_last_update(crowd), kCount) << "then it waits again";
 }
 
-// Of coarser levels the matrices of their joints go on, wherever these lie in the palette, and arrive.
+// At coarser levels, the matrices of the level's joints are interpolated and reach their target, wherever they are in
+// the palette.
 TEST(UpdateRate, FewerJointsGoOnToo) {
     const Character character = *compile_character(
         *make_creature({.joint_count = 60, .level_count = 15, .face_count = 1500}), {.error = 0});
@@ -310,9 +313,9 @@ TEST(UpdateRate, FewerJointsGoOnToo) {
         const std::vector<Affine> places(
             kCount, to_affine(Trs<double>{.translation = {0, 0, -20.0 * character.size}}).as<float>());
         for (Crowd* one : {&crowd, &whole}) ASSERT_TRUE(one->set_placement(one->instances(), places));
-        CrowdView view = view_along(1e6f);  // every eighth update
+        CrowdView view = view_along(1e6f);  // animated in every eighth update
         view.lod_pixels = 1e6f;
-        // A pose at once, and then the way to another.
+        // Sets a pose that shows at once, then interpolates to another one.
         for (const uint32_t updates : {1u, 17u}) {
             const std::vector<Playback> playbacks = random_playbacks(random, character, kCount);
             for (Crowd* one : {&crowd, &whole}) ASSERT_TRUE(one->set_playback(one->instances(), playbacks));
@@ -347,7 +350,7 @@ TEST(UpdateRate, FewerJointsGoOnToo) {
     }
 }
 
-// Times of updates that are under way are those of the newest that has finished, once each.
+// While updates are pending, the reported times are those of the newest finished one, and each is reported once.
 TEST(UpdateRate, TimesComeLateAndOnce) {
     if (!test_gpu()->has_timestamps()) GTEST_SKIP() << "the queue has no timestamps";
     StageTimer timer(test_gpu(), 2);

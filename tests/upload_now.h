@@ -1,4 +1,4 @@
-// Tables for the tests of one stage.
+// Uploads tables for tests of a single stage.
 #pragma once
 
 #include "gpu/upload.h"
@@ -6,7 +6,7 @@
 
 namespace throng::test {
 
-// Uploads what `make` gives its Uploads.
+// Calls `make` with an Uploads and submits it.
 template <class Make>
 void upload_now(const Make& make) {
     Uploads uploads(test_device().gpu());

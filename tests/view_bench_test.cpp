@@ -1,4 +1,4 @@
-// The benchmark of updates for a view: every variant is measured, and none that is wrong.
+// The benchmark of updates for a view: every variant is measured, and wrong ones are not timed.
 #include "bench/view_bench.h"
 #include "tests/kernel_runner.h"
 #include "tools/creatures/creature.h"
@@ -15,8 +15,8 @@ using Json = nlohmann::json;
 
 constexpr uint32_t kViewBenchCharacters = 60, kViewBenchJoints = 60;
 
-// In a row that begins at the camera and leads away from it, every third behind it. Levels of detail say that they are
-// off by so many times what they are.
+// Characters in a row that leads away from the camera, every third behind it. The levels of detail claim `times_error`
+// times their error.
 std::map<std::string, Json> measure(float times_error, const Vec3<float>& target = {0, 0, -1}) {
     Character character = *compile_character(
         *make_creature({.joint_count = kViewBenchJoints, .level_count = 15, .face_count = 600}));
@@ -75,7 +75,7 @@ TEST(ViewBench, EveryVariantIsMeasured) {
     EXPECT_EQ(records.at("and fewer updates")["full_rate_pixels"], 100);
 }
 
-// Joints are left out of characters that stand before the eye.
+// The understated errors make joints be left out of characters right in front of the camera.
 TEST(ViewBench, AWrongResultIsNotTimed) {
     const std::map<std::string, Json> records = measure(0.001f);
     for (const char* variant : {"and fewer joints", "and fewer updates"}) {

@@ -1,4 +1,4 @@
-// Tests keep nothing in the user's cache folder, and find nothing there.
+// Keeps tests from reading or writing the user's cache folder.
 #pragma once
 
 #include <cstdlib>
@@ -6,8 +6,8 @@
 
 namespace throng::test {
 
-// Costs that somebody has measured here must not change what is tested; no folder of /dev/null can be made. Mesa's
-// cache of shaders lies in the same folder, and stays.
+// Costs measured on this machine must not influence the tests. No folder can be created below /dev/null. Mesa's shader
+// cache is in the same folder, and stays in use.
 inline void leave_cache_folder() {
     const char *cache = std::getenv("XDG_CACHE_HOME"), *home = std::getenv("HOME");
     if (cache || home) setenv("MESA_SHADER_CACHE_DIR", cache ? cache : (std::string(home) + "/.cache").c_str(), 0);

@@ -1,4 +1,4 @@
-// Pictures that survive a PNG.
+// write_png(): pictures are the same after a round trip through a PNG file.
 #include "tests/ball.h"
 #include "tests/files.h"
 #include "tests/png.h"

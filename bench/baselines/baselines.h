@@ -1,5 +1,5 @@
-// What the paper argues against, as whole pipelines: clips baked beforehand into a form without a hierarchy. They show
-// what baking costs: bytes a clip, and how far vertices stand from where they belong.
+// The baselines that the paper argues against, as whole pipelines: clips baked beforehand into a form without a
+// hierarchy. They show what baking costs: bytes for each clip, and how far vertices are from their correct places.
 #pragma once
 
 #include "bench/gpu_clock.h"
@@ -63,8 +63,8 @@ private:
     GpuClock clock_;
 };
 
-// How far each vertex, skinned with these matrices, stands from where the reference of the playback has it; the model's
-// units.
+// The distance of each vertex, skinned with these matrices, from its position in the reference of the playback; in the
+// model's units.
 std::vector<double> displacements(const Character& character, const Playback& playback,
                                   std::span<const AffineT<double>> model_from_bind);
 

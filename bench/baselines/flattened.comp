@@ -46,7 +46,7 @@ void main() {
             pose = sample_clip(cursor.second, joint);
         else
             pose = blend_joint(sample_clip(cursor.first, joint), sample_clip(cursor.second, joint), cursor.weight);
-        const Affine model_from_joint = parent_from_joint(pose);  // below no parent but the model
+        const Affine model_from_joint = parent_from_joint(pose);  // its only parent is the model
         skin[instance * push.palette_count + entry] = pack(
             affine_multiply(model_from_joint, unpack(joint_from_bind[entry])));
     }

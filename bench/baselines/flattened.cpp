@@ -81,7 +81,7 @@ void append_clip(Character& flat, const Character& character, uint32_t clip_inde
                       joint_count * sizeof(JointTracks);
 }
 
-// A character all of whose joints are roots: its clips are the model-space poses at the rows of the character's own.
+// Makes a character whose joints are all roots. Its clips hold the model-space poses at the rows of the original clips.
 Character bake(const Character& character, const BakeSettings& settings) {
     Character flat{.name = character.name + ", flattened",
                    .rig = character.rig,

@@ -13,7 +13,7 @@ namespace throng::bench {
 namespace {
 
 constexpr double kWidth = 720, kLeft = 108, kColumn = 36.6, kTreeTop = 72, kLevel = 17, kMargin = 16;
-// strips: a segment a joint of the chain
+// Strips have a segment for each joint of the chain
 constexpr double kSegment = 4, kStrip = 8, kStackedStrip = 4, kStackPitch = 5.5;
 constexpr double kGap = 17;       // above a row's strips: where operands come in
 constexpr double kBoundary = 18;  // between two phases
@@ -82,7 +82,7 @@ public:
         svg_.text({kMargin, y_ + kGap + 7}, flow.phases[phase_index].label, "");
         const double text_bottom = y_ + kGap + 9 + height_of_breaks(flow.phases[phase_index].label);
         for (uint32_t row = 0; row < flow.rows(phase_index); ++row) {
-            // Threads that make the same product at the same time
+            // The steps that end in each joint: several, if threads make the same product at the same time
             std::map<uint32_t, std::vector<const FlowStep*>> at_joint;
             for (const FlowStep& step : flow.steps)
                 if (step.phase == phase_index && step.row == row) at_joint[step.joint].push_back(&step);
@@ -214,7 +214,8 @@ private:
     Point node(uint32_t joint) const { return {centre(joint), kTreeTop + (rig_.depths[joint] - 1) * kLevel}; }
     double strip_left(uint32_t joint) const { return centre(joint) - rig_.depths[joint] * kSegment / 2; }
 
-    // From the left factor's joint to the segments that it adds; `raised` keeps the lines of a stack apart.
+    // Draws a line from the left factor's joint to the segments that the factor adds; `raised` keeps the lines of a
+    // stack apart.
     void operand(const FlowStep& step, double raised) {
         if (step.source == FlowSource::kIdentity) {
             svg_.text({strip_left(step.joint) - 4, y_ + kGap + 7}, "×1", "soft small end");
@@ -237,8 +238,8 @@ private:
     const ScanRig& rig_;
     std::string name_, summary_;
     Svg svg_;
-    double y_ = 0;                 // how far down the sheet is full
-    double x_ = 0;                 // how far its last line is, in the legend
+    double y_ = 0;                 // the bottom of what has been drawn
+    double x_ = 0;                 // the right end of the last line of the legend
     std::vector<double> bottoms_;  // [joint], of its last strip
     uint32_t row_count_ = 0, thread_count_ = 0;
 };

@@ -22,7 +22,7 @@ public:
 
     void put_below(const Svg& other) { body_ = other.body_ + body_; }
 
-    // The document, with `title` for those who cannot see it.
+    // The document; `title` describes it to screen readers.
     std::string document(double width, double height, std::string_view title) const;
 
 private:

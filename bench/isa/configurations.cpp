@@ -28,7 +28,8 @@ struct Visits {
                     uint32_t characters = 0) const {
         settings.groups = {group};
         settings.groups[0].character = &character;
-        // So many that each has one subgroup, as in the crowds that the records are about; if few, each gets more
+        // Enough that each has one subgroup, as in the crowds that the records are about; in a small crowd each gets
+        // more
         constexpr uint32_t kMany = 10'000;
         settings.groups[0].instance_count = group.shaders_populate ? 0 : std::max(characters, kMany);
         settings.timestamps = false;

@@ -14,7 +14,7 @@ struct Executable {
     std::string name;             // of the kernel; of a graphics pipeline also which stage
     uint32_t workgroup_size = 0;  // 0: of a graphics pipeline
     uint32_t subgroup_size = 0;
-    uint32_t vgprs = 0, sgprs = 0, spilled_vgprs = 0, spilled_sgprs = 0;  // of a lane; of a subgroup
+    uint32_t vgprs = 0, sgprs = 0, spilled_vgprs = 0, spilled_sgprs = 0;  // of a lane (VGPRs) and a subgroup (SGPRs)
     uint32_t scratch_bytes = 0, shared_bytes = 0;                         // of a subgroup; of a workgroup
     MachineCode code;
 

@@ -29,7 +29,7 @@ InstructionClass class_of(std::string_view name) {
     return kScalar;
 }
 
-// Tells waits that take time from those for something that has been waited for already.
+// Distinguishes waits that take time from waits for what an earlier wait has already covered.
 class Waits {
 public:
     InstructionClass class_of_wait(std::string_view operands) {
@@ -46,7 +46,7 @@ public:
     }
 
 private:
-    bool for_memory_ = false, for_shared_ = false;  // loads that nobody has waited for
+    bool for_memory_ = false, for_shared_ = false;  // there are loads that no wait has covered yet
 };
 
 struct Line {

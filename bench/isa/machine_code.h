@@ -16,8 +16,8 @@ enum class InstructionClass {
     kStore,
     kScalar,      // arithmetic of the subgroup, and branches
     kMemoryWait,  // until loads have arrived; if several wait for parts of the same loads, only the first
-    kSharedWait,  // likewise for shared memory and scalar loads; barriers
-    kHint,        // takes no time: hints, delays, waits for what has been waited for
+    kSharedWait,  // the same for shared memory and scalar loads; barriers
+    kHint,        // takes no time: hints, delays, waits that an earlier wait has covered
 };
 inline constexpr std::array kInstructionClasses{"vector", "transcendental", "shared",       "loads", "stores",
                                                 "scalar", "memory_waits",   "shared_waits", "hints"};

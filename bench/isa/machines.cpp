@@ -9,9 +9,10 @@ namespace {
 
 constexpr uint32_t kKiB = 1024, kRegister_bytes = 4;
 
-// AMD: "RDNA 2" and "RDNA 3 Instruction Set Architecture", "Vega" likewise, and Mesa 22.3, ac_gpu_info.c. A workgroup
-// of RDNA has the two compute units, four SIMDs, of a workgroup processor. In the order of the fields: family, lanes,
-// smallest and largest subgroup, places, registers and their step, SIMDs that share memory, that memory and its step.
+// AMD: the manuals "RDNA 2", "RDNA 3" and "Vega" "Instruction Set Architecture", and Mesa 22.3, ac_gpu_info.c. A
+// workgroup on RDNA uses the two compute units, with four SIMDs, of a workgroup processor. In the order of the fields:
+// family, lanes, smallest and largest subgroup, subgroup slots, bytes of registers and their granularity, SIMDs that
+// share memory, bytes of that memory and their granularity.
 constexpr std::array kFamilies{
     Simd{"vega10", 16, 64, 64, 10, 64 * kKiB, 1 * kKiB, 4, 64 * kKiB, 512},
     Simd{"navi10", 32, 32, 64, 20, 128 * kKiB, 1 * kKiB, 4, 128 * kKiB, 512},

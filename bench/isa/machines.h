@@ -11,8 +11,8 @@ namespace throng::bench {
 
 // A SIMD unit (on NVIDIA's GPUs a quarter of a multiprocessor), and what it shares with others.
 struct Simd {
-    std::string_view family;  // as RADV_FORCE_FAMILY takes it; of NVIDIA the architecture
-    uint32_t lanes = 32;      // that it computes a clock
+    std::string_view family;  // a name for RADV_FORCE_FAMILY; for NVIDIA the chip
+    uint32_t lanes = 32;      // that it computes in a clock
     uint32_t smallest_subgroup = 32, largest_subgroup = 64;
     uint32_t subgroups = 0;            // that it holds at most
     uint32_t register_bytes = 0;       // of vector registers
@@ -31,7 +31,7 @@ const Simd* find_family(std::string_view name);
 struct Machine {
     std::string_view name;
     const Simd* simd = nullptr;
-    std::string_view code;  // family whose machine code stands for its own
+    std::string_view code;  // the family whose machine code is used in place of its own
     uint32_t simd_count = 0;
     double clock_ghz = 0;     // boost
     double bytes_per_ns = 0;  // of memory: GB/s
@@ -48,7 +48,7 @@ double subgroups_of(const KernelNeeds& kernel);  // of a workgroup
 
 struct Occupancy {
     double subgroups = 0;    // that a SIMD holds, on average over those that share shared memory
-    std::string_view limit;  // "registers", "shared memory", or "places" where neither is
+    std::string_view limit;  // "registers", "shared memory", or "places" where neither limits
 };
 
 Occupancy occupancy_of(const KernelNeeds& kernel, const Simd& simd);

@@ -17,7 +17,8 @@ struct RigSize {
 constexpr std::array kRigs{RigSize{32, 8}, RigSize{100, 20}, RigSize{300, 15}, RigSize{300, 100}, RigSize{1'000, 60}};
 constexpr std::array kCrowds{100u, 1'000u, 10'000u};
 
-// What a workgroup issues is about the sum of these, each times its cost: a start, barriers, multiplications, rows.
+// What a workgroup issues is roughly the sum of these counts, each times its cost: a start, barriers, multiplications,
+// rows.
 using Features = std::array<double, 4>;
 
 Features features_of(const ScanPlan& plan, double subgroups) {
@@ -93,7 +94,7 @@ PredictedCosts predict_scan_costs(const Machine& machine, const ScanCosts& assum
     const std::vector<CompiledRig> rigs = compile_rigs(compiler, progress);
 
     std::vector<Features> features;
-    std::vector<double> issue_ns, latency_ns, occupancies;  // of a workgroup; of a multiplication
+    std::vector<double> issue_ns, latency_ns, occupancies;  // per workgroup; per multiplication; per SIMD
     for (const CompiledRig& of : rigs)
         for (const ScanWork& work : of.works) {
             const double subgroups = subgroups_of(work.kernel.needs());
@@ -106,7 +107,7 @@ PredictedCosts predict_scan_costs(const Machine& machine, const ScanCosts& assum
         }
     const auto [start, barrier, multiplication, row] = fitted_costs(features, issue_ns);
 
-    constexpr double kLeast = 1e-3;  // a cost that does not show does not vanish
+    constexpr double kLeast = 1e-3;  // the lower bound: a cost that is too small to show is not 0
     PredictedCosts predicted{.costs = assumed, .scan_count = static_cast<uint32_t>(features.size())};
     ScanCosts& costs = predicted.costs;
     costs.workgroup_ns = std::max(start, kLeast);

@@ -12,9 +12,9 @@ namespace throng::bench {
 
 struct PredictedCosts {
     ScanCosts costs;
-    uint32_t scan_count = 0;  // methods, threads and skeletons that they are fitted to
-    // How many times as long as the fastest choice the planner's choice takes with these constants, both as predicted
-    // from machine code; over rigs and crowds of several sizes.
+    uint32_t scan_count = 0;  // combinations of method, threads and skeleton in the fit
+    // The slack: how many times as long the planner's choice with these constants takes as the fastest choice, both
+    // predicted from machine code. Median and largest over rigs and crowds of several sizes.
     double median_slack = 1, largest_slack = 1;
 };
 

@@ -11,7 +11,7 @@ namespace {
 constexpr double kMemoryWait = 300, kSharedWait = 60;
 constexpr double kTranscendentalRate = 4;  // clocks, where other arithmetic takes one
 
-// Clocks to issue a subgroup's instructions, all of them, one at a time.
+// Clocks to issue all instructions of a subgroup, one at a time.
 double issue_clocks(const InstructionCounts& issued, uint32_t subgroup_size, const Simd& simd) {
     using enum InstructionClass;
     const double passes = std::max(1.0, static_cast<double>(subgroup_size) / simd.lanes);

@@ -22,8 +22,8 @@ inline constexpr const char* kPlanner = "auto";  // among the methods of scans: 
 LineStyle scan_style(const std::string& method);
 uint32_t scan_rank(const std::string& method);
 
-// The records of benchmark `bench` that have the field `name`. If several agree in it and in `fields`, the last one,
-// in the place of the first.
+// The records of benchmark `bench` that have the field `name`. Of several that agree in it and in `fields`, the last
+// one is returned, at the position of the first.
 Cells latest_cells(std::span<const Json> records, const char* bench, const char* name, std::vector<const char*> fields);
 Cells scan_cells(std::span<const Json> records);
 
@@ -47,7 +47,7 @@ std::set<double> numbers(const Cells& cells, const char* field);
 using Best = std::map<double, const Json*>;
 Best best_over(const Cells& cells, const char* field, const char* quantity);
 
-// The fastest record of a choice by hand, and that of the planner's choice; null if there is none.
+// The fastest record among the methods chosen by hand, and the record of the planner's choice; null if there is none.
 const Json* fastest(const Cells& cells);
 const Json* planned(const Cells& cells);
 

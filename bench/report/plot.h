@@ -28,7 +28,7 @@ struct Series {
     std::vector<PlotPoint> points;
 };
 
-// y is logarithmic: what is compared here are ratios. Points that are not positive on a logarithmic axis are left out.
+// y is logarithmic, since ratios are compared. Points that are not positive on a logarithmic axis are left out.
 struct LinePlot {
     std::string id;  // keeps the parts of several figures on one page apart
     std::string title, y_label, x_label;

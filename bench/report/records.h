@@ -21,7 +21,8 @@ double number(const Json& record, const std::string& field);
 std::string text(const Json& record, const std::string& field);
 bool flag(const Json& record, const std::string& field);
 
-// Whether it was measured on the device that it names. Machine code, and what is predicted from it, has a family.
+// Whether the record was measured on the device that it names. Records of machine code, and predictions from it, have a
+// family.
 bool is_measured(const Json& record);
 
 }  // namespace throng::bench

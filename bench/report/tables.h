@@ -24,8 +24,8 @@ Column numbers_of(std::string_view head, const char* field, Shown shown,
                   std::function<bool(const Json&)> best = nullptr);
 Column spread_of_times(const char* low, const char* high);
 
-// A row for each record. A record without `time` has only the first `named_by` columns, followed by the reason:
-// `not_done` is printed for what does not apply. Empty if there is no record.
+// A row for each record. A record without `time` has only the first `named_by` columns, followed by the reason;
+// `not_done` comes before an "unsupported_reason". Empty if there is no record.
 std::string record_table(const Cells& cells, const std::vector<Column>& columns, size_t named_by, const char* time,
                          std::string_view not_done);
 

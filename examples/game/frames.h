@@ -1,4 +1,4 @@
-// The application's own frames: two command buffers that take turns, each with a fence.
+// The application's own frames: two command buffers used in turns, each with a fence.
 #pragma once
 
 #include "../open_vulkan.h"
@@ -10,7 +10,7 @@ inline VkCommandBuffer begun(VkCommandBuffer commands) {
     return commands;
 }
 
-// Commands that another thread records, with a pool of its own.
+// A command buffer that another thread records, with its own pool.
 class OwnCommands {
 public:
     explicit OwnCommands(const throng::AdoptedDevice& vulkan) : device_(vulkan.device) {
@@ -58,12 +58,13 @@ public:
                          {.sType = VK_STRUCTURE_TYPE_FENCE_CREATE_INFO, .flags = VK_FENCE_CREATE_SIGNALED_BIT});
     }
 
-    // Waits until the frame before the last has finished.
+    // Waits until the frame that last used this command buffer has finished.
     VkCommandBuffer begin() {
         check(vkWaitForFences(device_, 1, &fences_[turn_], VK_TRUE, UINT64_MAX), "vkWaitForFences");
         return begun(commands_[turn_]);
     }
-    // Does not submit what was recorded, as when a window has been minimised; the next begin() uses the same buffer.
+    // Ends the commands without submitting them, as when a window has been minimised. The next begin() uses the same
+    // command buffer.
     void drop() { check(vkEndCommandBuffer(commands_[turn_]), "vkEndCommandBuffer"); }
     // Submits this frame's commands, after `others` if there are any.
     void submit(VkCommandBuffer others = VK_NULL_HANDLE) {

@@ -1,9 +1,9 @@
 // A game that draws no picture until its end: waves of attackers in the colours of their teams walk to the middle of a
-// field with things in their hands, die there, lie for a while and are gone, while others come. It runs on its own
-// Vulkan device with two frames in flight; once a second a frame is dropped; beasts are loaded while the game goes on;
-// and it is saved and restored, after which the same things happen again. Prints how long its calls take.
+// field with things in their hands, die there, lie for a while and disappear, while others arrive. It runs on its own
+// Vulkan device with two frames in flight. Once a second a frame is dropped; beasts are loaded while the game runs; and
+// it is saved and restored, after which the same things happen again. Prints how long its calls take.
 //   game creature.glb guard.json lantern.glb beast.glb picture.png [2000]
-// (./run throng generate makes such files; examples/controllers has the controller; the number: of attackers at most)
+// (./run throng generate makes such files; examples/controllers has the controller; the number is the most attackers)
 #include "frames.h"
 #include "times.h"
 
@@ -43,8 +43,8 @@ struct Attacker {
 struct Dying {
     InstanceHandle body;
     double gone_s = 0;
-    std::vector<Trs<float>> pose{};  // that it showed when it began to fall; empty until that has come back
-    double falls_s = 0;              // for so long already
+    std::vector<Trs<float>> pose{};  // as it was shown when it began to fall; empty until it has come back
+    double falls_s = 0;              // how long it has been falling
 };
 
 // What the game keeps besides its crowd.
@@ -110,7 +110,7 @@ public:
     TimedCrowd& crowd() { return crowd_; }
     World world;
 
-    // Settings that a crowd needs so that its groups can be added to the game's crowd.
+    // The settings of a crowd whose groups can be added to the game's crowd.
     static CrowdSettings settings_with(std::vector<CrowdGroup> groups, uint32_t watch_capacity = 0) {
         return {.groups = std::move(groups),
                 .frames_in_flight = Frames::kInFlight,
@@ -143,7 +143,8 @@ private:
         return outfit;
     }
 
-    // From all sides, as many as there is room for. Each wave has a colour, and one in four of it is armoured.
+    // Attackers come from all sides, as many as there is room for. Each wave has a colour, and one in four attackers is
+    // armoured.
     void send_wave(uint32_t wave) {
         const uint32_t room = most_ - crowd_->alive_count(0).expect(), wave_size = most_ / 5,
                        count = std::min(wave_size, room);
@@ -174,9 +175,9 @@ private:
         world.born += count;
     }
 
-    // Takes in where the attackers are, and the sound of their feet, up to this update: that of some frames ago, since
-    // nothing waits for the GPU. Feedback that came back sooner is kept, so that a restored game hears the same at the
-    // same time.
+    // Takes in where the attackers are, and the sound of their feet, up to this update. It lies some frames back, since
+    // nothing waits for the GPU. Feedback of later updates is kept, so that a restored game hears the same at the same
+    // time.
     void hear(uint64_t update) {
         for (Feedback& feedback : crowd_->feedback().expect()) unheard_.push_back(std::move(feedback));
         for (; !unheard_.empty() && unheard_.front().update <= update; unheard_.pop_front()) {
@@ -196,8 +197,8 @@ private:
         }
     }
 
-    // An attacker near the middle may fall: it drops its thing, lies for a while, and is despawned. It goes on walking
-    // until its pose has come back, a frame or two.
+    // An attacker near the middle may be hit: it drops its thing, falls, lies for a while, and is despawned. It keeps
+    // walking until its pose has come back, a frame or two later.
     void fight(double now_s) {
         std::uniform_real_distribution<float> chance(0, 1);
         std::vector<InstanceHandle> gone, hit;
@@ -223,7 +224,7 @@ private:
         crowd_->request_poses(hit).expect();
     }
 
-    // They fall on their backs, stiff; a real game would have physics here instead.
+    // The attackers that were hit fall on their backs, stiff; a real game would have physics here instead.
     void fall() {
         std::vector<InstanceHandle> falling;
         std::vector<Trs<float>> poses;
@@ -259,7 +260,7 @@ private:
     std::deque<Feedback> unheard_;
 };
 
-// Beasts that stand around: a thread of their own loads them, and records the commands that upload them to the device.
+// Beasts that stand around. Their own thread loads them, and records the commands that upload them to the device.
 struct Beasts {
     Beasts(const Device& device, const AdoptedDevice& vulkan, const char* file)
         : character(load_character(file).expect()), uploads(vulkan) {
@@ -281,7 +282,7 @@ struct Beasts {
     VkCommandBuffer commands = VK_NULL_HANDLE;  // to be submitted before the first update
 };
 
-// A number of frames of the game.
+// Runs a number of frames of the game.
 class Loop {
 public:
     // `load` makes the beasts, on another thread.
@@ -318,8 +319,8 @@ public:
         frames_.finish();
     }
 
-    // Waits until the beasts are loaded, so that the next frame takes them in. On a fast device all frames before that
-    // take less time than loading, since nothing holds this game to 60 frames a second.
+    // Waits until the beasts are loaded, so that the next frame takes them in. Nothing holds this game to 60 frames a
+    // second, so on a fast device all frames before that take less time than loading.
     void wait_for_beasts() const {
         if (loading_.valid()) loading_.wait();
     }

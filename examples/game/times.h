@@ -1,5 +1,5 @@
-// How long the game's calls take: by processor time of the calling thread, and by the clock, which includes time when
-// others had the processor.
+// How long the game's calls take: processor time of the calling thread, and time by the clock, which includes time in
+// which other threads had the processor.
 #pragma once
 
 #include <throng/throng.h>
@@ -28,8 +28,8 @@ private:
     double own_ms_ = now_ms(CLOCK_THREAD_CPUTIME_ID), clock_ms_ = now_ms(CLOCK_MONOTONIC);
 };
 
-// A crowd that times each call by `->`, to the end of the expression. `*` gives the crowd itself: for calls that take
-// less time than timing them, and for those that no frame waits for.
+// A crowd that times each call made through `->`, up to the end of the expression. `*` gives the crowd itself, for
+// calls that take less time than timing them, and for calls that no frame waits for.
 class TimedCrowd {
 public:
     explicit TimedCrowd(throng::Crowd crowd) : crowd_(std::move(crowd)) {}

@@ -100,7 +100,7 @@ struct AssetImage {
     std::vector<std::byte> encoded{};  // empty where the file could not be found; a warning says so
 };
 
-// What a morph target adds to a primitive's vertices, by its weight.
+// What a morph target adds to a primitive's vertices, times its weight.
 struct AssetMorphTarget {
     std::vector<Vec3<float>> positions{};  // differences, as all arrays here; empty: none
     std::vector<Vec3<float>> normals{};    // empty: none
@@ -161,13 +161,15 @@ struct Asset {
 // kInvalidFile, kUnsupported, kLimit, kCancelled; each names the file and the place in it. Thread-safe.
 Result<Asset> load_asset(const std::filesystem::path& path, const LoadHooks& hooks = {});
 
-// Hands over the whole of a side file, a buffer or an image, from wherever the application has it. `path` is relative
-// to the file's folder and normal: percent-decoded, with '/' as the only separator, without empty segments, without '.'
-// and '..' ("parts/../skin.png" is "skin.png"); never a data: URI. Only where it leads out of the folder does it begin
-// with '..': a resolver that opens files must refuse such a path, or make sure that it may be read. Called on the
-// thread that called throng, and within one call not again for a file that it has handed over. If it returns kFile or
-// kInvalidFile for an image, the image is left out with a warning; other errors, and those of buffers, end the call.
-// What it throws becomes kInvalidArgument.
+// Returns the whole content of a side file, a buffer or an image, from wherever the application has it.
+//
+// `path` is relative to the file's folder and normalised: percent-decoded, with '/' as the only separator, without
+// empty segments, without '.' and '..' ("parts/../skin.png" is "skin.png"); never a data: URI. It begins with '..' only
+// if it leads out of the folder: a resolver that opens files must refuse such a path, or make sure that it may be read.
+//
+// Called on the thread that called throng; within one call, not again for a file that it has returned. If it returns
+// kFile or kInvalidFile for an image, the image is left out with a warning; other errors, and those of buffers, end the
+// call. What it throws becomes kInvalidArgument.
 using AssetResolver = std::function<Result<std::vector<std::byte>>(std::string_view path)>;
 
 // The same for the content of a file in memory; `name` becomes Asset::name and appears in messages. Without a resolver
@@ -176,15 +178,20 @@ using AssetResolver = std::function<Result<std::vector<std::byte>>(std::string_v
 Result<Asset> load_asset(std::span<const std::byte> bytes, std::string_view name, const AssetResolver& resolver = {},
                          const LoadHooks& hooks = {});
 
-// Adds the clips of another asset to `asset`, behind its own, for the nodes that have the same names: `from` can be a
-// file with nothing but animation, or another character on such a rig. Names may differ in case, in a prefix that all
-// have ("mixamorig:") and in what is neither letter nor digit. Tracks without a node of that name are left out, with a
-// warning. Joints turn in model space as they do in `from`, so they must have the same axes in both; a joint between
-// them that clips turn and `asset` lacks is taken as it is at rest, with a warning. Bones of another length keep their
-// own, and ways over the ground are scaled by the mean length of bones. Morph targets are those of the same names, with
-// a warning for those that `asset` lacks; where a mesh has no names for them, all in their order, if both have as many.
-// A clip keeps its name; one without a name of its own, or with a name that is there already, is named after
-// `from.name` without its extension.
+// Appends the clips of another asset to those of `asset`, for the nodes that have the same names: `from` can be a file
+// with nothing but animation, or another character on such a rig. Names may differ in case, in a prefix that all have
+// ("mixamorig:") and in characters other than letters and digits. Tracks without a node of that name are left out, with
+// a warning.
+//
+// Joints turn in model space as they do in `from`, so they must have the same axes in both. If clips turn a joint that
+// lies between them and that `asset` lacks, it is taken as it is at rest, with a warning. Bones of another length keep
+// their own, and motion over the ground is scaled by the ratio of the mean bone lengths. Morph targets are matched by
+// name, with a warning for those that `asset` lacks; where a mesh has no names for them, by their order, if both have
+// as many.
+//
+// A clip keeps its name. One without a name, or with a name that `asset` has already, is named after `from.name`
+// without its extension.
+//
 // Errors: kInvalidArgument: no clips in `from`, none that animates a node whose name `asset` has, or an asset that
 // compile_character() would not take; then `asset` is unchanged.
 Result<void> add_clips(Asset& asset, const Asset& from);

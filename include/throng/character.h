@@ -20,7 +20,7 @@ struct Rig {
     std::vector<uint32_t> nodes{};     // [joint_count], AssetNode of each joint
     std::vector<Trs<float>> rest{};    // [joint_count], parent_from_joint of the rest pose
     uint32_t level_count = 0;          // joints on the longest path from a root, both ends included
-    double mean_depth = 0;             // mean over joints of the joints on the path from the root, both included
+    double mean_depth = 0;             // mean over joints of the number of joints from the root to the joint, inclusive
     uint32_t leaf_count = 0;           // joints without children
     bool uniform_scale = false;        // in the rest pose and all clips every scale is the same along x, y and z
 
@@ -31,10 +31,11 @@ struct Rig {
     Result<uint32_t> joint_named(std::string_view joint_name) const;
 };
 
-// Where a joint's three tracks lie in Character::keys. Each word is a position in float4s, in a character of exact keys
-// together with flags. kTrackAnimated: the key of row r is at position + r * Clip::row_stride; without it, the only
-// value is at the position. kTrackStep: the value of the earlier row holds until the next one. In a packed character
-// each word is the position of a PackedTrack, without flags. Animated tracks of a clip share no keys, nor bits.
+// Where a joint's three tracks lie in Character::keys. In a character of exact keys each word is a position, in
+// float4s, and flags. With kTrackAnimated the key of row r is at position + r * Clip::row_stride; without it the only
+// value is at the position. With kTrackStep the value of the earlier row holds until the next one. In a packed
+// character each word is the position of a PackedTrack, without flags. No two animated tracks of a clip share keys or
+// bits.
 struct JointTracks {
     uint32_t rotation = 0, translation = 0, scale = 0, unused = 0;
 };
@@ -42,11 +43,12 @@ inline constexpr uint32_t kTrackAnimated = 0x80000000u;
 inline constexpr uint32_t kTrackStep = 0x40000000u;
 inline constexpr uint32_t kTrackPosition = 0x3FFFFFFFu;
 
-// How a track of a packed character is decoded: two float4s of Character::keys; the second is left out if all bits are
-// 0.
-// - Where: row r begins at word Clip::first_row + r * Clip::row_stride of Character::words, least significant bit of a
-//   word first. Its component 0 begins at bit first_bit of the row, the others follow one another. Component c has
-//   bits_c bits, at most kPackedComponentBits; all lie within 96 bits of the start of the word in which the first lies.
+// How a track of a packed character is decoded: two float4s of Character::keys. The second is left out if the track is
+// constant: no component has any bits.
+// - Where: row r begins at word Clip::first_row + r * Clip::row_stride of Character::words; bits are counted from the
+//   least significant one of a word. Component 0 begins at bit first_bit of the row, the others follow one another.
+//   Component c has bits_c bits, at most kPackedComponentBits. All lie within 96 bits of the start of the word that
+//   contains the first.
 // - Values: component c (0, 1, 2; in full rotations also 3) is minimum[c] + step[c] * bits; without bits, minimum[c].
 // - Translations and scales are x, y, z.
 // - Rotations are unit quaternions. The quaternion's component `left_out` is not stored: it is the non-negative root of
@@ -71,15 +73,15 @@ inline constexpr uint32_t kPackedFull = 1u << 17;
 inline constexpr uint32_t kPackedStep = 1u << 18;  // the value of the earlier row holds until the next one
 inline constexpr uint32_t kPackedWordsBehind = 3;  // decoding reads three words from the one in which a track begins
 
-// Keys of a clip are rows over one time axis. Exact keys: the union of the key times of its tracks, without those that
-// the others reproduce; consecutive rotations of a track lie in the same hemisphere; between rows slerp for rotations,
-// lerp for translations and scales. Two keys half a turn apart have a row between them, so that rounding cannot change
-// the side on which the arc runs. Packed keys: rows chosen so that the skin stays within the error bound, and read as
-// PackedTrack says.
+// Keys of a clip are rows over one time axis. Exact keys: the union of the key times of its tracks, without rows that
+// interpolation of the others reproduces; consecutive rotations of a track lie in the same hemisphere; between rows
+// slerp for rotations, lerp for translations and scales. Two keys half a turn apart have a row between them, so that
+// rounding cannot change the side on which the arc runs. Packed keys: rows chosen so that the skin stays within the
+// error bound, and read as PackedTrack says.
 struct Clip {
     std::string name{};
     float duration_s = 0;
-    uint32_t first_time = 0;  // of its times in Character::times_s
+    uint32_t first_time = 0;  // index of the first of its times in Character::times_s
     uint32_t row_count = 0;   // at least 1
     // From one row of keys to the next: float4s (one for each animated track) or, in a packed character, words
     uint32_t row_stride = 0;
@@ -88,16 +90,17 @@ struct Clip {
     uint32_t channel_count = 0;         // of the file: translation, rotation, scale
     uint64_t source_key_count = 0;      // keys of these channels
     uint32_t animated_track_count = 0;  // that are not constant
-    // Rows added so that cubic tracks stay within 1e-6 of the character's size, and what is left after root motion is
-    // taken out within 1e-4
+    // Rows added to keep cubic tracks within 1e-6 of the character's size, and the motion that remains when root motion
+    // is taken out within 1e-4
     uint32_t refined_row_count = 0;
-    // Rows of the union left out: exact, the others reproduce them within 1e-6 too; packed, within the error bound
+    // Rows of the union that were left out because the others reproduce them: exact keys within 1e-6 too, packed ones
+    // within the error bound
     uint32_t dropped_row_count = 0;
     uint64_t size_bytes = 0;      // keys, words, times and track table
     uint64_t raw_size_bytes = 0;  // of 10 floats (rotation, translation, scale) a joint at every row of exact keys
-    // Of Character::root_rows, evenly spaced over the duration, both ends included; 0: none
+    // In Character::root_rows, evenly spaced over the duration, both ends included; 0: none
     uint32_t first_root_row = 0, root_row_count = 0;
-    // packed: largest displacement of a skinned point against exact keys, as a part of the character's size; also
+    // packed: largest displacement of a skinned point against exact keys, as a fraction of the character's size; also
     // measured with one morph at weight 1
     double error = 0;
     // Rows of morph weights, on a time axis of their own: its times in Character::morph_times_s; no rows if all weights
@@ -119,9 +122,9 @@ struct Morph {
 
 inline constexpr float kLeastMorphWeight = 1e-6f;  // a weight whose magnitude is not larger counts as 0
 
-// What one morph adds to one vertex, in the bind space of its mesh, times its weight: exact floats for the position;
-// the normal, which may be off by 0.002 a component and is held within -2..2, as three signed integers of 10 bits,
-// lowest first, in units of kMorphNormalStep. The sum with the vertex's unit normal is normalised. 16 bytes.
+// What one morph at weight 1 adds to one vertex, in the bind space of its mesh. The position is exact floats. The
+// normal is three signed integers of 10 bits, x lowest, in units of kMorphNormalStep; it may be off by 0.002 a
+// component and is clamped to -2..2. The sum with the vertex's unit normal is normalised. 16 bytes.
 struct MorphDelta {
     Vec3<float> position{};
     uint32_t normal = 0;
@@ -148,7 +151,7 @@ struct Vertex {
     uint32_t normal_octahedral = 0;  // two signed 16-bit fractions
     std::array<float, 2> texcoord{};
     uint32_t color = 0xFFFFFFFFu;  // linear, four unsigned bytes, red lowest
-    // 0: no morph moves it; else 1 + the first of its MorphDeltas, one for each morph of its section
+    // 0: no morph moves it; else 1 + the index of the first of its MorphDeltas, one for each morph of its section
     uint32_t first_delta = 0;
 };
 static_assert(sizeof(Vertex) == 32);
@@ -172,10 +175,10 @@ struct MeshSection {
     uint32_t first_morph = 0, morph_count = 0;  // of Character::morphs
 };
 
-// A coarser mesh of the same vertices. Level 0 is the sections' own; these are 1 and on.
+// A coarser mesh of the same vertices. Level 0 is the sections' own triangles; Lods are the levels from 1 on.
 struct Lod {
-    // How far a vertex of level 0 lies at most from the surface of this level, model space, when only the joints that
-    // joint_lods gives to this level move: in the rest pose and in poses of clips that the compiler has looked at.
+    // The largest distance of a vertex of level 0 from the surface of this level, model space, when only the joints
+    // move that joint_lods gives to this level: in the rest pose and in poses of clips that the compiler has sampled.
     // Above 0 in compiled levels. Not less than that of the level before.
     float error = 0;
 };
@@ -206,11 +209,11 @@ struct Character {
     std::vector<Lod> lods{};                   // at most kLodLimit
     std::vector<IndexRange> lod_ranges{};      // [lods][sections], of lod_indices
     std::vector<uint32_t> lod_indices{};       // relative to the section's first vertex
-    // [joint_count], or empty, for example for a character without clips, whose motion is not known: the coarsest level
-    // of detail in which the joint moves by itself, not above its parent's. In coarser levels its skin matrices are
-    // those of the next joint above it that moves by itself, as if the joints between them were in the bind pose; in
-    // the rest pose and in at least eight poses of each clip, this displaces vertices by no more than a third of the
-    // level's error.
+    // [joint_count]: the coarsest level of detail in which the joint moves by itself, never coarser than its parent's.
+    // In coarser levels its skin matrices are those of its nearest ancestor that moves by itself, as if the joints
+    // between them were in the bind pose; in the rest pose and in at least eight poses of each clip, this displaces
+    // vertices by no more than a third of the level's error. Empty if that is not known, for example for a character
+    // without clips.
     std::vector<uint32_t> joint_lods{};
     std::vector<AssetMaterial> materials{};
     std::vector<AssetImage> images{};
@@ -219,9 +222,9 @@ struct Character {
     float size = 0;
     std::vector<Morph> morphs{};             // those of a node one after another
     std::vector<MorphDelta> morph_deltas{};  // of the vertices that any morph moves
-    // [clip_count][morph_count]: kNone if the clip does not animate the morph, else the position in morph_values of its
-    // only weight, or of the one in its first row, and flags as in JointTracks. Linear between rows, or, with
-    // kTrackStep, the earlier row's.
+    // [clip_count][morph_count]: kNone if the clip does not animate the morph, else flags as in JointTracks and the
+    // position in morph_values of its only weight or, if animated, of its weight in the first row. Between rows weights
+    // are interpolated linearly; with kTrackStep the weight of the earlier row holds.
     std::vector<uint32_t> morph_tracks{};
     std::vector<float> morph_times_s{};   // of all clips, each clip's ascending
     std::vector<float> morph_values{};    // constants and rows of all clips
@@ -234,45 +237,51 @@ struct Character {
     uint32_t find_morph(std::string_view morph_name) const;
     Result<uint32_t> clip_named(std::string_view clip_name) const;
     Result<uint32_t> morph_named(std::string_view morph_name) const;
-    // All sections with this name, and all whose material has it: for outfits.
+    // Indices of all sections with this name, and of all whose material has this name: for outfits.
     std::vector<uint32_t> find_sections(std::string_view section_name) const;
     std::vector<uint32_t> find_sections_of_material(std::string_view material_name) const;
-    uint32_t find_material(std::string_view material_name) const;  // likewise, the first
+    uint32_t find_material(std::string_view material_name) const;  // the first with this name, or kNone
 };
 
 struct CompileSettings {
-    // How far a skinned point may be displaced by compressing the clips, as a part of the character's size: 1e-6 to
+    // How far a skinned point may be displaced by compressing the clips, as a fraction of the character's size: 1e-6 to
     // 0.1; 0 keeps exact float keys.
     double error = 1e-4;
-    // The joint (of the rig, by name) whose way over the ground, a shift and a turn about +y, is taken out of each clip
-    // and kept as Character::root_rows, for instances with a controller to move by. Empty: none. Joints above it must
-    // not be animated.
+    // Name of the joint of the rig whose motion over the ground, a translation in x and z and a turn about +y, is taken
+    // out of each clip and kept as Character::root_rows, to move instances that have a controller. Empty: none. Joints
+    // above it must not be animated.
     std::string root_motion_joint{};
-    // Whether Character::lods and what belongs to them are made. Without them CrowdSettings::culling draws the finest
-    // mesh at any distance, and reduces_joints leaves out no joints; all else is the same. At most kLodLimit coarser
-    // ones.
+    // Whether to make coarser levels of detail, at most kLodLimit: Character::lods and what belongs to them. Without
+    // them CrowdSettings::culling draws the finest mesh at any distance, and reduces_joints leaves out no joints; all
+    // else is the same.
     bool lods = true;
 };
 inline const CompileSettings kExact{.error = 0};
 
+// Compiles an asset. Computes with up to four threads of its own, each of which may take some 100 MiB while clips are
+// packed.
+//
 // Limits: 65,535 joints; 65,536 palette entries; 256 MiB each of keys, of packed words and of the track table; for
 // packing, 2^28 poses of a joint (rows of exact keys, of all clips, times joints); 4,096 morphs, and 256 MiB each of
-// their differences, their track table and their weights. Cubic tracks of weights become rows, linear in between,
-// within 0.0001 (of the largest weight of the track, if that exceeds 1); at most 4,000,000 such weights a clip. Names
-// of morphs are cut at 256 bytes. Control characters of names become '?'. Errors: kInvalidArgument (an asset that is
-// not as asset.h says; the error bound, no joint of that name for root motion), kInvalidFile (poses that are not
-// finite), kUnsupported (nothing to animate; an animated or unevenly scaled joint above that of root motion), kLimit,
-// kCancelled.
-// Computes with up to four threads of its own, each of which may take some 100 MiB while clips are packed.
+// their differences, their track table and their weights.
+//
+// Cubic tracks of morph weights become rows, linear in between, within 0.0001 (times the largest weight of the track,
+// if that exceeds 1); at most 4,000,000 such weights a clip. Names of morphs are cut at 256 bytes. Control characters
+// in names become '?'.
+//
+// Errors: kInvalidArgument (an asset that is not as asset.h says; the error bound, no joint of that name for root
+// motion), kInvalidFile (poses that are not finite), kUnsupported (nothing to animate; an animated or unevenly scaled
+// joint above that of root motion), kLimit, kCancelled.
 Result<Character> compile_character(const Asset& asset, const CompileSettings& settings = {},
                                     const LoadHooks& hooks = {});
 
-// Whether `path` is a regular file that begins like one that save_character() wrote; whether `bytes` do.
+// Whether `path` is a regular file that begins like one that save_character() wrote, or whether `bytes` begin like such
+// a file.
 bool is_compiled_file(const std::filesystem::path& path);
 bool is_compiled_file(std::span<const std::byte> bytes);
 
-// Character::influences for a coarser level of detail: those of joints that do not move in it go to the next ancestor
-// that does, by Character::joint_lods. Unchanged if that is empty.
+// Character::influences for a coarser level of detail: influences of joints that do not move in it go to the nearest
+// ancestor that does (Character::joint_lods). Unchanged if joint_lods is empty.
 std::vector<Influences> influences_of_lod(const Character& character, uint32_t lod);
 
 // load_asset() and compile_character() in one. A file that save_character() wrote, known by its first bytes, is read as
@@ -280,16 +289,16 @@ std::vector<Influences> influences_of_lod(const Character& character, uint32_t l
 Result<Character> load_character(const std::filesystem::path& path, const CompileSettings& settings = {},
                                  const LoadHooks& hooks = {});
 
-// Writes a compiled character to a file of its own (docs/file_format.md), bit for bit: under another name first, then
-// renamed, so that nobody sees half of it. Errors: kFile, and kInvalidArgument or kLimit for a Character that
+// Writes a compiled character to a file (docs/file_format.md), bit for bit: under a temporary name first, then renamed,
+// so that an incomplete file is never seen. Errors: kFile, and kInvalidArgument or kLimit for a Character that
 // load_character() would refuse.
 Result<void> save_character(const Character& character, const std::filesystem::path& path);
 // The content of such a file. Errors: also kOutOfMemory.
 Result<std::vector<std::byte>> save_character(const Character& character);
 
-// The content of such a file, from memory; `name` stands in messages. Files are not trusted: nothing that is accepted
-// can lead a stage out of its buffers. Errors: kInvalidFile (damaged, cut short, or not such a file), kUnsupported
-// (another version), kLimit.
+// Reads the content of such a file from memory; `name` appears in messages. The content is not trusted: what is
+// accepted cannot make a stage access memory outside its buffers. Errors: kInvalidFile (damaged, cut short, or not such
+// a file), kUnsupported (another version), kLimit.
 Result<Character> load_compiled_character(std::span<const std::byte> bytes, std::string_view name);
 
 }  // namespace throng

@@ -1,4 +1,4 @@
-// What an application's shaders can tell instances to do, without the CPU: they write commands into a buffer
+// What an application's shaders can tell instances to do, without the CPU. They write commands into a buffer
 // (OutputBlock::command), and the next update obeys them, those that spawn and despawn first, then the others. If
 // several set the same thing of one instance, the last one in the buffer counts. throng/commands.glsl has functions for
 // such shaders.
@@ -27,11 +27,11 @@ enum class CommandKind : uint32_t {
 };
 
 // 16 words. `data` by kind, with floats as their bits; words after those named here are ignored:
-//   kSpawn, kPlace: world_from_model, three rows of four floats. kSpawn lets an instance that is there begin anew.
+//   kSpawn, kPlace: world_from_model, three rows of four floats. kSpawn restarts an instance that is there.
 //   kDespawn: nothing.
-//   kPlayback: of the first clip its number (kNone: the rest pose), whether it loops (1 or 0), time in seconds and
-//     speed (floats), then the same of the second; weight of the first (float, 0..1).
-//   kPlay: clip, whether it loops, time and speed likewise; fade in seconds (float), 1 for FadeKind::kInertial.
+//   kPlayback: the first clip: its number (kNone: the rest pose), whether it loops (1 or 0), time in seconds and speed
+//     (floats); the same four words for the second clip; weight of the first (float, 0..1).
+//   kPlay: clip, loop, time and speed as in kPlayback; fade in seconds (float), 1 for FadeKind::kInertial.
 //   kBlendLayer: weight (float, 0..1), 1 for LayerMode::kAdditive, mask or kNone, fade in seconds (float).
 //   kSetParameter: value (float).
 //   kSetLook: tint (three floats, 0..1000), outfit.
@@ -42,8 +42,8 @@ struct InstanceCommand {
     uint32_t unused = 0;
     std::array<uint32_t, 12> data{};
 
-    // As Crowd's calls of these names, but unchecked: for a native device, and for commands that are copied to another
-    // device.
+    // The commands for Crowd's calls of these names, but unchecked. For the CPU to write: into HostOutputs::command on
+    // a native device, or into memory that is copied to OutputBlock::command on another.
     static InstanceCommand spawn(uint32_t instance, const Affine& world_from_model);
     static InstanceCommand despawn(uint32_t instance);
     static InstanceCommand set_placement(uint32_t instance, const Affine& world_from_model);
@@ -54,13 +54,13 @@ struct InstanceCommand {
     static InstanceCommand set_look(uint32_t instance, const InstanceLook& look);
 };
 
-// In front of a block's commands, as large as one.
+// Precedes a block's commands, and has the size of one.
 struct CommandHead {
-    // How many commands there are. A shader adds 1 to it, and writes its command at the index that it held before, if
-    // that is below OutputBlock::command_capacity. An update sets it to 0 when it has obeyed them.
+    // The number of commands. A shader adds 1 to it atomically, and writes its command at the index that it held
+    // before, if that is below OutputBlock::command_capacity. An update sets it to 0 when it has executed the commands.
     uint32_t count = 0;
     uint32_t lost = 0;  // commands that the last update did not get, because there was no room for them
-    // Commands that the last update could not obey: for a clip, layer or instance number that does not exist, with a
+    // Commands that the last update could not execute: for a clip, layer or instance number that does not exist, with a
     // number that is not finite or out of range, and so on.
     uint32_t ignored = 0;
     std::array<uint32_t, 13> unused{};

@@ -12,8 +12,8 @@
 
 namespace throng {
 
-// A number of each character that conditions, blend spaces, speeds and weights read. A bool is 0 or 1; a trigger stays
-// set (not 0) until an update takes a transition that asks for it.
+// A number that each instance has, read by conditions, blend spaces, speeds and weights. A bool is 0 or 1; a trigger
+// stays set (not 0) until an update takes a transition that has it as a condition.
 enum class ParameterType { kFloat, kBool, kTrigger };
 struct ControllerParameter {
     std::string name{};
@@ -21,16 +21,16 @@ struct ControllerParameter {
     float initial = 0;
 };
 
-// Happens whenever a clip passes this time while it leads its layer (docs/controller.md).
+// An event that happens whenever a clip passes this time while it leads its layer (docs/controller.md).
 struct ControllerEvent {
     std::string name{};
     std::string clip{};
     double time_s = 0;
 };
 
-// Weights of joints, 0..1. An item sets its joint and all below it; later items win. With a ramp, the first `ramp`
-// generations, the joint's own included, rise towards the weight in equal steps: generation g has weight * (g + 1) /
-// (ramp + 1), the joint's own being 0.
+// Sets the weight, 0..1, of a joint and all below it; later items win. With a ramp, the first `ramp` generations rise
+// towards the weight in equal steps: generation g has weight * (g + 1) / (ramp + 1), where the joint itself is
+// generation 0.
 struct MaskItem {
     std::string joint{};
     float weight = 1;
@@ -47,10 +47,11 @@ struct BlendPoint {
     float x = 0, y = 0;
 };
 
-// One clip; or a blend space: of one parameter (points ascending in x; between two points their clips are mixed), or of
-// two (points triangulated; within a triangle its three clips, outside the nearest edge's two). Clips of a blend space
-// keep the same phase. Or nothing, without points: the layers below are seen as if this one had no weight, and a fade
-// from or to another state fades the layer in or out.
+// A state plays one clip, a blend space, or nothing. A blend space of one parameter has points ascending in x; between
+// two points it mixes their clips. One of two parameters is triangulated: within a triangle it mixes its three clips,
+// outside all of them the two clips of the nearest edge. Clips of a blend space keep the same phase. A state without
+// points plays nothing: the layers below are seen as if this one had no weight, and a fade from or to another state
+// fades the layer in or out.
 struct ControllerState {
     std::string name{};
     std::vector<BlendPoint> points{};
@@ -58,7 +59,7 @@ struct ControllerState {
     bool loop = true;
     float speed = 1;
     std::string speed_parameter{};  // multiplies speed
-    // States of a layer with the same word keep phase when one follows the other
+    // States of a layer with the same name here keep their phase when one follows the other; empty: none
     std::string sync{};
 };
 
@@ -71,8 +72,8 @@ struct ControllerCondition {
 
 enum class FadeKind { kCross, kInertial };
 
-// Can be taken when all conditions hold and the leading state has played `exit` cycles since it was entered. The first
-// in the list that can be taken is taken.
+// A transition can be taken when all conditions hold and the leading state has played `exit` cycles since it was
+// entered. An update takes the first in the list that can be taken.
 struct ControllerTransition {
     std::string from{};  // empty: any state but `to`
     std::string to{};
@@ -80,7 +81,7 @@ struct ControllerTransition {
     float exit = 0;  // cycles
     float fade_s = 0;
     FadeKind fade = FadeKind::kCross;
-    bool interrupts = false;  // may be taken before the fade of the one before has ended
+    bool interrupts = false;  // may be taken before the fade of the previous transition has ended
 };
 
 enum class LayerMode { kOverride, kAdditive };
@@ -92,8 +93,8 @@ struct ControllerLayer {
     // In a layer without states, Crowd::play() may ask for inertial fades, for which each instance keeps 144 bytes a
     // joint
     bool inertial_plays = false;
-    // In a layer of mode kOverride, rotations are blended as they stand in the model, not in their parents
-    // (docs/controller.md); such groups are updated in stages
+    // In a layer of mode kOverride, rotations of joints are blended in model space, not relative to their parents
+    // (docs/controller.md); groups with such a layer are updated stage by stage
     bool model_space_rotations = false;
     std::string mask{};  // empty: all joints
     float weight = 1;
@@ -116,8 +117,9 @@ struct Controller {
     std::vector<ControllerLayer> layers{};  // lowest first
 
     // Index of the parameter, layer or mask with this name, or kNone. The ..._named() calls are the same, but a missing
-    // name is an error that says which there are: kInvalidArgument. (As a mask kNone is the whole body, and as
-    // Steering::speed_parameter none, so there a wrong name would go unnoticed.)
+    // name is an error that says which there are: kInvalidArgument. (kNone is also a valid mask, the whole body, and a
+    // valid Steering::speed_parameter, none. There, a wrong name given to find_mask() or find_parameter() would go
+    // unnoticed.)
     uint32_t find_parameter(std::string_view parameter_name) const;
     uint32_t find_layer(std::string_view layer_name) const;
     uint32_t find_mask(std::string_view mask_name) const;
@@ -126,7 +128,7 @@ struct Controller {
     Result<uint32_t> mask_named(std::string_view mask_name) const;
 };
 
-// A controller without states: `count` layers (at least 1) that play what they are told, lowest first.
+// A controller of `count` layers (at least 1), none of which has states: they play what Crowd::play() says.
 Controller direct_layers(uint32_t count = 4, std::vector<JointMask> masks = {}, bool inertial_plays = false);
 
 // From JSON (docs/controller.schema.json). Errors name file and line: kFile, kInvalidFile (not JSON, unknown or missing

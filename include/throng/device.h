@@ -31,8 +31,8 @@ enum class Validation { kOff, kStandard, kSynchronization, kGpuAssisted };
 
 struct DeviceSettings {
     // Empty: a discrete GPU if there is one, else an integrated one, else a virtual one, else the software device, else
-    // the native one. Else an index of list(), "cpu" for the software device, "native", or a part of another device's
-    // name, in any case.
+    // the native one. Otherwise: an index of list(), "cpu" for the software device, "native", or a part of another
+    // device's name (upper or lower case).
     //
     // The native device needs neither Vulkan nor a GPU: this machine's processor computes. Crowds are updated by
     // Crowd::update(), and OutputBlock::host is where the results are.
@@ -43,9 +43,9 @@ struct DeviceSettings {
     // Native and software devices: the application's job system computes updates, in place of the device's own threads.
     std::shared_ptr<JobSystem> jobs{};
     Validation validation = Validation::kOff;
-    // What the driver has compiled is kept in $XDG_CACHE_HOME/throng or ~/.cache/throng, a file for each device and
-    // driver, and need not be compiled at the next start. The file is written when the device is destroyed; if it
-    // cannot be read or written, the device does without.
+    // Keeps what the driver has compiled in $XDG_CACHE_HOME/throng or ~/.cache/throng, one file for each device and
+    // driver, so that it need not be compiled at the next start. The file is written when the device is destroyed; if
+    // it cannot be read or written, the device works without it.
     bool pipeline_cache = true;
 };
 
@@ -71,9 +71,10 @@ struct AdoptedDevice {
     uint32_t threads = 0;
     std::shared_ptr<JobSystem> jobs{};
     // Families of other queues whose commands use throng's buffers: one that computes, for updates beside the drawing,
-    // or one that copies, for Crowd::record_uploads(). Buffers are shared by all of them at once
-    // (VK_SHARING_MODE_CONCURRENT), so none changes owners. Crowds of a character share its tables (Crowd::create()):
-    // the first update of a crowd on another queue waits, by a semaphore of yours, for the queue that uploaded them.
+    // or one that copies, for Crowd::record_uploads(). Buffers are shared by all of them concurrently
+    // (VK_SHARING_MODE_CONCURRENT), so no ownership transfers are needed. Crowds of a character share its tables
+    // (Crowd::create()): if the first update of a crowd runs on another queue, make it wait, by a semaphore, for the
+    // queue that uploaded them.
     std::vector<uint32_t> more_queue_families{};
 };
 
@@ -103,7 +104,7 @@ public:
 
     const DeviceInfo& info() const;
     // Compiles the kernels of all crowds of this device that Crowd::record() would otherwise compile when it first
-    // needs them. Only a software device puts that off, since it needs none as long as updates are native
+    // needs them. Only software devices defer this, since they need no kernels as long as updates are native
     // (Crowd::update()); elsewhere Crowd::create() has compiled them, and this does nothing. Any thread, also while
     // others record. Errors: kVulkan.
     Result<void> warm_up() const;

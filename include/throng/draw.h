@@ -24,7 +24,7 @@ Result<void> write_png(const std::filesystem::path& path, const Picture& picture
 
 struct Camera {
     Vec3<float> eye{0, 2, 5};  // world space
-    // In the middle of the picture. Nothing is seen that is closer to the eye than a 50,000th of the target's distance
+    // In the middle of the picture. The near plane lies at a 50,000th of the target's distance from the eye
     Vec3<float> target{0, 1, 0};
     float vertical_field_of_view_rad = 0.7f;
 };
@@ -33,16 +33,16 @@ struct Bounds {
     Vec3<float> min{}, max{};
 };
 
-// World bounds of the instances' rest poses at their placements. These are those that the application has set; in
-// groups whose updates move instances, those after a recent update, if a Renderer has prepared or drawn the crowd. Of
-// groups that shaders populate, instances count in such crowds alone.
+// World bounds of the instances' rest poses at their placements. Placements are those that the application has set; for
+// groups whose updates move instances, those after a recent update, if a Renderer has prepared or drawn the crowd. If
+// none has, instances of groups that shaders populate (CrowdGroup::shaders_populate) do not count.
 Bounds world_bounds(const Crowd& crowd);
-// The same without strays: the few, a hundredth at most (one if there are fewer than a hundred), that stand so far away
-// that a camera fitted to them too would show nobody else.
+// The same without outliers: the few instances, at most a hundredth (one if there are fewer than a hundred), that stand
+// so far away that a camera fitted to them too would show nothing else.
 Bounds main_bounds(const Crowd& crowd);
 Bounds main_bounds(std::span<const Crowd* const> crowds);  // of all of them
-// A camera that looks down on the bounds from the front right and holds them in view; a crowd of many thousands runs
-// out of the picture at its corners, so that the nearest can be made out.
+// A camera that looks down on the bounds from the front right and holds them in view. For a crowd of many thousands the
+// corners extend beyond the picture, so that the nearest characters are large enough to be recognised.
 Camera fit_camera(const Bounds& bounds, float aspect_ratio);
 
 // How pictures look; may change from frame to frame.
@@ -52,8 +52,8 @@ struct DrawOptions {
     // the depths of those that were visible in the last frame: worth it where some are large and hide many. No effect
     // where this machine's processor draws.
     bool occlusion = false;
-    // Pixels by which a coarser level of detail may be off, in crowds that cull (render_frame(), record(), view_of());
-    // above 0
+    // How many pixels a coarser level of detail may be off by, in crowds that cull (render_frame(), record(),
+    // view_of()); above 0
     float lod_pixels = 1;
     float full_rate_pixels = 0, budget_ms = 0;  // CrowdView's, for crowds that skip updates
     float shared_pose_pixels = 1;               // CrowdView's, for groups with a skin pool
@@ -66,9 +66,11 @@ struct DrawOptions {
 };
 
 // What the camera sees in a picture of this size, shadows of the crowd included: for an update that is drawn with the
-// same camera and options, or with CrowdView::clip_from_world itself. Without occlusion, since its second half is up to
-// the caller. Shadows are seen of what is up to twice as high as the bounds (Renderer also looks at all poses); enlarge
-// these for a crowd whose clips jump or fly. Depth is reversed and infinite: 1 at the near plane, 0 infinitely far
+// same camera and options, or with CrowdView::clip_from_world itself. CrowdView::occlusion is not set, since the second
+// half of such an update is up to the caller.
+//
+// Shadows are included of characters up to twice as high as the bounds (Renderer also looks at all poses); enlarge the
+// bounds for a crowd whose clips jump or fly. Depth is reversed and infinite: 1 at the near plane, 0 infinitely far
 // away; y of the clip space points down, as in Vulkan. Errors: kInvalidArgument (camera, options).
 Result<CrowdView> view_of(const Camera& camera, uint32_t width, uint32_t height, const Bounds& bounds,
                           const DrawOptions& options = {});
@@ -92,10 +94,10 @@ struct RenderResult {
     std::vector<std::string> warnings{};  // textures that could not be decoded and are drawn white
 };
 
-// Decodes the images of a crowd's materials, on the calling thread, and keeps them with its groups, also when
-// Crowd::add_groups() takes these into another crowd, until a Renderer has made textures of them: so the thread that
-// draws decodes none. For crowds that a loading thread makes, while nobody draws them. The pictures take host memory
-// meanwhile; images that cannot be decoded are left to the renderer, which warns of them. Errors: kOutOfMemory.
+// Decodes the images of a crowd's materials on the calling thread, so that the thread that draws need not: for crowds
+// that a loading thread makes, while no other thread draws them. The decoded images stay with the crowd's groups, also
+// when Crowd::add_groups() takes these into another crowd, until a Renderer has made textures of them; meanwhile they
+// take host memory. Images that cannot be decoded are left to the renderer, which warns of them. Errors: kOutOfMemory.
 Result<void> decode_images(const Crowd& crowd);
 
 struct RendererState;  // internal
@@ -114,46 +116,48 @@ public:
     ~Renderer();
 
     // Makes what drawing this crowd needs, its pipelines and textures, so that its first picture is no slower than
-    // those after it. Submits and waits. From then on updates copy back the placements that they move, 48 bytes each,
-    // for what is fitted to them (world_bounds(), main_bounds()).
+    // those after it. Submits and waits. From then on updates copy the placements that they move back to the CPU, 48
+    // bytes each, for world_bounds(), main_bounds() and what is fitted to them.
     Result<void> prepare(const Crowd& crowd);
 
-    // The calls below take one crowd, or several, each once, that are drawn in one picture, under one sun, with one
-    // ground. Several look the same as one crowd with the groups of all of them would. Errors of all: kInvalidArgument
-    // (no crowd, one that is null or is given twice, of another device, or with a group of sockets_only;
-    // DrawOptions::skeletons without CrowdSettings::keep_model_matrices; the camera).
+    // The calls below draw one crowd, or several different ones, in one picture, with one sun and one ground. Several
+    // crowds look the same as one crowd with all of their groups would. Errors of all: kInvalidArgument (no crowd, one
+    // that is null or is given twice, of another device, or with a group of sockets_only; DrawOptions::skeletons
+    // without CrowdSettings::keep_model_matrices; the camera).
 
-    // Draws crowds as their last update left them (of crowds that cull, what it has listed; before the first one,
-    // nobody); submits and waits. Ground, fog and shadows are fitted to main_bounds(). Alpha-blended materials cover as
-    // many of a pixel's samples as their alpha says (alpha to coverage), since a crowd is not sorted. Errors: also
+    // Draws crowds as their last update left them (of crowds that cull, what it has listed; before the first update,
+    // nothing); submits and waits. Ground, fog and shadows are fitted to main_bounds(). Alpha-blended materials cover
+    // as many of a pixel's samples as their alpha says (alpha to coverage), since a crowd is not sorted. Errors: also
     // kInvalidArgument (the commands of a crowd's last record() have been neither submitted nor discarded).
     Result<RenderResult> render(const Crowd& crowd, const Camera& camera);
     Result<RenderResult> render(std::span<const Crowd* const> crowds, const Camera& camera);
 
-    // As render(), but first advances crowds by `time_step_s`, as Crowd::update() does: the update (for what the camera
-    // sees, if the crowd culls) and the picture are one submission (what is native runs beside it).
+    // As render(), but first advances crowds by `time_step_s`, as Crowd::update() does, for what the camera sees if the
+    // crowd culls. The update and the picture are one submission (native work runs beside it).
     Result<RenderResult> render_frame(Crowd& crowd, float time_step_s, const Camera& camera);
     Result<RenderResult> render_frame(std::span<Crowd* const> crowds, float time_step_s, const Camera& camera);
 
     // Records the same into the caller's command buffer (recording, outside a render pass, of the device's queue
     // family). The picture is then in picture(), in VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL and visible to transfer reads,
-    // until the next frame. The recorded commands must be submitted once, in the order of the calls, to the device's
-    // queue, and must have finished before the renderer or the crowd is destroyed, or the renderer resized. If they
-    // will never be submitted, call Crowd::discard_last_record() for each crowd that record() was given. What was bound
-    // for graphics and compute, the index buffer, and the states that the pipelines set dynamically (viewport, scissor,
-    // cull mode) are undefined afterwards. After an error no crowd has been updated, except for one whose own record()
-    // failed half-way. Frames may be recorded before the last has finished. For groups that this renderer has neither
-    // drawn nor prepared it uploads textures, and after Crowd::restore_state() it reads where shaders had moved
-    // instances: then it submits and waits. The device draws whatever the path, since the crowd is updated there.
-    // Errors: kUnsupported (a native device).
+    // until the next frame. The device draws whatever the path, since the crowd is updated there.
+    //
+    // The recorded commands must be submitted once, in the order of the calls, to the device's queue, and must have
+    // finished before the renderer or the crowd is destroyed, or the renderer resized. Frames may be recorded before
+    // the last has finished. If the commands will never be submitted, call Crowd::discard_last_record() for each crowd
+    // that record() was given. What was bound for graphics and compute, the index buffer, and the states that the
+    // pipelines set dynamically (viewport, scissor, cull mode) are undefined afterwards.
+    //
+    // In two cases record() submits and waits: for groups that this renderer has neither drawn nor prepared it uploads
+    // textures, and after Crowd::restore_state() it reads where shaders had moved instances. After an error no crowd
+    // has been updated, except for one whose own record() failed half-way. Errors: kUnsupported (a native device).
     Result<void> record(VkCommandBuffer commands, Crowd& crowd, float time_step_s, const Camera& camera);
     Result<void> record(VkCommandBuffer commands, std::span<Crowd* const> crowds, float time_step_s,
                         const Camera& camera);
-    // The two halves of record(), for crowds that are updated natively on a software device (UpdatePath::kNative),
-    // which a recorded update is not. update() is Crowd::update() for what the camera sees, without occlusion, at once.
-    // record_drawing() is the drawing alone, of the crowd as its last update left it when the commands run. Natively it
-    // is drawn at once, and the commands copy the picture; but if that last update is recorded and may not have run,
-    // the device draws.
+    // The two halves of record(), for crowds that are updated natively on a software device (UpdatePath::kNative):
+    // record() itself would update them on the device. update() is Crowd::update() for what the camera sees, without
+    // occlusion, at once. record_drawing() is the drawing alone, of the crowd as its last update left it when the
+    // commands run. With native drawing the picture is drawn at once, and the commands copy it; but if that last update
+    // is recorded and may not have run, the device draws.
     Result<void> update(Crowd& crowd, float time_step_s, const Camera& camera);
     Result<void> update(std::span<Crowd* const> crowds, float time_step_s, const Camera& camera);
     Result<void> record_drawing(VkCommandBuffer commands, const Crowd& crowd, const Camera& camera);

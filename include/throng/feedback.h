@@ -25,14 +25,16 @@ struct PlayedMotion {
     uint32_t loops = 0;       // whole cycles since it was entered
     // How far it has replaced the next, older motion of its layer, 0..1, linear in time (docs/controller.md, step 5)
     float fade = 1;
-    // Of a clip, as play() was given them. 1 and true for a state, which has its own; set_state() ignores them
+    // Of a clip: speed and loop as given to play(). Of a state: always 1 and true, whatever its ControllerState says.
+    // set_state() ignores both, and `fade` too
     float speed = 1;
     bool loop = true;
 
     bool operator==(const PlayedMotion&) const = default;
 };
 
-// A watched instance as it is after an update. Refers to the Feedback that it is in, and is valid as long as that.
+// A watched instance as it is after an update. Its spans refer to the Feedback that contains it, and are valid as long
+// as that exists.
 struct WatchedInstance {
     InstanceHandle instance;
     Affine world_from_model{};  // with all root motion so far, where it moves placements
@@ -42,13 +44,13 @@ struct WatchedInstance {
     std::span<const float> parameters{};  // [parameter_count] of its controller
     // [layer_count] of its controller; for each layer what it cross-fades, newest first: the first leads
     std::span<const std::span<const PlayedMotion>> layers{};
-    // [layer_count]: ControllerLayer::weight, or how far set_layer() has changed it so far. A layer's weight_parameter
-    // multiplies it. What else set_layer() and play() were given, a game remembers itself: mode, mask, and how long
-    // fades under way last
+    // [layer_count]: the current weight, from ControllerLayer::weight or set_layer(); during a fade, how far it has
+    // changed. A layer's weight_parameter multiplies it. Not reported, so a game must remember them: the mode and mask
+    // given to set_layer(), and the durations of fades under way
     std::span<const float> layer_weights{};
 };
 
-// The pose that an instance showed after an update. Refers to its Feedback likewise.
+// The pose that an instance showed after an update. Its span is valid as long as the Feedback that contains it.
 struct ShownPose {
     InstanceHandle instance;
     std::span<const Trs<float>> parent_from_joint{};  // [joint_count], as Crowd::set_pose() takes it
@@ -58,7 +60,7 @@ struct ShownPose {
 struct Feedback {
     uint64_t update = 0;                     // counted from 1
     std::vector<CharacterEvent> events{};    // by instance, then layer, then time
-    uint64_t lost_event_count = 0;           // events that found no room; exact below 2^32 events an update
+    uint64_t lost_event_count = 0;           // events beyond event_capacity; exact below 2^32 events an update
     std::vector<WatchedInstance> watched{};  // of watch(), in its order
     std::vector<ShownPose> poses{};          // of request_poses(), in the order of the calls
 

@@ -10,7 +10,7 @@ namespace throng {
 class JobSystem {
 public:
     virtual ~JobSystem() = default;
-    // How many jobs are worth making: as many as run side by side, the calling thread included; at least 1.
+    // How many jobs are worth making: as many as can run side by side, the calling thread included; at least 1.
     virtual uint32_t concurrency() const = 0;
     // Calls job(context, 0) to job(context, count - 1), each once, on any threads and in any order, and returns when
     // all have returned. What they compute does not depend on which thread runs which. Jobs wait for nothing and throw

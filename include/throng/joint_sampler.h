@@ -1,4 +1,4 @@
-// Says where chosen joints of a character are, at any time: hit boxes, muzzles, the feet of a pose that may come.
+// Where chosen joints of a character are at any time: hit boxes, muzzles, the feet of a pose to come.
 #pragma once
 
 #include <throng/character.h>
@@ -12,18 +12,18 @@ namespace throng {
 
 class NativeJoints;  // internal
 
-// This machine's processor computes these joints and the ones above them, nothing else. A handle; copies share what it
-// is made of, and any number of threads can use it at a time. The character is not kept.
+// Computes chosen joints and the joints above them, nothing else, on this machine's processor. A handle: copies share
+// the same data, and any number of threads can use it at a time. Keeps no reference to the character.
 class JointSampler {
 public:
     // Reads the clips' keys of all these joints, which takes milliseconds, tens of them for large characters: create
-    // one for each character, not for each question. Errors: kInvalidArgument (no joints, or one that is out of range),
-    // kUnsupported (a processor without a native engine).
+    // one sampler for each character, not one for each query. Errors: kInvalidArgument (no joints, or one that is out
+    // of range), kUnsupported (a processor without a native engine).
     static Result<JointSampler> create(const Character& character, std::span<const uint32_t> joints);
 
     // model_from_joint, in the order of the joints, of a character that plays this at the times given; within 1e-5 of
     // its size. Allocates nothing after a thread's first call. Errors: kInvalidArgument (clip out of range, value not
-    // finite, weight outside 0..1, another number of results than of joints).
+    // finite, weight outside 0..1, results and joints differ in number).
     Result<void> sample(const Playback& playback, std::span<Affine> model_from_joint) const;
 
     // Internal.

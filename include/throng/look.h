@@ -8,7 +8,7 @@
 
 namespace throng {
 
-// A section of the mesh, as an outfit has it.
+// How an outfit shows a section of the mesh.
 struct SectionLook {
     uint32_t section = 0;                 // of Character::sections
     bool is_shown = true;                 // else it is left out, of shadows too

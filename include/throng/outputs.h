@@ -16,12 +16,12 @@ namespace throng {
 // A vertex in OutputBlock::skinned.
 struct SkinnedVertex {
     Vec3<float> position{};
-    uint32_t normal_octahedral = 0;  // of length 1, as Vertex's
+    uint32_t normal_octahedral = 0;  // unit length; encoded as Vertex::normal_octahedral
 };
 
 // An entry of OutputBlock::root.
 struct RootMotion {
-    std::array<float, 4> move{};  // as described there
+    std::array<float, 4> move{};  // as described at OutputBlock::root
     std::array<std::array<float, 4>, 4> internal{};
 };
 
@@ -31,8 +31,8 @@ struct ShownMorph {
     float weight = 0;
 };
 
-// A part of a buffer, entries one after another: in an OutputBlock, those of consecutive instances. There is none if
-// `buffer` is VK_NULL_HANDLE.
+// A range of a buffer that holds consecutive entries: in an OutputBlock, those of consecutive instances. There is none
+// if `buffer` is VK_NULL_HANDLE.
 struct BufferView {
     VkBuffer buffer = VK_NULL_HANDLE;
     VkDeviceSize offset_bytes = 0;
@@ -74,9 +74,9 @@ struct HostOutputs {
 //   slots, and must not be read by drawing.
 //
 // With CrowdSettings::culling and without a skin pool, instances that are not listed have the matrices of an earlier
-// update that listed them. An instance that the update before did not list has no previous matrices of its own: an
-// update that lists it writes its current ones there too, also where they lie in a slot that is in flight, whose update
-// did not list it.
+// update that listed them. An instance that the update before did not list has no previous matrices of its own, so an
+// update that lists it writes its current ones there too. It does so even if they lie in a slot that is in flight: the
+// update of that slot did not list the instance.
 struct OutputBlock {
     uint32_t group = 0;
     uint32_t first_instance = 0;  // of the crowd
@@ -87,9 +87,10 @@ struct OutputBlock {
     // Skin matrices, [instance_count][palette_count] in CrowdSettings::skin_format, model space: skinned position =
     // matrix * bind position. With CrowdGroup::skin_pool [skin_row_count][palette_count].
     BufferView skin{};
-    // Skin matrices of the update before, where CrowdSettings::keep_previous_matrices is set. In model space: where
-    // instances stood is in `placement` of the slot before, if frames_in_flight is 2 or more (else all slots have the
-    // same one); of an instance that has been spawned since, it is its predecessor's.
+    // Skin matrices of the update before, in model space, with CrowdSettings::keep_previous_matrices. Where instances
+    // stood then is in `placement` of the slot before, if frames_in_flight is 2 or more (otherwise all slots share one
+    // buffer of placements). For an instance that has been spawned since, that is the placement of the previous
+    // instance with its number.
     BufferView previous_skin{};
     uint32_t skin_row_count = 0;  // instance_count or, with a pool, its rows: shared poses, then instances' own
     // With a skin pool: which row of `skin` an instance has, uint32_t[instance_count]. Only instances that are listed
@@ -106,42 +107,42 @@ struct OutputBlock {
 
     uint32_t parameter_count = 0;
     // Parameters of the controller, float[instance_count][parameter_count]. Between two updates the application's own
-    // shaders or copies may write it. The same in all frame slots. An instance begins with its controller's parameters
-    // in the update in which it is born: what is written for it before has no effect.
+    // shaders or copies may write it. The same in all frame slots. The update that spawns an instance sets its
+    // parameters to the initial ones of the controller: what is written for it before has no effect.
     BufferView parameter{};
-    // Root motion of a group with a controller, float4[instance_count][5], of which the first is the last update's move
-    // over the ground: x, z, then cosine and sine of the turn about +y, in the character's space before it.
+    // Root motion of a group with a controller, float4[instance_count][5]. The first float4 is the last update's move
+    // over the ground: x, z, then cosine and sine of the turn about +y, in the character's space before the move. The
+    // others are internal.
     BufferView root{};
 
     uint32_t target_count = 0;
     // Targets of procedural rules, float4[instance_count][target_count]: a place in world space, and its weight in w.
-    // May be written like the parameters, and is the same in all frame slots too. An instance begins without any
-    // target, so one that a shader writes for it has an effect only from the update after its birth on.
+    // May be written like the parameters, and is the same in all frame slots too. The update that spawns an instance
+    // clears its targets, so one that a shader writes for it has an effect only from the next update on.
     BufferView target{};
     // Destinations of agents, float4[instance_count]: a place in world space, and in w whether the agent has one (1 or
-    // 0). Likewise.
+    // 0). The same applies as for targets.
     BufferView destination{};
 
     uint32_t morph_count = 0;  // that an instance may show: all of the character, or CrowdGroup::morph_limit
     // Morphs that each instance shows, ShownMorph[instance_count][morph_count]: those that have weight, then entries of
-    // weight 0. In their order, or, where there is a limit below their number, the largest weight by magnitude first.
-    // Before skinning: bind position += weight * MorphDelta.
+    // weight 0. They are in the order of Character::morphs or, with a limit below the number of morphs, the largest
+    // weight by magnitude first. To be applied before skinning: bind position += weight * MorphDelta.
     BufferView morph{};
 
     // How instances look, InstanceLook[instance_count], with CrowdGroup::outfits.
     BufferView look{};
 
-    uint32_t command_capacity = 0;  // CrowdGroup's
-    // What the application's own shaders ask of instances of the block: a CommandHead, then
-    // InstanceCommand[command_capacity]. Write it between two updates or, before the first one, after
-    // Crowd::record_uploads(), without which the buffer is not yet empty; then do not save, restore, read, draw or
-    // discard before the update that obeys them, since that may upload the empty buffer again. The same in all frame
-    // slots.
+    uint32_t command_capacity = 0;  // CrowdGroup::command_capacity
+    // Commands of the application's own shaders for instances of the block: a CommandHead, then
+    // InstanceCommand[command_capacity]. The same in all frame slots. Write it between two updates, or before the first
+    // one, after Crowd::record_uploads(), which uploads the empty buffer. In that case do not save, restore, read, draw
+    // or discard before the update that executes the commands, since that may upload the empty buffer again.
     BufferView command{};
 
-    // Instances that are drawn, uint32_t[5 + instance_count], with CrowdSettings::culling: how many they are; for each
-    // of four levels of detail, where its instances begin after the fifth word; then their numbers in the block, level
-    // by level, ascending.
+    // Instances that are drawn, uint32_t[5 + instance_count], with CrowdSettings::culling. The first word is their
+    // number. The next four say for each level of detail where its instances begin, counted from the sixth word. From
+    // there on are their numbers in the block, level by level, ascending within each.
     BufferView list{};
     // Draw calls for Crowd::mesh(), VkDrawIndexedIndirectCommand[section_count][4 levels of detail], with
     // CrowdSettings::culling; the n-th instance of a call is the n-th of its level in the list. The stride is that of a

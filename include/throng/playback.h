@@ -25,8 +25,8 @@ struct Playback {
     float weight = 1;
 };
 
-// A clip on a layer without states, above what the layer plays already: fades in within `fade_s` seconds. kInertial:
-// only this clip plays from now on, and the difference to what was shown dies away (docs/controller.md, step 10); only
+// A clip for a layer without states. It fades in over what the layer plays already, within `fade_s` seconds. kInertial:
+// only this clip plays from now on, and the difference from what was shown decays (docs/controller.md, step 10); only
 // on layers with ControllerLayer::inertial_plays.
 struct LayerPlayback {
     ClipPlayback clip{};

@@ -9,13 +9,13 @@
 
 namespace throng {
 
-// An instance from its Crowd::spawn() to its Crowd::despawn(). Outputs name it by its number in the crowd, which later
-// goes to other instances with another generation. In groups without CrowdGroup::capacity that were made with the
-// crowd, the generation is 0. Crowd::restore_state() restores generations too: forget the handles received since that
-// state was saved, for they may name other instances.
+// Identifies an instance from its Crowd::spawn() to its Crowd::despawn(). Outputs are indexed by its number in the
+// crowd, which is later given to other instances, with another generation. In groups without CrowdGroup::capacity that
+// were made with the crowd, the generation is 0. Crowd::restore_state() restores generations too: forget the handles
+// received since that state was saved, for they may name other instances.
 struct InstanceHandle {
     uint32_t instance = kNone;
-    uint32_t generation = 0;  // how many had the number before; modulo 2^32
+    uint32_t generation = 0;  // how many instances had the number before; modulo 2^32
 
     bool operator==(const InstanceHandle&) const = default;
 };
@@ -30,7 +30,7 @@ public:
     template <class Range>
     requires std::convertible_to<const Range&, std::span<const InstanceHandle>> Instances(const Range& handles)
         : Instances(std::span<const InstanceHandle>(handles)) {}
-    // The instances that have the numbers from `first` on when the call is made.
+    // The instances that have the `count` numbers from `first` on at the time of the call that is given this.
     static Instances numbered(uint32_t first, uint32_t count = 1) {
         Instances instances{std::span<const InstanceHandle>()};
         instances.first_ = first;

@@ -11,16 +11,16 @@
 
 namespace throng {
 
-// Joints are named as in Rig::names; "a joint and all below it" bend as chains, each joint on top of what the one above
-// it does. A joint's bone leads to the next joint of its chain in the rest pose; the bone of a last joint continues in
-// the direction of the one before. Lengths and places are in units of the world. Rules move what was posed, by clips,
-// layers or Crowd::set_pose().
+// Joints are named as in Rig::names. "A joint and all below it" are moved as chains, from the top down: each joint
+// starts from where the one above it has been moved to. A joint's bone leads to the next joint of its chain in the rest
+// pose; the bone of a last joint continues in the direction of the one before. Lengths and places are in units of the
+// world. Rules move the pose that clips, layers or Crowd::set_pose() have made.
 
 // The wind that blows over a whole crowd; Crowd::set_wind(). Without velocity there is no wind. Speed and gust can
 // change in each update; if the direction or the wavelength changes, gusts are suddenly elsewhere.
 struct Wind {
     Vec3<float> velocity{};  // units a second, world; at most 1e6
-    float gust = 0.4f;       // how much of the speed comes and goes, 0..1
+    float gust = 0.4f;       // fraction of the speed that comes and goes, 0..1
     float wavelength = 10;   // of the longest gusts, which travel with the wind; 1e-6 or more
 };
 
@@ -28,7 +28,7 @@ struct Wind {
 struct WindRule {
     std::string joint{};
     float bend_rad = 0.02f;   // for each unit/s of wind across the bone; never past the wind's direction
-    float sway_rad = 0.005f;  // to and fro, for each unit/s likewise
+    float sway_rad = 0.005f;  // to and fro, for each unit/s of wind across the bone
     float sway_hz = 1;        // rounded to 1/64; 0..64
 };
 
@@ -55,13 +55,15 @@ struct LookAtRule {
     std::string joint{};
     std::string target{};
     Vec3<float> forward{0, 0, 1};  // space of the joint
-    // How far it turns from where the pose points, 0..pi; if the target is farther, as near to it as that allows
+    // The largest turn away from where the pose points, 0..pi; if the target is farther, the joint turns this far
+    // towards it
     float limit_rad = 1.5f;
-    float weight = 1;  // 0..1, times the target's: part of the way
+    float weight = 1;  // 0..1, times the target's weight: fraction of the turn
 };
 
 // A joint, its parent and its grandparent: the two upper ones turn so that the joint is at a target (two-bone inverse
-// kinematics), or as near to it as the limb is long. The limb bends in the plane in which the pose has it bent.
+// kinematics), or as near to it as the length of the limb allows. The limb bends in the plane in which the pose has it
+// bent.
 struct ReachRule {
     std::string joint{};
     std::string target{};

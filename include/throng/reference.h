@@ -49,8 +49,9 @@ public:
     Result<void> set_wind(const Wind& wind);
     Result<void> update(float time_step_s);
 
-    // Where it stands, which procedural rules have to know; update() moves it on by root motion if `moves` is set (as
-    // CrowdGroup::moves_placements). `instance` is its number in the crowd, by which it sways in the wind.
+    // Sets where it stands, which procedural rules depend on; update() moves it on by root motion if `moves` is set (as
+    // CrowdGroup::moves_placements). `instance` is its number in the crowd, on which the phase of its sway in the wind
+    // depends.
     void set_placement(const Affine& world_from_model, bool moves = true, uint32_t instance = 0);
     AffineT<double> placement() const;
 
@@ -63,7 +64,7 @@ public:
     std::span<const CharacterEvent> events() const;
     AffineT<double> move() const;
     std::span<const float> parameters() const;
-    // As WatchedInstance has them.
+    // As WatchedInstance::layers.
     std::vector<std::vector<PlayedMotion>> layers() const;
 
 private:

@@ -19,7 +19,7 @@ enum class ErrorCode {
     kOutOfMemory,
     kVulkan,      // a Vulkan call failed; the message names the call and its result
     kCancelled,   // LoadHooks::is_cancelled returned true
-    kDeviceLost,  // all later calls fail that need the device: destroy renderers, crowds and the Device, and begin anew
+    kDeviceLost,  // all later calls that need the device fail: destroy renderers, crowds and the Device, and start anew
 };
 
 // What went wrong and where: `place` is a path into the input ("fox.glb: animations[2].channels[5]"), or empty.
@@ -43,8 +43,8 @@ struct Error {
     std::abort();
 }
 
-// A T, or the Error that prevented it. Accessing the one that is not there is a programmer's mistake: it prints a line,
-// with the Error where there is one, and aborts.
+// A T, or the Error that prevented it. Accessing the one that is not there is a mistake in the program: it prints a
+// line, with the Error where there is one, and aborts.
 template <class T>
 class [[nodiscard]] Result {
 public:

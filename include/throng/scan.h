@@ -30,13 +30,13 @@ struct ScanAdvice {
 };
 Result<ScanAdvice> advise_scan(const Device& device, const Rig& rig, uint32_t instance_count);
 
-// The order in which `stream`, the method of fused updates on GPUs, goes about a compiled character's rig:
-// docs/scan.md#stream. `lanes` is held within 4 to 64 and rounded down to a power of two.
+// The order in which `stream`, the method of fused updates on GPUs, processes the joints of a compiled character's rig:
+// docs/scan.md#stream. `lanes` is clamped to 4..64 and rounded down to a power of two.
 struct StreamOrder {
-    uint32_t lanes = 0;       // of a subgroup: joints of a chunk; a power of two, 4 to 64
+    uint32_t lanes = 0;       // of a subgroup, one for each joint of a chunk; a power of two, 4 to 64
     uint32_t characters = 1;  // that share the chunks
     uint32_t chunks = 0;
-    uint32_t rounds = 0;  // products after shuffles, of all chunks together
+    uint32_t rounds = 0;  // of doubling by shuffles, summed over all chunks
     uint32_t slots = 0;   // transforms in shared memory
 };
 StreamOrder stream_order(const Rig& rig, uint32_t lanes = 32);

@@ -8,8 +8,8 @@ namespace throng {
 // How OutputBlock::skin stores a skin matrix.
 enum class SkinFormat {
     kAffine,  // 48 bytes: three rows of four floats
-    // 24 bytes: three rows of four half floats; each within 2^-10 of its value or 2^-24, whichever is larger; beyond
-    // 65,504 either that or infinite
+    // 24 bytes: three rows of four half floats; each is off by at most 2^-10 of its value or 2^-24, whichever is
+    // larger; values beyond 65,504 become either that or infinite
     kHalfAffine,
     // 32 bytes: rotation (unit quaternion x, y, z, w), then translation and uniform scale; within 1e-5 of the
     // character's size. For characters whose scales and inverse binds are uniform

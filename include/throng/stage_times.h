@@ -1,4 +1,4 @@
-// The stages of an update, and the GPU time of each.
+// The stages of an update, and the time that each takes.
 #pragma once
 
 #include <array>
@@ -8,7 +8,8 @@
 
 namespace throng {
 
-// Most stages that an update can have: room for those of later versions, so that the size of StageTimes stays.
+// The most stages that an update can have. Has room for those of later versions, so that the size of StageTimes stays
+// the same.
 inline constexpr size_t kStageLimit = 32;
 
 // The names of the stages in the order of an update, as they are timed; a later version may have more, in between too.
@@ -21,7 +22,8 @@ std::span<const char* const> stage_names();
 // The index of a stage's name in stage_names(), or their number if no stage has that name.
 size_t index_of_stage(std::string_view name);
 
-// GPU time of each stage in the last finished update, summed over its dispatches, milliseconds.
+// Time of each stage in the last finished update, summed over its dispatches, milliseconds: GPU time or, for updates by
+// this machine's processor (UpdatePath::kNative), time by the clock.
 struct StageTimes {
     std::array<double, kStageLimit> ms{};  // by stage_names(), then zeros; 0 where the crowd does not have the stage
 

@@ -8,9 +8,9 @@
 
 namespace throng {
 
-// How characters move over the ground, the plane of world x and z, y up, as agents: they walk to their destinations and
-// out of each other's way (docs/steering.md). An agent looks and walks along +z of its model space, and stands at that
-// space's origin.
+// How instances move as agents over the ground, the plane of world x and z, with y up: they walk to their destinations
+// and keep out of each other's way (docs/steering.md). An agent looks and walks along +z of its model space, and stands
+// at that space's origin.
 struct Steering {
     // World units, 1e-6 to 1e6; two agents do not come nearer to each other than the sum of their radii, or three
     // quarters of it after having been held up
@@ -18,8 +18,8 @@ struct Steering {
     // World units a second, at most; 0 to 1e6. In one update an agent goes no further than its radius
     float speed = 1.4f;
     float turn = 3;  // radians a second, at most; 0 to 1e6
-    // Parameter of the controller that is told in each update how fast the agent wants to walk, in units of its model
-    // space a second; 0: it stands
+    // Parameter of the controller that each update sets to the speed at which the agent wants to walk, in units of its
+    // model space a second; 0: it stands
     uint32_t speed_parameter = kNone;
 };
 

@@ -20,22 +20,23 @@ struct CrowdView {
     // view))
     float pixels = 1000;
     // A coarser level of detail is drawn if its surfaces lie within this many pixels of the finest one's in the rest
-    // pose and in clips (Lod::error). That holds in the middle of the picture, which stretches towards its edges
+    // pose and in clips (Lod::error). That holds in the middle of the picture; towards the edges, perspective stretches
+    // it
     float lod_pixels = 1;
     // How far a character's shadow reaches, world space: a character outside the view whose shadow falls into it is
     // drawn too
     Vec3<float> shadow{};
-    float ground = -1e30f;  // world y; nothing below it is seen, so a shadow that falls goes no farther
+    float ground = -1e30f;  // world y; nothing below it is seen, so shadows end there
     // With Culling::skips_updates: a character whose box is at least this many pixels across is animated in every
     // update, one of half as many in every second, of a quarter in every fourth, a smaller one in every eighth; 0: all
     // in every update.
     float full_rate_pixels = 0;  // at most 1e30
-    // With Culling::skips_updates: GPU time that the update of the whole crowd may take, in milliseconds. While it
-    // takes longer, full_rate_pixels (at least 1) is raised from update to update, and lowered again, not below what is
-    // set here, when there is time to spare. 0: no limit. Needs timestamps.
+    // With Culling::skips_updates: time that the update of the whole crowd may take (StageTimes::total()), in
+    // milliseconds. While it takes longer, full_rate_pixels (at least 1) is raised from update to update, and lowered
+    // again, not below what is set here, when there is time to spare. 0: no limit. Needs timestamps.
     float budget_ms = 0;
     // Leaves out characters hidden behind others too: record() animates and lists only those that were visible in the
-    // last update, and record_disoccluded() the rest of those that are visible.
+    // last update, and record_disoccluded() adds the others that are visible.
     bool occlusion = false;
     // With CrowdGroup::skin_pool: a character may show a shared pose that displaces it by at most this many pixels, as
     // measured for lod_pixels; 0: only when the pool is full.
@@ -44,8 +45,8 @@ struct CrowdView {
 
 // Depths of what the crowd's last record() has listed, and of anything else that hides characters, as drawn with
 // CrowdView::clip_from_world: an image of one sample and one 32-bit float a texel (VK_FORMAT_D32_SFLOAT or
-// VK_FORMAT_R32_SFLOAT), in VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, with that usage. If there were several samples, it
-// has the farthest.
+// VK_FORMAT_R32_SFLOAT), in VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, with that usage. If the depths were drawn with
+// several samples, each texel holds the farthest of them.
 struct DepthImage {
     VkImage image = VK_NULL_HANDLE;
     VkImageAspectFlags aspect = VK_IMAGE_ASPECT_DEPTH_BIT;

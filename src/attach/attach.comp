@@ -1,8 +1,8 @@
-// attach: places each instance that hangs on another's socket; defined by attach_reference.h. Then takes the instance's
-//   own sockets, which updates leave in model space, to world space for what hangs on them. One invocation per
-//   instance, dispatched for each carrier batch and level: instances that hang on nobody have level 0, those that hang
-//   on them level 1, ….
-//   Cost: 64 bytes of an attachment and 48 of a socket read, 48 of a placement written, and 96 for each of its sockets.
+// attach: places each instance that is attached to another one's socket; defined by attach_reference.h. Then moves the
+//   instance's own sockets, which updates leave in model space, to world space, for instances attached to them. One
+//   invocation per instance, one dispatch for each carrier batch and level. Instances that are not attached have level
+//   0, those attached to level 0 have level 1, and so on.
+//   Cost: 64 bytes of an attachment and 48 of a socket read, 48 of a placement written, 96 moved for each own socket.
 #include "attach/attach_io.h"
 #include "gpu/affine.glsl"
 #include "gpu/buffers_io.h"

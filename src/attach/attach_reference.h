@@ -1,12 +1,12 @@
-// What the attach stage computes, in double precision, except for the sockets of the instances that it places: each
-// becomes world_from_model times what it was.
+// Defines the placements that the attach stage computes, in double precision. Besides, the stage multiplies each socket
+// of the instances that it places by world_from_model.
 #pragma once
 
 #include <throng/transform.h>
 
 namespace throng {
 
-// The placement of an instance that hangs on a socket.
+// world_from_model of an instance that is attached to a socket.
 inline AffineT<double> placement_on_socket(const AffineT<double>& world_from_socket,
                                            const AffineT<double>& socket_from_model) {
     return world_from_socket * socket_from_model;

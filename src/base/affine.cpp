@@ -24,8 +24,8 @@ Quaternion<double> quaternion_from_axes(const Vec3<double>& x, const Vec3<double
     return normalized(q);
 }
 
-// Axes of zero length are replaced so that the three stay orthogonal: their scale is zero, but the rotation is not
-// lost.
+// Replaces axes of zero length by unit vectors orthogonal to the others. Their scale stays zero, but the rotation can
+// still be extracted.
 void complete_axes(std::array<Vec3<double>, 3>& axes, const std::array<double, 3>& lengths) {
     const auto missing = std::count(lengths.begin(), lengths.end(), 0.0);
     if (missing == 3) axes = {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};

@@ -1,4 +1,4 @@
-// Where throng keeps what it found out about a machine.
+// The folder where throng caches measurements of this machine.
 #pragma once
 
 #include <cstdlib>
@@ -6,8 +6,8 @@
 
 namespace throng {
 
-// $XDG_CACHE_HOME/throng, or ~/.cache/throng; empty where neither variable is set. The folder need not be there. A
-// relative path does not count (XDG Base Directory Specification 0.8).
+// $XDG_CACHE_HOME/throng, or ~/.cache/throng; empty if neither variable is set. The folder need not exist. A relative
+// XDG_CACHE_HOME is ignored (XDG Base Directory Specification 0.8).
 inline std::filesystem::path cache_folder() {
     if (const char* cache = std::getenv("XDG_CACHE_HOME"); cache && *cache == '/')
         return std::filesystem::path(cache) / "throng";

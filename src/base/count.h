@@ -1,4 +1,4 @@
-// Counts and sizes as the GPU and files have them.
+// Counts and sizes as 32-bit numbers, as the GPU and files store them.
 #pragma once
 
 #include <cstdint>
@@ -6,7 +6,7 @@
 
 namespace throng {
 
-// The number of items, where limits keep it below 2^32.
+// The number of items, for containers that other limits keep below 2^32 items.
 template <class Items>
 uint32_t count_of(const Items& items) {
     return static_cast<uint32_t>(std::size(items));

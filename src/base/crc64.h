@@ -8,8 +8,8 @@
 namespace throng {
 
 // CRC-64/XZ: polynomial of ECMA-182, reflected, all ones before and inverted after ("The .xz File Format",
-// version 1.2.1, section 6). Finds every error that lies within 64 bits in a row. `before`: the checksum of the bytes
-// that come before these.
+// version 1.2.1, section 6). Detects every error burst of up to 64 bits. `before`: the checksum of the preceding bytes,
+// to continue from.
 uint64_t crc64(std::span<const std::byte> bytes, uint64_t before = 0);
 
 }  // namespace throng

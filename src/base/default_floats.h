@@ -9,10 +9,10 @@
 
 namespace throng {
 
-// While it lives, this thread rounds to the nearest and keeps denormal numbers, whatever the application has set, and
-// floating-point exceptions interrupt nothing; then all is as before. So results do not depend on which of an
-// application's threads computes them, and lanes without an instance may divide by zero. Not by <cfenv>, which also
-// saves and loads the x87's environment, for each job.
+// While this object lives, its thread rounds to nearest, keeps denormals and does not trap on floating-point
+// exceptions, whatever the application has set. The destructor restores the previous state. This way results do not
+// depend on which of the application's threads computes them, and SIMD lanes without an instance may divide by zero.
+// Does not use <cfenv>, which would also save and restore the x87 environment for each job.
 class DefaultFloats {
 public:
 #if defined(__x86_64__)
@@ -33,7 +33,7 @@ public:
 
 private:
 #if defined(__x86_64__)
-    static constexpr unsigned kDefault = 0x1F80;  // of MXCSR: nothing is set but that exceptions are masked
+    static constexpr unsigned kDefault = 0x1F80;  // MXCSR with all exceptions masked and no other bit set
     unsigned before_;
 #elif defined(__aarch64__)
     uint64_t before_;

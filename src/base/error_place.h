@@ -10,8 +10,8 @@
 
 namespace throng {
 
-// What the caller gave, by its name, perhaps of one instance. The text is made only when a message needs it, since
-// calls for thousands of instances check each of them, and hardly ever find anything.
+// The name of an argument, and the instance that it is for, if any. The text is built only when a message needs it,
+// since calls for thousands of instances check each of them and hardly ever find an error.
 struct ErrorPlace {
     ErrorPlace(const char* thing) : name(thing) {}
     ErrorPlace(const std::string& thing) : name(thing) {}

@@ -1,4 +1,5 @@
-// Inside throng a failure is thrown; at the API it becomes a Result. as_result() is the only place where the two meet.
+// Inside throng errors are thrown as Failure; at the API they become a Result. Only as_result() converts between the
+// two.
 #pragma once
 
 #include "base/error_place.h"
@@ -14,7 +15,7 @@ namespace throng {
 
 struct Failure : std::exception {
     explicit Failure(Error e) : error(std::move(e)), text(error.text()) {}
-    // The message is the parts one after the other.
+    // The message is the concatenation of the parts.
     template <class... Parts>
     Failure(ErrorCode code, std::string place, const Parts&... message)
         : Failure(Error{code, std::move(place), joined(message...)}) {}
@@ -24,14 +25,13 @@ struct Failure : std::exception {
     std::string text;
 };
 
-// Throws kInvalidArgument: what the caller gave at `place` is not acceptable.
+// Throws kInvalidArgument: the argument that `place` names is not acceptable.
 template <class... Parts>
 [[noreturn]] void refuse(const ErrorPlace& place, const Parts&... message) {
     throw Failure(ErrorCode::kInvalidArgument, place, message...);
 }
 
-// Calls what the application has handed over; what it throws becomes a Failure. `name` is what it is called in
-// messages.
+// Calls a callback of the application. Exceptions that it throws become Failures, whose messages call it `name`.
 template <class Call>
 auto call_application(const std::string& place, const char* name, const Call& call) {
     try {

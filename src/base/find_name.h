@@ -1,4 +1,4 @@
-// Things by their names.
+// Looks up items by name.
 #pragma once
 
 #include <throng/asset.h>

@@ -1,4 +1,4 @@
-// Memory that will be written at once.
+// Prefaults memory that is about to be written.
 #pragma once
 
 #include <cstddef>
@@ -9,8 +9,8 @@
 
 namespace throng {
 
-// Asks the system for the pages of new memory all at once, which takes a third of the time that a fault for each of
-// them takes. Only a hint: Linux before 5.14 does not know it.
+// Asks the system for all pages of new memory at once, which takes a third of the time of one page fault each. Only a
+// hint: Linux before 5.14 does not support it.
 inline void populate([[maybe_unused]] std::span<std::byte> memory) {
 #ifdef MADV_POPULATE_WRITE
     const auto page_bytes = static_cast<uintptr_t>(sysconf(_SC_PAGESIZE));

@@ -22,8 +22,8 @@ uint32_t processor_threads() {
     cpu_set_t allowed;
     if (sched_getaffinity(0, sizeof allowed, &allowed) == 0)
         threads = std::clamp(static_cast<uint32_t>(CPU_COUNT(&allowed)), 1u, threads);
-    // As a container with control groups of version 2 has it. "150000 100000": microseconds in a period of so many;
-    // "max" where it has no limit of its own
+    // The CPU limit of a container, as cgroup v2 exposes it: "150000 100000" allows 150,000 us of CPU time in each
+    // period of 100,000 us; "max" in place of the first number means no limit
     std::ifstream file("/sys/fs/cgroup/cpu.max");
     double quota_us = 0, period_us = 0;
     if (file >> quota_us >> period_us && quota_us > 0 && period_us > 0)

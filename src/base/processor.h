@@ -6,10 +6,10 @@
 
 namespace throng {
 
-// As the system calls it.
+// The name that the system reports.
 std::string processor_name();
 
-// How many threads it runs side by side for this process: as many as its affinity and its container allow; at least 1.
+// How many threads this process can run at the same time: limited by its CPU affinity and its container; at least 1.
 uint32_t processor_threads();
 
 }  // namespace throng

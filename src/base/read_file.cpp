@@ -13,7 +13,7 @@ std::vector<std::byte> read_file(const std::filesystem::path& path, uint64_t lim
     if (path.empty()) throw Failure(ErrorCode::kFile, place, "the name of the file is empty");
     std::error_code error;
     const fs::file_status status = fs::status(path, error);
-    // `place` names the file without its folder, which may be what is wrong.
+    // `place` names the file without its folder, but the folder may be what is wrong.
     const std::string where = path.has_parent_path() ? ": " + printable(path.string(), 1000) : "";
     if (status.type() == fs::file_type::not_found) throw Failure(ErrorCode::kFile, place, "no such file", where);
     // A pipe or a device could be read for ever.
@@ -23,7 +23,7 @@ std::vector<std::byte> read_file(const std::filesystem::path& path, uint64_t lim
     if (size_bytes > limit_bytes) throw Failure(ErrorCode::kLimit, place, too_large);
     std::ifstream stream(path, std::ios::binary);
     if (!stream) throw Failure(ErrorCode::kFile, place, "the file cannot be opened");
-    constexpr uint64_t kPiece_bytes = 4 << 20;  // some milliseconds
+    constexpr uint64_t kPiece_bytes = 4 << 20;  // takes some milliseconds to read
     std::vector<std::byte> bytes;
     bytes.reserve(size_bytes);
     for (uint64_t begin = 0; begin < size_bytes; begin = bytes.size()) {

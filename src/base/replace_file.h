@@ -15,10 +15,10 @@
 
 namespace throng {
 
-// What a symbolic link leads to in the end, which need not be there; any other path itself.
+// Follows symbolic links to the final target, which need not exist. Other paths are returned as they are.
 inline std::filesystem::path link_target(std::filesystem::path path) {
     namespace fs = std::filesystem;
-    constexpr int kMostLinks = 40;  // as Linux follows
+    constexpr int kMostLinks = 40;  // the limit of Linux
     std::error_code error;
     for (int links = 0; links < kMostLinks && fs::is_symlink(fs::symlink_status(path, error)); ++links)
         path = path.parent_path() / fs::read_symlink(path, error);  // an absolute target replaces the folder
@@ -36,9 +36,9 @@ inline int open_beside(const std::filesystem::path& path, std::filesystem::path&
     }
 }
 
-// Writes a new file beside `name`, or beside what that links to, then gives it that name by `take_name`, which is
-// rename() or behaves like it. If a file is replaced, the new one has its permissions. Returns the errno of what
-// failed, or 0.
+// Writes a new file beside `name`, or beside the target if `name` is a symbolic link, then moves it to that name with
+// `take_name`, which is rename() or behaves like it. If it replaces a file, it keeps that file's permissions. Returns
+// 0, or the errno of the step that failed.
 template <class TakeName>
 int write_beside(const std::filesystem::path& name, std::span<const std::byte> bytes, TakeName take_name) {
     namespace fs = std::filesystem;
@@ -72,20 +72,20 @@ inline void check_written(const std::filesystem::path& path, int reason) {
         throw Failure(ErrorCode::kFile, path.string(), "cannot be written: " + std::generic_category().message(reason));
 }
 
-// Readers of `path` see the old file or the new one, never half of it. Throws kFile with the system's reason, and
-// leaves nothing behind.
+// Replaces the file atomically: readers of `path` see the old file or the new one, never a part. If it fails, throws
+// kFile with the system's reason and leaves no temporary file behind.
 inline void replace_file(const std::filesystem::path& path, std::span<const std::byte> bytes) {
     check_written(path, write_beside(path, bytes, ::rename));
 }
 
-// Like rename(), but fails with EEXIST if there is a file of that name.
+// Like rename(), but fails with EEXIST if `name` exists.
 inline int take_free_name(const char* unfinished, const char* name) {
     if (::link(unfinished, name) == 0) return ::unlink(unfinished);
     if (errno != EPERM && errno != EOPNOTSUPP && errno != ENOSYS) return -1;
     // The file system has no hard links
     if (::renameat2(AT_FDCWD, unfinished, AT_FDCWD, name, RENAME_NOREPLACE) == 0) return 0;
     if (errno != EINVAL && errno != ENOSYS) return -1;
-    // Nor this kind of renaming: whoever creates the file, empty for a moment, may replace it
+    // Nor does it support renameat2(): create an empty file to claim the name, then replace that file
     const int created = ::open(name, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
     if (created < 0) return -1;
     ::close(created);
@@ -96,8 +96,8 @@ inline int take_free_name(const char* unfinished, const char* name) {
     return -1;
 }
 
-// The same, but a file that is there already stays: of several calls at once, one creates it. On file systems without
-// hard links and renameat2() readers may see it empty for a moment.
+// Like replace_file(), but keeps a file that exists already. If several calls race, one of them creates the file. On
+// file systems without hard links and renameat2(), readers may see it empty for a moment.
 inline void create_file(const std::filesystem::path& path, std::span<const std::byte> bytes) {
     const int reason = write_beside(path, bytes, take_free_name);
     if (reason != EEXIST) check_written(path, reason);

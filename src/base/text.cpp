@@ -15,9 +15,10 @@ struct Utf8Character {
     size_t byte_count = 1;
 };
 
-// The character that the text begins with; kNoCharacter, of one byte, where that is no UTF-8.
+// The first character of the text; kNoCharacter, with a length of one byte, if the text does not begin with valid
+// UTF-8.
 Utf8Character first_of(std::string_view text) {
-    constexpr std::array<uint32_t, 5> kLeast{0, 0, 0x80, 0x800, 0x10000};  // of characters of so many bytes
+    constexpr std::array<uint32_t, 5> kLeast{0, 0, 0x80, 0x800, 0x10000};  // least code of each byte count
     const auto first = static_cast<uint8_t>(text[0]);
     if (first < 0x80) return {first, 1};
     const auto byte_count = static_cast<size_t>(std::countl_one(first));
@@ -37,7 +38,7 @@ bool is_printable(uint32_t code) {
     const auto is_within = [code](uint32_t low, uint32_t high) { return code >= low && code <= high; };
     const bool is_control = code < 0x20 || is_within(0x7F, 0x9F);
     const bool ends_line = is_within(0x2028, 0x2029);
-    const bool turns_around = is_within(0x202A, 0x202E) || is_within(0x2066, 0x2069);  // the direction of what follows
+    const bool turns_around = is_within(0x202A, 0x202E) || is_within(0x2066, 0x2069);  // overrides the text direction
     return code != kNoCharacter && !is_control && !ends_line && !turns_around;
 }
 

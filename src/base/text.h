@@ -8,7 +8,7 @@
 
 namespace throng {
 
-// The parts one after the other, numbers as std::to_string() writes them.
+// Concatenates the parts; numbers are written by std::to_string().
 template <class... Parts>
 std::string joined(const Parts&... parts) {
     std::string out;
@@ -22,15 +22,16 @@ std::string joined(const Parts&... parts) {
     return out;
 }
 
-// "joint 7", for a number that the caller gave; for kNone, which looking up an unknown name returns, it says so.
+// "joint 7", for an index that the caller gave. For kNone, which name lookups return for unknown names, the text hints
+// at that.
 std::string numbered(std::string_view thing, uint32_t index);
 
-// `text` from a file, made fit for a message of one line: what is no UTF-8 becomes '?', as do control characters, which
-// can rewrite a terminal, and those that turn around the direction of writing. What is longer than `limit` bytes is
-// cut, between two characters.
+// Text from a file, made safe for a one-line message. Invalid UTF-8, control characters (which can rewrite a terminal)
+// and characters that override the text direction become '?'. Text longer than `limit` bytes is cut between two
+// characters.
 std::string printable(std::string_view text, size_t limit = 60);
 
-// By ASCII alone, whatever the application's locale is: in a Turkish one, std::tolower('I') is no 'i'.
+// ASCII only, independent of the application's locale: in a Turkish locale std::tolower('I') is not 'i'.
 constexpr char ascii_lower(char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; }
 inline std::string ascii_lower(std::string text) {
     for (char& c : text) c = ascii_lower(c);

@@ -12,7 +12,7 @@ ThreadPool::ThreadPool(uint32_t concurrency) {
     try {
         for (uint32_t i = 1; i < concurrency; ++i) threads_.emplace_back([this] { work(); });
     } catch (const std::exception&) {
-        // There is no room for more threads, or no memory: the existing ones do the work
+        // The system has no more threads or memory: the threads created so far do the work
     }
 }
 
@@ -29,7 +29,7 @@ void ThreadPool::run(uint32_t count, void (*job)(void* context, uint32_t index),
     const Loop loop{count, job, context};
     std::unique_lock caller(callers_, std::defer_lock);
     uint32_t first = 0;
-    // Looks before each job, so that another caller's short loop does not cost this one all threads
+    // Tries for the pool before each job: if another caller's loop ends soon, this one still gets the threads
     while (first < count && (threads_.empty() || !caller.try_lock())) job(context, first++);
     if (first == count) return;
     {
@@ -42,7 +42,7 @@ void ThreadPool::run(uint32_t count, void (*job)(void* context, uint32_t index),
     for (size_t i = std::min<size_t>(count - first - 1, threads_.size()); i > 0; --i) begun_.notify_one();
     take_part(loop);
     std::unique_lock lock(mutex_);
-    // Threads that the system has not woken by now are not waited for
+    // Threads that the system has not woken up yet are not waited for
     is_open_ = false;
     done_.wait(lock, [this] { return taking_part_ == 0; });
 }

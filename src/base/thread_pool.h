@@ -1,4 +1,4 @@
-// A few threads that share a loop.
+// A pool of threads that run the jobs of one loop at a time.
 #pragma once
 
 #include "base/default_floats.h"
@@ -14,11 +14,11 @@
 
 namespace throng {
 
-// The calling thread takes part. A call that finds the threads busy with another one runs on its own thread alone until
-// they are free: many small crowds on many threads do not wait for each other.
+// The calling thread takes part in its loop. While the pool is busy with another call's loop, run() works on its own
+// thread alone, so that many small crowds on many threads do not wait for each other.
 class ThreadPool : public JobSystem {
 public:
-    // `concurrency` threads in all, the calling one included; 0: as many as the processor runs side by side.
+    // `concurrency`: number of threads, including the calling one; 0: as many as the processor can run at once.
     explicit ThreadPool(uint32_t concurrency);
     ~ThreadPool() override;
     ThreadPool(const ThreadPool&) = delete;
@@ -41,14 +41,14 @@ private:
     std::condition_variable begun_, done_;
     Loop loop_;
     uint64_t loop_number_ = 0;
-    bool is_open_ = false;      // a thread that wakes takes part in the loop
-    uint32_t taking_part_ = 0;  // threads of the pool
+    bool is_open_ = false;      // threads that wake up join the current loop
+    uint32_t taking_part_ = 0;  // pool threads in the current loop
     bool ends_ = false;
     std::atomic<uint32_t> next_{0};
     std::vector<std::thread> threads_;
 };
 
-// Runs body(index) for each of `count` jobs, with DefaultFloats. Throws what one of them threw, when all are done.
+// Runs body(index) for each of `count` jobs, with DefaultFloats. When all are done, rethrows the first exception.
 template <class Body>
 void for_each_job(JobSystem& jobs, uint32_t count, const Body& body) {
     if (count == 1) {

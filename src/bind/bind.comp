@@ -1,6 +1,6 @@
 // bind: skin matrix = model_from_joint * joint_from_bind, for every palette entry of every instance.
-// One workgroup per instance, entries in strides. Reads 48 bytes of model matrix an entry, writes 24 to 48; the rest
-// stays in caches.
+// One workgroup per instance, entries in strides. Per entry it reads a model matrix of 48 bytes and writes 24 to 48
+// bytes; its other inputs stay in caches.
 #include "gpu/buffers_io.h"
 #include "bind/bind.glsl"
 #include "gpu/stored.glsl"

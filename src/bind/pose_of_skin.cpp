@@ -7,8 +7,8 @@
 namespace throng {
 namespace {
 
-// Averages the scales: rounding can make three different ones, which set_pose() would refuse. Negative if the matrix
-// mirrors.
+// Averages the three scales, since set_pose() would reject scales that differ by rounding. The scale is negative if the
+// matrix mirrors.
 Trs<double> with_uniform_scale(AffineT<double> parent_from_joint) {
     const double sign = determinant(parent_from_joint) < 0 ? -1 : 1;
     for (auto& row : parent_from_joint.row)

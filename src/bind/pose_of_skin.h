@@ -1,4 +1,4 @@
-// From skin matrices back to the pose that they show.
+// Computes a pose from skin matrices.
 #pragma once
 
 #include <throng/character.h>
@@ -11,8 +11,8 @@ namespace throng {
 class PoseOfSkin {
 public:
     explicit PoseOfSkin(const Character& character);
-    // Appends parent_from_joint[joint_count], from model_from_bind[palette_count]. Joints that are in no skin, and
-    // those below a joint that is scaled to nothing, have their rest pose.
+    // Appends parent_from_joint[joint_count], computed from model_from_bind[palette_count]. Joints that no palette
+    // entry uses, and joints below one that is scaled to zero, get their rest pose.
     void append(std::span<const Affine> model_from_bind, std::vector<Trs<float>>& pose) const;
     size_t joint_count() const { return joints_.size(); }
 

@@ -47,7 +47,8 @@ bool is_similarity(const Affine& m) {
            near(dot(row(0), row(1)), 0) && near(dot(row(0), row(2)), 0) && near(dot(row(1), row(2)), 0);
 }
 
-// Why skin matrices are not all a rotation, a translation and a uniform scale, "which is all that" something can do.
+// Why some skin matrix is not a similarity (rotation, translation and uniform scale); empty if all are.
+// `which_is_all_that` completes the messages "…, which is all that …".
 std::string similarity_unsupported_reason(const Character& character, const std::string& which_is_all_that) {
     if (!character.rig.uniform_scale)
         return "a joint is scaled differently along x, y and z; rotation, translation and one scale is all that " +

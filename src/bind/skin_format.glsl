@@ -1,5 +1,5 @@
-// Skin matrices as they lie in memory, in the crowd's format (throng::SkinFormat). The includer declares the constant
-// kSkinFormat, and defines SKIN_STORES if it writes them. [instance][palette entry]
+// Loads and stores skin matrices, [instance][palette entry], in the crowd's format (throng::SkinFormat). The includer
+// declares the constant kSkinFormat, and defines SKIN_STORES if it writes them.
 #include "gpu/buffers_io.h"
 #include "bind/bind_io.h"
 #include "gpu/stored.glsl"
@@ -11,7 +11,7 @@
 #endif
 
 SKIN_BUFFER(kSkinBuffer, StoredAffine, skin_affines);
-SKIN_BUFFER(kSkinBuffer, StoredPair, skin_halves);  // a row of four each
+SKIN_BUFFER(kSkinBuffer, StoredPair, skin_halves);  // each holds a row of four
 SKIN_BUFFER(kSkinBuffer, StoredSimilarity, skin_similarities);
 
 #ifdef SKIN_STORES

@@ -11,7 +11,7 @@
 
 namespace throng {
 
-// Why a character's skin matrices cannot be stored in this format; empty where they can.
+// Why a character's skin matrices cannot be stored in this format; empty if they can.
 std::string skin_format_unsupported_reason(SkinFormat format, const Character& character);
 
 // Why its vertices cannot be blended this way; empty if they can.

@@ -1,5 +1,5 @@
 // sockets: the transforms of every instance's attachment joints, for other passes and the CPU. One invocation per
-// instance and socket. Fused updates have already written model_from_joint; for staged ones it is gathered here.
+// instance and socket. In fused updates model_from_joint is already written; in staged ones it is copied here.
 #include "gpu/buffers_io.h"
 #include "bind/sockets_io.h"
 #include "control/births.glsl"

@@ -1,4 +1,4 @@
-// What the sockets kernel is told. Shared by C++ and GLSL.
+// Parameters of the sockets kernel. Shared by C++ and GLSL.
 #ifndef THRONG_SOCKETS_IO_H
 #define THRONG_SOCKETS_IO_H
 #include "gpu/shader_types.h"
@@ -13,8 +13,8 @@ struct SocketPush {
     uint flags;
     uint birth;  // control/births.glsl
 };
-THRONG_IO_CONSTANT kSocketsGather = 1;   // from the model matrices; else they are in place
-THRONG_IO_CONSTANT kSocketsToWorld = 2;  // world_from_joint
+THRONG_IO_CONSTANT kSocketsGather = 1;   // copy from the model matrices; otherwise `sockets` holds them already
+THRONG_IO_CONSTANT kSocketsToWorld = 2;  // store world_from_joint, not model_from_joint
 
 THRONG_IO_END
 #endif

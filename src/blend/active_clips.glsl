@@ -1,18 +1,19 @@
 // The active clips of an instance -> the pose of one joint. Included by the staged kernel and by the fused one; defined
-// by active_clips_reference.h. The includer declares what sample/clip_pose.glsl needs, or defines the two functions of
-// that file itself; the tables `active_clips` (TABLE_OF_ROWS, two rows an ActiveClip:
-// [instance][push.active_clip_limit]) and `masks` (TABLE_OF_WORDS, floats: [mask][rig_joint_count()]), `push` and the
-// constant kPacked.
+// by active_clips_reference.h. The includer declares what sample/clip_pose.glsl needs (or defines the two functions of
+// that file itself), `push`, the constant kPacked, and two tables: `active_clips` (TABLE_OF_ROWS, two rows an
+// ActiveClip: [instance][push.active_clip_limit]) and `masks` (TABLE_OF_WORDS, floats: [mask][rig_joint_count()]).
 //
-// Layers are applied from the lowest up. A layer's pose is the weighted sum of its active clips, each rotation taken in
-// the hemisphere of the sum so far, normalised at the end. Source of the sum and its limits: Gramkow, On Averaging
-// Rotations, IJCV 42, 2001. An additive layer sums the differences from its clips' first rows; a pose is its own
-// difference from the identity, so both kinds of layer share one path. With ACTIVE_CLIPS_IN_ORDER the includer includes
-// blend/model_rotations.glsl, and layers can blend their rotations in model space; without it no layer does.
+// Layers are applied from the lowest up. A layer's pose is the weighted sum of its active clips. Each rotation is first
+// negated if it is not in the hemisphere of the sum so far, and the sum is normalised at the end. Source of the sum and
+// its limits: Gramkow, On Averaging Rotations, IJCV 42, 2001. An additive layer sums the differences from its clips'
+// first rows. Both kinds of layer share one path, since a pose equals its difference from the identity.
 //
-// The loop samples once a round, which keeps the code small and the registers few: an additive active clip takes two
-// rounds, its reference first. It ends at its bottom, since a software device runs whatever follows a `break` once
-// more.
+// If ACTIVE_CLIPS_IN_ORDER is defined, the includer includes blend/model_rotations.glsl, and layers can blend their
+// rotations in model space. Otherwise no layer does.
+//
+// The loop samples once per iteration, to keep code and register count small: an additive active clip takes two
+// iterations, its reference first. The only exit is at the end of the body, since a software device would run the code
+// behind a `break` once more.
 #include "blend/blend.glsl"
 #include "control/controller_io.h"
 #ifndef FUSED_ROWS
@@ -21,9 +22,9 @@
 
 const JointPose kIdentityPose = JointPose(vec4(0, 0, 0, 1), vec4(0), vec4(1));
 const JointPose kEmptySum = JointPose(vec4(0), vec4(0), vec4(0));
-// Squared length of a sum of rotations below which rounding alone would give its direction
+// Below this squared length the direction of a sum of rotations is only rounding error
 const float kCancelled = 1e-12;
-const float kNoScale = 1e-8;  // a scale below it has no ratio
+const float kNoScale = 1e-8;  // scales below this have no ratio
 
 ActiveClip active_clip_at(uint index) {
     const uvec4 a = ROW_AT(active_clips, 2 * index), b = ROW_AT(active_clips, 2 * index + 1);
@@ -38,7 +39,7 @@ float layer_weight(ActiveClip active_clip, uint joint) {
     return is_masked ? active_clip.layer_weight * mask : active_clip.layer_weight;
 }
 
-// With `only_rotation`, translation and scale are the identity's.
+// With `only_rotation`, translation is 0 and scale is 1.
 JointPose sample_active_clip(ActiveClip active_clip, uint joint, bool at_reference, bool only_rotation) {
     const ClipCursor cursor = ClipCursor(
         active_clip.first_track, at_reference ? active_clip.reference_row : active_clip.earlier,
@@ -55,7 +56,7 @@ JointPose pose_difference(JointPose to, JointPose from) {
                      mix(to.scale / mix(from.scale, vec4(1), has_no_ratio), vec4(1), has_no_ratio));
 }
 
-// A difference turns the shorter way, so that its sum does not depend on the order.
+// Additive differences always take the shorter rotation, so that their sum does not depend on the order.
 JointPose add_active_clip(JointPose sum, JointPose part, float weight, bool is_additive) {
     const vec4 side = is_additive ? kIdentityPose.rotation : sum.rotation;
     return JointPose(sum.rotation + part.rotation * (dot(part.rotation, side) < 0 ? -weight : weight),
@@ -75,7 +76,7 @@ JointPose apply_layer(JointPose layer, JointPose below, float weight, bool is_ad
 
 JointPose mix_active_clips(uint instance, uint joint, bool only_rotation) {
     uint index = instance * push.active_clip_limit;
-    const uint end = index + push.active_clip_limit;  // kActiveClipEnds comes earlier, unless control has not run yet
+    const uint end = index + push.active_clip_limit;  // kActiveClipEnds comes earlier, except before control first ran
     JointPose result = kIdentityPose, sum = kEmptySum, from = kIdentityPose;
     bool is_lowest = true, is_reference = false;
 #ifdef ACTIVE_CLIPS_IN_ORDER
@@ -88,7 +89,7 @@ JointPose mix_active_clips(uint instance, uint joint, bool only_rotation) {
         const float weight = is_lowest ? 1 : layer_weight(active_clip, joint);  // the lowest layer has full weight
         is_reference = is_additive && !is_reference;
 #ifdef ACTIVE_CLIPS_IN_ORDER
-        // The lowest layer's rotations are the same in either space
+        // For the lowest layer, blending in either space gives the same rotations
         const bool in_model_space = !is_lowest && (active_clip.flags & kActiveClipModelRotations) != 0;
 #else
         const bool in_model_space = false;
@@ -125,5 +126,5 @@ JointPose mix_active_clips(uint instance, uint joint, bool only_rotation) {
 
 JointPose active_clips_pose(uint instance, uint joint) { return mix_active_clips(instance, joint, false); }
 
-// The pose of a joint whose translation and scale are the same in all clips.
+// The rotation of a joint whose translation and scale are the same in all clips.
 vec4 active_clips_rotation(uint instance, uint joint) { return mix_active_clips(instance, joint, true).rotation; }

@@ -5,7 +5,7 @@
 namespace throng {
 namespace {
 
-constexpr double kCancelled = 1e-6;  // length of a sum of rotations that has no direction
+constexpr double kCancelled = 1e-6;  // a shorter sum of rotations has no direction
 constexpr double kNoScale = 1e-8;
 
 Quaternion<double> operator+(const Quaternion<double>& a, const Quaternion<double>& b) {
@@ -58,7 +58,7 @@ ReferenceJoint joint_reference(std::span<const ReferenceLayer> layers, const Ref
         const Trs<double> sum = sum_of(layer);
         const Trs<double> below = result;
         result = layer.is_additive ? add(blend_reference(sum, {}, weight), below) : blend_reference(sum, below, weight);
-        if (!layer.in_model_space || i == 0) continue;  // the lowest layer's rotations are the same in either space
+        if (!layer.in_model_space || i == 0) continue;  // for the lowest layer, either space gives the same rotations
         const ReferenceRotations above = parent ? parent->rotations[i] : ReferenceRotations{};
         ReferenceRotations& here = joint.rotations[i];
         here = {.below = above.below * below.rotation,

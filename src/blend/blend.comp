@@ -1,6 +1,6 @@
-// blend: two poses per joint, weighted per instance, -> parent_from_joint, with the pose override on top. Reads only
-// the poses that have weight. One workgroup per instance, joints in strides. Reads 48 or 96 bytes a joint, writes 48,
-// or 32 as similarities.
+// blend: two poses per joint, weighted per instance, -> parent_from_joint, then applies the pose override. Reads only
+// poses whose weight is not 0. One workgroup per instance, joints in strides. Per joint it reads 48 or 96 bytes and
+// writes 48, or 32 as similarities.
 #include "gpu/buffers_io.h"
 #include "blend/blend_io.h"
 #include "gpu/table.glsl"

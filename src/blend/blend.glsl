@@ -1,10 +1,10 @@
-// Two poses of a joint -> one; and the pose's matrix.
+// Blends two poses of a joint, and converts a pose to a matrix.
 #ifndef THRONG_BLEND_GLSL
 #define THRONG_BLEND_GLSL
 #include "blend/blend_io.h"
 #include "gpu/similarity.glsl"
 
-// weight * a + (1 - weight) * b: translation and scale linearly, rotation normalised on the shortest path.
+// weight * a + (1 - weight) * b, along the shorter arc and normalised.
 vec4 blend_rotation(vec4 a, vec4 b, float weight) {
     const float side = dot(a, b) < 0 ? -1 : 1;
     const vec4 rotation = mix(b * side, a, weight);

@@ -12,7 +12,7 @@ enum class BlendOutput { kAffine, kSimilarity };
 
 struct BlendSettings {
     BlendOutput output = BlendOutput::kAffine;
-    bool pose_overrides = false;  // poses may be set
+    bool pose_overrides = false;  // the application may set poses
 };
 Kernel blend_kernel(const std::shared_ptr<Gpu>& gpu, const BlendSettings& settings);
 

@@ -5,7 +5,7 @@
 
 namespace throng {
 
-// weight * a + (1 - weight) * b: translation and scale linearly, rotation normalised on the shortest path.
+// weight * a + (1 - weight) * b: translation and scale linearly; rotation along the shorter arc, normalised.
 Trs<double> blend_reference(const Trs<double>& a, const Trs<double>& b, double weight);
 
 }  // namespace throng

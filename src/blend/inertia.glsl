@@ -1,13 +1,13 @@
-// Inertial transitions compute only the target: the offset from it to what was shown before decays, along with its
-// speed. Source: D. Bollo, Inertialization: High-Performance Animation Transitions in Gears of War, GDC 2018.
-// Difference from it: scales decay as translations do. Defined by inertia_reference.h.
+// An inertial transition samples only its target. The offset from the target to the pose shown before keeps its speed
+// at first, then decays to 0. Source: D. Bollo, Inertialization: High-Performance Animation Transitions in Gears of
+// War, GDC 2018. Difference from it: scales decay as translations do. Defined by inertia_reference.h.
 #include "blend/inertia_io.h"
 #include "gpu/angles.glsl"
 #include "gpu/similarity.glsl"
 #include "sample/sample_io.h"
 
-// A quintic from offset x (>= 0) and speed v (<= 0) that reaches 0, with speed and acceleration 0, after `duration_s`;
-// or sooner, where it would otherwise swing to the other side.
+// A quintic that starts at offset x (>= 0) with speed v (<= 0), and reaches 0 with speed and acceleration 0 after
+// `duration_s`, or earlier if it would otherwise overshoot.
 float decayed(float x, float v, float elapsed_s, float duration_s) {
     const float end_s = v < 0 ? min(duration_s, -5 * x / v) : duration_s;
     if (elapsed_s >= end_s) return 0;
@@ -29,7 +29,7 @@ vec4 inertia_of_vector(vec3 offset, vec3 offset_before, float time_step_s) {
     return vec4(offset, min((size - dot(offset_before, direction)) / time_step_s, 0));
 }
 
-// The angle, -pi..pi, of the part of a rotation that turns about `axis`.
+// The angle, -pi..pi, of the rotation's twist about `axis`.
 float angle_about(vec4 q, vec3 axis) {
     const vec2 twist = (q.w < 0 ? -1 : 1) * vec2(dot(q.xyz, axis), q.w);
     const float size = sqrt(dot(twist, twist));
@@ -47,8 +47,8 @@ vec4 inertia_of_rotation(vec4 offset, vec4 offset_before, float time_step_s) {
 
 vec4 rotation_offset(vec4 to, vec4 from) { return quaternion_multiply(to, vec4(-from.xyz, from.w)); }
 
-// From the last two poses shown and the target's at the same times, `time_step_s` apart. With `target` as
-// `target_before`, as inertial_pose() passes it, the offset's speed is that of what was shown.
+// Begins a transition from the last two poses shown and the target's poses at the same two times, `time_step_s` apart.
+// If `target_before` equals `target`, as in inertial_pose(), the offset's speed is that of the poses shown.
 InertiaJoint inertia_begin(JointPose shown, JointPose shown_before, JointPose target, JointPose target_before,
                            float time_step_s) {
     return InertiaJoint(
@@ -60,13 +60,13 @@ InertiaJoint inertia_begin(JointPose shown, JointPose shown_before, JointPose ta
                           time_step_s));
 }
 
-// What is left of an offset, as a factor.
+// The fraction of the initial offset that is left.
 float inertia_left(vec4 inertia, float elapsed_s, float duration_s) {
     const float size = sqrt(dot(inertia.xyz, inertia.xyz));
     return size > 0 ? decayed(size, inertia.w, elapsed_s, duration_s) / size : 0;
 }
 
-// `elapsed_s` after the last pose of inertia_begin() was shown; `target` as it is by now.
+// The pose to show `elapsed_s` after the last pose given to inertia_begin(). `target`: the current target pose.
 JointPose inertia_apply(InertiaJoint inertia, float elapsed_s, float duration_s, JointPose target) {
     const vec3 half_turn = 0.5 * inertia_left(inertia.rotation, elapsed_s, duration_s) * inertia.rotation.xyz;
     const float angle_rad = min(sqrt(dot(half_turn, half_turn)), kHalfPi);

@@ -1,11 +1,11 @@
-// What a joint keeps of the motion it left. Shared by C++ and GLSL.
+// State of inertial transitions, per joint. Shared by C++ and GLSL.
 #ifndef THRONG_INERTIA_IO_H
 #define THRONG_INERTIA_IO_H
 #include "sample/sample_io.h"
 THRONG_IO_BEGIN
 
-// Each vector: xyz is the offset when the transition began, w its speed along itself, per second; at most 0, since it
-// shrinks.
+// Each vector: xyz is the offset when the transition began; w is the rate at which its length changes, per second, at
+// most 0.
 struct InertiaJoint {
     vec4 rotation;  // axis times angle, radians
     vec4 translation;
@@ -14,7 +14,7 @@ struct InertiaJoint {
 
 // A joint of an instance with inertial transitions, from update to update.
 struct InertiaState {
-    JointPose shown, shown_before;  // by the last two updates
+    JointPose shown, shown_before;  // in the last two updates
     InertiaJoint offset;            // when the last inertial transition began
 };
 

@@ -31,7 +31,7 @@ ReferenceInertia::Offset offset_of(const Quaternion<double>& now, const Quaterni
 double decayed_reference(double x, double v, double elapsed_s, double duration_s) {
     const double end_s = v < 0 ? std::min(duration_s, -5 * x / v) : duration_s;
     if (elapsed_s >= end_s) return 0;
-    const double acceleration = std::max((-8 * v * end_s - 20 * x) / (end_s * end_s), 0.0);  // at the beginning
+    const double acceleration = std::max((-8 * v * end_s - 20 * x) / (end_s * end_s), 0.0);  // initial
     const double a = acceleration * end_s * end_s, u = v * end_s, s = elapsed_s / end_s;
     return -(a + 6 * u + 12 * x) / 2 * std::pow(s, 5) + (3 * a + 16 * u + 30 * x) / 2 * std::pow(s, 4) -
            (3 * a + 12 * u + 20 * x) / 2 * std::pow(s, 3) + a / 2 * s * s + u * s + x;

@@ -1,14 +1,14 @@
-// Adds to poses the offset that an inertial transition left: steps 2 and 10 of docs/controller.md. The includer
+// Adds the decaying offset of an inertial transition to poses: steps 2 and 10 of docs/controller.md. The includer
 // declares the buffers `inertias` (InstanceInertia) and `inertia_states` (InertiaState[instance][joint]).
 #include "blend/inertia.glsl"
 #include "control/controller_io.h"
 
-// To be called once per joint and update, since it remembers what is shown.
+// Must be called once per joint and update, since it records the pose that is shown.
 JointPose inertial_pose(uint instance, uint index, JointPose target) {
     const InstanceInertia inertia = inertias[instance];
     InertiaState state = inertia_states[index];
     if (inertia.begins != 0) {
-        // Otherwise the offset's speed is unknown, and 1e30 s makes it vanish
+        // Without a known step the offset's speed is unknown; a step of 1e30 s makes it 0
         const float step_s = inertia.shown_count > 2 && inertia.shown_step_s > 0 ? inertia.shown_step_s : 1e30;
         state.offset = inertia_begin(state.shown, inertia.shown_count > 2 ? state.shown_before : state.shown, target,
                                      target, step_s);

@@ -1,7 +1,7 @@
-// layered: the active clips of each instance to parent_from_joint: sample and blend in one, for characters that play in
-// layers. One workgroup per instance, joints in strides. Reads 32 bytes an active clip, and for each joint and active
-// clip 16 bytes of table and up to 6 keys of 16 bytes, packed ones fewer, additive active clips twice that; writes 48
-// bytes a joint, or 32 as similarities.
+// layered: the active clips of each instance -> parent_from_joint. Samples and blends in one pass, for characters that
+// play clips in layers. One workgroup per instance, joints in strides. Reads 32 bytes per active clip; per joint and
+// active clip, 16 bytes of table and up to 6 keys of 16 bytes (fewer if packed; twice that for additive clips). Writes
+// 48 bytes per joint, or 32 as similarities.
 #include "blend/layered_io.h"
 
 PUSH(LayeredPush);

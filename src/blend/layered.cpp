@@ -21,7 +21,7 @@ Kernel layered_kernel(const std::shared_ptr<Gpu>& gpu, const LayeredSettings& se
 
 void record_layered_in_order(const Gpu& gpu, VkCommandBuffer commands, const Kernel& kernel, const Bindings& bindings,
                              io::LayeredInOrderPush push, uint32_t loop_iterations) {
-    // Two rounds for each additive active clip, and the ends of both loops
+    // At most two iterations for each active clip, and the tests that end both loops
     const uint32_t of_joint = 2 * push.active_clip_limit + 3;
     const uint32_t joints = std::max((loop_iterations - 1) / of_joint, 1u);
     for (push.first_joint = 0; push.first_joint < push.joint_count; push.first_joint = push.joint_end) {

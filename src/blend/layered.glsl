@@ -1,5 +1,5 @@
-// What both layered kernels read and write, and what they do with a joint. The includer declares `push` and, if it
-// defines ACTIVE_CLIPS_IN_ORDER, what blend/model_rotations.glsl needs.
+// The buffers of both layered kernels, and what they do for one joint. The includer declares `push` and, if it defines
+// ACTIVE_CLIPS_IN_ORDER, what blend/model_rotations.glsl needs.
 #include "gpu/buffers_io.h"
 #include "blend/inertia_io.h"
 #include "blend/layered_io.h"

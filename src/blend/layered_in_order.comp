@@ -1,7 +1,7 @@
-// layered, in order: like layered.comp, for layers that blend rotations in model space. These need what lies above a
-// joint, so an invocation walks its instance's joints, parents before children. On top of layered.comp's traffic it
-// reads and writes 96 bytes a joint and layer in model space. A dispatch takes as many joints as a software device's
-// loops can go through (record_layered_in_order()); the rotations pass from one dispatch to the next in memory.
+// layered, in order: like layered.comp, for layers that blend rotations in model space. These need the rotations of a
+// joint's ancestors, so each invocation walks its instance's joints, parents before children. On top of layered.comp's
+// traffic it reads and writes 96 bytes per joint and layer in model space. A dispatch handles as many joints as the
+// loop limit of a software device allows (record_layered_in_order()); rotations pass between dispatches in memory.
 #include "gpu/buffers_io.h"
 #include "blend/layered_io.h"
 #include "gpu/table.glsl"

@@ -1,4 +1,4 @@
-// What the layered stage is told. Shared by C++ and GLSL.
+// Parameters and data of the layered stage. Shared by C++ and GLSL.
 #ifndef THRONG_LAYERED_IO_H
 #define THRONG_LAYERED_IO_H
 #include "gpu/shader_types.h"
@@ -19,8 +19,8 @@ struct LayeredInOrderPush {
     uint first_joint, joint_end;
 };
 
-// Rotations of a joint's model_from_joint, as unit quaternions, for a layer that blends them: below the layer, in the
-// layer's own pose, and after blending both.
+// Rotations of a joint's model_from_joint, as unit quaternions, for a layer that blends in model space: of the layers
+// below, of the layer alone, and of both blended.
 struct ModelRotations {
     vec4 below, layer, blended;
 };

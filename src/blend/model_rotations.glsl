@@ -1,15 +1,15 @@
 // A layer whose rotations are blended in model space: docs/controller.md, step 9. Source: Unreal Engine's layered blend
-// per bone, "Mesh Space Rotation Blend". Difference from it: none known; at joints without weight the local rotation of
-// what lies below stays there too. The includer declares the table `parents` (TABLE_OF_WORDS, [joint], kNone: none),
-// the buffer `rotations` (ModelRotations[layer in model space][joint][instance]) and `push`; it takes the joints of an
-// instance in order, parents first. Defined by active_clips_reference.h.
+// per bone, "Mesh Space Rotation Blend". Difference from it: none known; there too, joints without weight keep the
+// local rotation of the layers below. The includer declares the table `parents` (TABLE_OF_WORDS, [joint], kNone: none),
+// the buffer `rotations` (ModelRotations[layer in model space][joint][instance]) and `push`, and processes the joints
+// of an instance in order, parents first. Defined by active_clips_reference.h.
 #include "blend/blend.glsl"
 #include "blend/layered_io.h"
 #include "control/controller_io.h"
 
 vec4 unit(vec4 quaternion) { return quaternion * inversesqrt(dot(quaternion, quaternion)); }
 
-// `model_layer` counts an instance's layers in model space that have active clips, from the lowest up;
+// `model_layer`: index among the instance's layers in model space that have active clips, from the lowest up.
 // 0 <= weight <= 1.
 JointPose apply_in_model_space(uint instance, uint joint, uint model_layer, JointPose layer, JointPose below,
                                float weight) {

@@ -1,4 +1,4 @@
-// Blends the pose that the application set for an instance over the animated one, by its weight. The includer declares
+// Blends the pose that the application set for an instance over the animated pose, by its weight. The includer declares
 // the tables `pose_overrides` (TABLE_OF_WORDS, two words an InstancePose: [instance]) and `poses` (TABLE_OF_ROWS, three
 // rows a JointPose: [slot][rig_joint_count()]), and the function rig_joint_count(). Defined by blend_reference.h.
 // Weight 0 yields the animated pose and weight 1 the one that was set, bit for bit.

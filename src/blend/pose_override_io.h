@@ -7,7 +7,7 @@ THRONG_IO_BEGIN
 // An instance's pose override, read as words of a table.
 struct InstancePose {
     uint slot;     // its pose is poses[slot][joint]; meaningless if the weight is 0
-    float weight;  // 0: as it is animated, 1: as it was set
+    float weight;  // 0: the animated pose, 1: the set pose
 };
 
 THRONG_IO_END

@@ -1,6 +1,6 @@
-// claim: finds which commands of an application's shaders can be obeyed, and the last of several that set the same
-//   thing of an instance. Commands that cannot be obeyed become kNothing, so that later kernels can trust the rest. One
-//   invocation per command that there is room for. Cost: 64 bytes read and one atomic a command.
+// claim: validates the commands that an application's shaders wrote, and finds the last one where several set the same
+//   property of an instance. Invalid commands become kNothing, so that later kernels can trust the rest. One invocation
+//   per command that fits the buffer. Cost: 64 bytes read and one atomic a command.
 #include "command/command_io.h"
 #include "gpu/buffers_io.h"
 #include "gpu/table.glsl"

@@ -1,5 +1,5 @@
-// Which of the commands are obeyed. The includer declares the buffers `commands`, with their head, and `claims`, and
-// `push`.
+// Selects the commands that are carried out. The includer declares the buffers `commands`, with their head, and
+// `claims`, and `push`.
 
 uint command_count() { return min(head.count, push.capacity); }
 
@@ -18,7 +18,7 @@ uint claim_of(InstanceCommand command) {
     return command.instance * claims_of_instance() + claim;
 }
 
-// Whether the i-th command is the one to obey; if so, frees the claim for the next update.
+// Whether the i-th command holds the claim and is to be carried out; if so, frees the claim for the next update.
 bool takes_claim(uint i, InstanceCommand command) {
     return atomicCompSwap(claims[claim_of(command)], i + 1, 0) == i + 1;
 }

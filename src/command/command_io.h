@@ -1,4 +1,5 @@
-// What an application's shaders ask of instances. Shared by C++ and GLSL. include/throng/commands.h is its definition.
+// Commands that an application's shaders give to instances. Shared by C++ and GLSL. Defined by
+// include/throng/commands.h.
 #ifndef THRONG_COMMAND_IO_H
 #define THRONG_COMMAND_IO_H
 #include "control/controller_io.h"
@@ -9,7 +10,7 @@ THRONG_IO_CONSTANT kCommandWorkgroupSize = 64;
 
 // throng::CommandHead; the commands follow it.
 struct CommandHead {
-    uint count;  // including those that found no room
+    uint count;  // including those that did not fit
     uint lost, ignored;
     uint unused0;
     uvec4 unused[3];
@@ -17,7 +18,7 @@ struct CommandHead {
 
 // throng::InstanceCommand.
 struct InstanceCommand {
-    uint instance;  // of the batch
+    uint instance;  // index in the batch
     uint kind;
     uint target;
     uint unused;
@@ -35,17 +36,17 @@ THRONG_IO_CONSTANT kBlendLayer = 6;
 THRONG_IO_CONSTANT kSetParameter = 7;
 THRONG_IO_CONSTANT kSetLook = 8;
 
-// Several commands may set the same thing of an instance, and only the last of them is to be obeyed. So for each thing
-// that can be set there is a claim: 1 + the highest number of a command that sets it, or 0. An instance's claims:
-// whether it is there, placement, look; then its playback or, with a controller, for each layer what it plays, for each
-// layer how it blends, and the parameters.
+// Several commands may set the same property of an instance; only the last of them is carried out. So each property has
+// a claim: 1 + the highest index of a command that sets it, or 0. An instance's claims: existence (spawn and despawn),
+// placement, look; then its playback or, with a controller, each layer's clip, each layer's blending, and each
+// parameter.
 THRONG_IO_CONSTANT kClaimPopulation = 0;
 THRONG_IO_CONSTANT kClaimPlacement = 1;
 THRONG_IO_CONSTANT kClaimLook = 2;
 THRONG_IO_CONSTANT kFirstOtherClaim = 3;
 
 struct InstanceCommandPush {
-    uint capacity;  // commands that there is room for
+    uint capacity;  // of the command buffer, in commands
     uint instance_count;
     uint clip_count;
     uint layer_count, parameter_count, mask_count;  // of the controller
@@ -61,8 +62,8 @@ THRONG_IO_CONSTANT kHasRoots = 8;
 THRONG_IO_CONSTANT kHasDestinations = 16;
 THRONG_IO_CONSTANT kMovesPlacements = 32;  // root motion moves placements
 
-// Which part of `changes` belongs to the buffer `changed`. For each item it holds the item's number in that buffer,
-// then its words.
+// The part of `changes` that belongs to the buffer `changed`. For each item it holds the item's index in that buffer,
+// then the item's words.
 struct ScatterPush {
     uint first_word;
     uint count;

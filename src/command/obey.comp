@@ -1,5 +1,5 @@
-// obey: carries out what an application's shaders ask of instances that exist. One invocation per command that there is
-//   room for. Cost: 64 bytes read and one atomic a command, and what it sets, 4 to 116 bytes, is written.
+// obey: carries out the commands of an application's shaders for instances that exist. One invocation per command that
+//   fits the buffer. Cost: 64 bytes read and one atomic a command; the state that it sets, 4 to 116 bytes, is written.
 #include "command/command_io.h"
 #include "gpu/affine.glsl"
 #include "gpu/buffers_io.h"
@@ -28,7 +28,7 @@ PUSH(InstanceCommandPush);
 #include "control/commands.glsl"
 #include "control/control.glsl"
 
-// The phase in 2^-32 of the clip, as in LayerPlay.
+// The phase, in units of 2^-32 of the clip's duration, as in LayerPlay.
 uint phase_of(float time_s, float duration_s, bool loops) {
     if (duration_s <= 0) return 0;
     const float cycles = time_s / duration_s;
@@ -48,7 +48,7 @@ ClipPlay clip_play_of(uvec4 played) {
     return play;
 }
 
-// 1 / seconds, 0: at once.
+// 1 / seconds; 0: no fade.
 float rate_of(uint fade_s) {
     const float fade = uintBitsToFloat(fade_s);
     return fade > 0 ? min(1 / min(fade, kLongestFade_s), 1e6) : 0;

@@ -1,5 +1,5 @@
-// Puts an instance where a command says. The includer declares the buffers `placements`, `roots` and `root_remainders`,
-// and `push`.
+// Sets an instance's placement from a command. The includer declares the buffers `placements`, `roots` and
+// `root_remainders`, and `push`.
 
 void place(InstanceCommand command) {
     const Affine world_from_model = Affine(uintBitsToFloat(command.data[0]), uintBitsToFloat(command.data[1]),

@@ -1,6 +1,6 @@
 // populate: resets the instances that an application's shaders spawn, and removes those that they despawn. One
-//   invocation per command that there is room for. Cost: 64 bytes read and one atomic a command; a spawned instance's
-//   initial state is written, some 100 bytes and the layers of its controller.
+//   invocation per command that fits the buffer. Cost: 64 bytes read and one atomic a command; for a spawned instance
+//   the initial state is written, some 100 bytes and the layers of its controller.
 #include "command/command_io.h"
 #include "gpu/affine.glsl"
 #include "gpu/buffers_io.h"

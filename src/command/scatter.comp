@@ -1,5 +1,5 @@
-// scatter: writes what the CPU has changed of scattered instances into the buffers. One invocation per word. Cost: the
-//   word and its item's number read, the word written.
+// scatter: copies the CPU's changes of scattered instances into the buffers. One invocation per word. Cost: the word
+//   and its item's index read, the word written.
 #include "command/command_io.h"
 #include "gpu/buffers_io.h"
 

@@ -81,7 +81,7 @@ private:
         require(std::abs(squared - 1) < 1e-3, "the rotation of parent_from_node is not of length 1");
     }
 
-    // Each node is followed upwards until one that is known to end at a root.
+    // Follows each node's parents up to a root, or to a node that is already known to lead to one.
     void check_ancestors() {
         std::vector<uint32_t> seen_from(asset_.nodes.size(), kNone);
         for (uint32_t start = 0; start < asset_.nodes.size(); ++start)
@@ -175,7 +175,7 @@ private:
             require_index(track.node, asset_.nodes.size(), "node", "nodes");
             const auto meshes = std::ranges::equal_range(asset_.mesh_instances, track.node, {},
                                                          &AssetMeshInstance::node);
-            size_t target_count = 0;  // one of a node's meshes may have some
+            size_t target_count = 0;  // at most one of a node's meshes should have any
             for (const AssetMeshInstance& instance : meshes)
                 target_count = std::max(target_count, asset_.meshes[instance.mesh].weights.size());
             if (meshes.empty()) return;
@@ -195,7 +195,7 @@ private:
 
     const Asset& asset_;
     std::string place_;
-    std::vector<uint32_t> followed_counts_;  // [mesh]: joints up to the last one that has weight
+    std::vector<uint32_t> followed_counts_;  // [mesh]: the largest joint index that has weight, plus 1
 };
 
 }  // namespace

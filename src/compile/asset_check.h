@@ -5,11 +5,11 @@
 
 namespace throng {
 
-// Throws kInvalidArgument, naming the place, for indices out of range, arrays of another length than asset.h says,
-// numbers that are not finite, keys out of order, nodes that are their own ancestors.
+// Throws kInvalidArgument, naming the place, for indices out of range, arrays whose length is not what asset.h says,
+// numbers that are not finite, keys out of order, and nodes that are their own ancestors.
 void check_asset(const Asset& asset);
-// The same for nodes, skins, and what says where meshes are and which morph targets they have: without going through
-// vertices and keys.
+// Checks only the nodes, the skins, the mesh instances and the numbers of morph targets. Does not go through vertices
+// and keys.
 void check_rig(const Asset& asset);
 
 }  // namespace throng

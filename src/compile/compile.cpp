@@ -31,7 +31,7 @@
 namespace throng {
 namespace {
 
-// Bounds of the mesh in the rest pose; of the joints, where there is no mesh.
+// Sets the bounds and the size: of the mesh in the rest pose, or of the joints if there is no mesh.
 void measure(Character& character) {
     const std::vector<AffineT<double>> model = rest_model_from_joint(character.rig);
     std::vector<double> weights;
@@ -52,7 +52,8 @@ void measure(Character& character) {
         throw Failure(ErrorCode::kInvalidFile, character.name, "the rest pose is not finite");
 }
 
-// Roughly how much of the work is done after each part of compiling an asset, and of load_character().
+// Rough share of the work that is done after each step of compiling an asset; kLoaded: after load_character() has
+// imported it.
 constexpr double kMeshCompiled = 0.05, kClipsRead = 0.1, kRootMotionExtracted = 0.15, kClipsPacked = 0.7,
                  kLodsMade = 0.95;
 constexpr double kLoaded = 0.1;
@@ -88,7 +89,7 @@ Result<Character> compile(const Asset& asset, const CompileSettings& settings, c
             }
             measure_clips(character, progress.between(kLodsMade, 1));
             file::visit_strings(character, [](std::string& text) { text = printable(text, std::string::npos); });
-            // Finds, for example, numbers so large that what is computed from them is not finite
+            // Catches, for example, numbers so large that results computed from them are not finite
             check_character(character, asset.name, ErrorCode::kInvalidFile);
             progress.report(1);
             return character;

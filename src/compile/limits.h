@@ -1,4 +1,4 @@
-// The limits of a compiled character: the compiler keeps them, and a compiled file is checked against them.
+// The limits of a compiled character. The compiler enforces them, and compiled files are checked against them.
 #pragma once
 
 #include <throng/asset.h>
@@ -10,16 +10,17 @@ namespace throng {
 
 inline constexpr size_t kJointLimit = 65'535;
 inline constexpr size_t kPaletteLimit = 65'536;  // an influence names its entry in 16 bits
-// Rows of all clips times joints: so many take minutes to measure
+// Rows of all clips times joints. This many take minutes to measure
 inline constexpr uint64_t kPackingLimit = uint64_t{1} << 28;
-// Each costs every instance of a crowd a little time
+// Each morph costs every instance of a crowd a little time
 inline constexpr size_t kMorphLimit = 4'096;
-// The size of the keys, of the packed words and of the track table, each; the arrays of morphs have the same limit
+// Limits each of these arrays on its own: keys, packed words, root rows, the track table; deltas, tracks and values of
+// morphs
 inline constexpr uint64_t kKeyLimit_bytes = uint64_t{256} << 20;
 
 // Vertices with their influences, indices, and names of sections; a mesh counts once for each node that shows it
 inline constexpr uint64_t kMeshLimit_bytes = uint64_t{2} << 30;
-// Each is a draw of every crowd that has the character
+// Each section is a draw in every crowd that has the character
 inline constexpr size_t kSectionLimit = 262'144;
 
 // The last value of an enumeration whose values come from files and applications.

@@ -1,9 +1,9 @@
-// The active clips of an instance, written as they come: step 9 of docs/controller.md. The includer declares
+// Writes the active clips of an instance one after another: step 9 of docs/controller.md. The includer declares
 // `active_clips`, `active_clip_times`, `instance` and find_rows().
 
 uint active_clip_count = 0;   // the rest pose included
 bool has_rest_pose = false;   // below the others
-uvec2 newest_end = uvec2(0);  // the newest one's reference_row and flags: stored when it is known what follows
+uvec2 newest_end = uvec2(0);  // reference_row and flags of the newest one: stored once it is known what follows
 uint layer_flags = 0;
 float active_clips_layer_weight = 0;
 
@@ -11,7 +11,8 @@ uint place_of_active_clip(uint index) { return (instance * push.active_clip_limi
 
 void store_end(uint index, uvec2 end) { active_clips[place_of_active_clip(index) + 3] = pack(end); }
 
-// Stores all of an active clip except its reference_row and flags. `weights`: within its layer, and the layer's.
+// Stores all of an active clip except its reference_row and flags. `weights`: the clip's within its layer, then the
+// layer's.
 void store_begin(uint index, ClipCursor cursor, vec2 weights, float time_s) {
     const uint at = place_of_active_clip(index);
     if ((push.flags & kPushTellsTimes) != 0) active_clip_times[instance * push.active_clip_limit + index] = time_s;
@@ -50,7 +51,8 @@ void add_active_clip(uint clip, uint phase, float weight) {
     ++active_clip_count;
 }
 
-// The rest pose has one row. It is written here once, instead of once a layer.
+// Ends the list. If the rest pose, a clip of one row, lies below the layers, it is written here, once, instead of in
+// each layer.
 void end_active_clips() {
     end_newest(kActiveClipEndsLayer | kActiveClipEnds);
     if (active_clip_count > 0 && !has_rest_pose) return;

@@ -1,4 +1,4 @@
-// A group's tables on the CPU, as the .glsl texts of the controller read them.
+// A group's tables on the CPU, with the functions that the controller's .glsl files call to read them.
 #pragma once
 
 #include "controller/controller_arrays.h"

@@ -1,5 +1,5 @@
-// Which instances exist, in groups where they come and go. `birth`, a push constant: what the table holds for instances
-// born in this update; 0: all exist, always.
+// Which instances exist, in groups where they come and go: those whose entry in the table is not 0. `birth`, a push
+// constant, is the entry of instances born in this update; if it is 0, all instances always exist.
 #include "gpu/table.glsl"
 
 TABLE_OF_WORDS(kBirthsBuffer, births);

@@ -1,18 +1,19 @@
 // The clips of a play and their weights: step 4 of docs/controller.md. C++ too (gpu/glsl.h). The includer declares
 // parameter_at(index), `layout_of_group`, the functions of control/tables.glsl and those of control/rounded.glsl.
 
-// Up to three clips that share a phase. Unused ones have weight 0, and so have all where a state plays nothing.
+// Up to three clips that share a phase. Unused ones have weight 0; if a state plays nothing, all of them do.
 struct ClipMix {
     uvec3 clips;
     vec3 weights;
     float rate;  // cycles a second
     uint loop;
     uint sync;
-    bool backwards;  // a state that begins at its end
+    bool backwards;  // the state's speed is negative, so it begins at its end
 };
 
-// `do` with a `break` before its body: on a software device `while` goes round once more for all invocations. Without
-// the `break`, SwiftShader gives invocations that have left a loop what its further rounds compute (docs/devices.md).
+// A `do` loop that begins with a `break`: on a software device, a `while` loop runs one extra round for all
+// invocations. Without the `break`, invocations that have left the loop get values of its further rounds on SwiftShader
+// (docs/devices.md).
 void mix_line(INOUT(ClipMix) clip_mix, ControlState state, float x) {
     uint i = 0, k = 1;
     do {

@@ -1,5 +1,5 @@
-// commands: applies what the CPU has asked of instances since the last update. Commands are sorted by instance; the
-// invocation of an instance's first one applies them all, in their order.
+// commands: applies what the CPU has asked of instances since the last update. Commands are sorted by instance. The
+// invocation of an instance's first command applies all commands of that instance, in their order.
 #include "gpu/buffers_io.h"
 #include "control/controller_io.h"
 

@@ -1,7 +1,7 @@
-// What a command does. C++ too (gpu/glsl.h). The includer declares the buffers `layers` and `parameters`, the functions
-// of control/rounded.glsl and push_play().
+// Carries out a command. C++ too (gpu/glsl.h). The includer declares the buffers `layers` and `parameters`, the
+// functions of control/rounded.glsl and push_play().
 
-// Leaves the layer's blend alone, which another invocation may be setting (command/obey.comp).
+// Does not touch what set_layer() writes: another invocation may be writing it at the same time (command/obey.comp).
 void play(uint layer, ControlCommand command) {
     const bool at_once = command.fade_rate == 0 || command.kind == kCommandPlayInertial;
     const bool is_state = command.kind == kCommandState;
@@ -24,8 +24,7 @@ void set_layer(uint layer, ControlCommand command) {
     layers[layer].mask = command.motion;
 }
 
-// `layer`, `parameter`: the index of its target in `layers` or `parameters`; only the one that the command needs
-// counts.
+// `layer` and `parameter` are the indices of the target in `layers` and `parameters`. A command uses only one of them.
 void obey(ControlCommand command, uint layer, uint parameter) {
     if (command.kind == kCommandPlay || command.kind == kCommandPlayInertial || command.kind == kCommandState)
         play(layer, command);

@@ -1,12 +1,12 @@
-// Playback state -> time -> rows of keys. The includer declares the tables `timelines` and `times`, words both.
+// Playback state -> time -> rows of keys. The includer declares `timelines` and `times`, both tables of words.
 #include "control/control_io.h"
 
 ClipTimeline load_timeline(uint clip) { return CLIP_TIMELINE_AT(timelines, kClipTimelineWords * clip); }
 
 float time_at(uint index) { return FLOAT_AT(times, index); }
 
-// Looping: t - floor(t / D) * D, so that t = D wraps to 0. Division is not exact on GPUs, hence the two corrections; a
-// time that overflow made infinite or NaN wraps to 0 as well, or it would stay so for good.
+// Looping: t - floor(t / D) * D, so that t = D wraps to 0. Division is not exact on GPUs, hence the two corrections. A
+// time that has overflowed to infinity or NaN also becomes 0, since it would never recover by itself.
 float local_time(float time_s, float duration_s, bool loop) {
     if (duration_s <= 0) return 0;
     if (!loop) return clamp(time_s, 0, duration_s);

@@ -1,7 +1,7 @@
-// controller: one update of each instance's layers: transitions, fades, times, events, root motion; writes the clips
-// that its pose is made of. One invocation per instance. Defined in docs/controller.md; nothing that decides a state is
-// divided or fused, so that all devices agree. Loops test at the end of a round: a software device goes round a loop
-// that tests first once more than any invocation needs.
+// controller: one update of each instance's layers: transitions, fades, times, events, root motion. Writes the clips
+// that its pose is made of. One invocation per instance. Defined in docs/controller.md. Whatever decides a state is
+// computed without division and fused multiply-add, so that all devices agree. Loops test at the end of a round: a
+// software device runs a loop that tests first one round longer than any invocation needs.
 #include "gpu/buffers_io.h"
 #include "gpu/stored.glsl"
 #include "control/births.glsl"
@@ -21,8 +21,8 @@ BUFFER(kRootsBuffer, RootState, roots);
 BUFFER(kRootRemaindersBuffer, vec2, root_remainders);
 // world_from_model, three rows each
 WRITEONLY_BUFFER(kPlacementsBuffer, vec4, placements);
-// For reading, a software device has layers and parameters as tables too, which are faster there. Others must not,
-// since compilers take buffers of two names for different memory (SPIR-V 2.18.2, "Aliasing").
+// A software device reads layers and parameters as tables, which are faster there. Other devices must not bind them
+// twice: compilers assume that two buffer variables do not alias (SPIR-V 2.18.2, "Aliasing").
 #ifdef GPU_SOFTWARE
 TABLE_OF_WORDS(kLayersBeforeBuffer, layers_before);
 TABLE_OF_WORDS(kParametersBeforeBuffer, parameters_before);
@@ -38,7 +38,8 @@ PUSH(ControllerPush);
 
 uint instance, first_parameter;
 
-// Parameters that are not finite count as 0, and so do those closer to 0 than 1.2e-38, which some devices take for 0.
+// Parameters that are not finite count as 0, and so do denormal ones (closer to 0 than 1.2e-38), which some devices
+// flush to 0.
 float parameter_at(uint index) {
     const float value = PARAMETER_AT(first_parameter + index);
     const uint exponent = floatBitsToUint(value) & 0x7F800000u;

@@ -1,7 +1,7 @@
 // What the controller kernel reads and writes. Shared by C++ and GLSL. docs/controller.md defines what it computes.
 //
-// Tables of a group, one after another in one buffer of words (gpu/table.glsl), each struct as many words as it has
-// members; ControllerLayout says where each begins.
+// The tables of a group lie one after another in one buffer of words (gpu/table.glsl). Each member of a struct takes
+// one word. ControllerLayout says where each table begins.
 #ifndef THRONG_CONTROLLER_IO_H
 #define THRONG_CONTROLLER_IO_H
 #include "control/control_io.h"
@@ -9,7 +9,7 @@ THRONG_IO_BEGIN
 
 THRONG_IO_CONSTANT kControllerWorkgroupSize = 64;
 THRONG_IO_CONSTANT kStackSize = 3;            // plays that a layer cross-fades at once
-THRONG_IO_CONSTANT kLastPhase = 0xFFFFFFFFu;  // the end of what does not loop
+THRONG_IO_CONSTANT kLastPhase = 0xFFFFFFFFu;  // the end of a clip or state that does not loop
 
 // One clip, beside its ClipTimeline.
 struct ControlClip {
@@ -19,13 +19,13 @@ struct ControlClip {
 };
 
 struct ControlLayer {
-    uint first_state, state_count;  // count 0: direct
+    uint first_state, state_count;  // count 0: a direct layer, which plays clips
     uint mode;                      // kModeOverride, kModeAdditive; a direct layer begins with it
     uint mask;                      // index or kNone; a direct layer begins with it
     float weight;                   // a direct layer begins with it
     uint weight_parameter;          // or kNone
     uint model_rotations;           // 1: overrides in model space
-    uint has_empty_states;          // 1: some play nothing
+    uint has_empty_states;          // 1: some states play nothing
 };
 THRONG_IO_CONSTANT kModeOverride = 0;
 THRONG_IO_CONSTANT kModeAdditive = 1;
@@ -39,7 +39,7 @@ struct ControlState {
     float speed;
     uint loop;
     uint sync;                                // or kNone
-    uint first_transition, transition_count;  // those that leave it, in order; "any state" ones are among each state's
+    uint first_transition, transition_count;  // out of this state, in order, including those from any state
 };
 
 struct ControlPoint {
@@ -48,8 +48,8 @@ struct ControlPoint {
     float inverse_span;  // one parameter: 1 / (x of the next - x); 0 for the last
 };
 
-// Weights of points a and b at (x, y): u = ax * x + ay * y + a0 and v likewise; that of c is 1 - u - v. Points are
-// indices within the state.
+// Weights at (x, y): u = ax * x + ay * y + a0 for point a, v = bx * x + by * y + b0 for point b, and 1 - u - v for
+// point c. Points are indices within the state.
 struct ControlTriangle {
     uint a, b, c;
     float ax, ay, a0;
@@ -98,7 +98,7 @@ struct ControllerLayout {
 
 // One clip, blend space or state that a layer plays. A clip's or state's time is its phase, in 2^-32 of a cycle.
 struct LayerPlay {
-    uint motion;  // state of the layer; of a direct layer a clip, clip_count: the rest pose
+    uint motion;  // state of the layer; in a direct layer a clip, where clip_count is the rest pose
     uint phase;
     uint loops;       // whole cycles since it was entered; counted backwards if the state's speed is negative
     float fade;       // how far it has replaced what lies below it, 0..1, linear in time
@@ -114,7 +114,7 @@ struct LayerState {
     float weight, weight_goal, weight_rate;  // direct layers: weight moves towards the goal by weight_rate a second
     uint mode, mask;                         // direct layers
     uint taken;                              // transition taken by the last update, or kNone
-    float inertial_rate;  // direct layers: of an inertial play since the last update, 1 / seconds; 0: none
+    float inertial_rate;  // direct layers: 1 / seconds, of an inertial play since the last update; 0: none
 };
 
 // One clip as part of an instance's pose: 32 bytes, two rows of a table. Active clips of a layer follow each other;
@@ -142,7 +142,7 @@ struct InstanceInertia {
     float duration_s;
     float shown_step_s;  // between the last two poses shown; 0: there are fewer than two
     uint shown_count;    // poses shown, this update's included, at most 3
-    uint begins;         // in this update
+    uint begins;         // 1: it begins in this update
     float time_step_s;   // of this update
 };
 
@@ -167,10 +167,11 @@ struct EventRecord {
     float time_s;  // after the beginning of the update's time step, 0..time step
 };
 
-// Where the loops of a play are no longer counted; the sum of two such numbers fits an int
+// Loop counts of plays stop here. The sum of two such numbers fits an int
 THRONG_IO_CONSTANT kMostLoops = 1000000000;
 
-// Longer fades take as long: the rate of a longer one would be denormal, and a device may take it for 0, at once.
+// Longer fades are shortened to this. Their rate would be denormal, and a device may flush it to 0, which means at
+// once.
 THRONG_IO_FLOAT kLongestFade_s = 8e37f;
 
 // What the CPU asks of an instance. An instance's commands lie together, in the order in which they were given.

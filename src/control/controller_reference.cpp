@@ -64,7 +64,7 @@ struct ControllerText : ArrayTables {
         add_weighted(update->move, {}, 1 - double{shown});
     }
 
-    // Step 7: goes through the places of events in all cycles that the step touches.
+    // Step 7: looks at the position of each event in each cycle that the step touches.
     void emit_events(uint clip, const PhaseStep& step, uint layer) {
         constexpr int64_t kCycle = int64_t{1} << 32;
         const int64_t before = step.before, after = step.crossed * kCycle + step.after;
@@ -124,7 +124,7 @@ std::vector<io::ActiveClip> to_io(std::span<const ControllerActiveClip> active_c
         const ControllerActiveClip& active_clip = active_clips[i];
         const Clip rest_pose{.row_count = 1};
         const Clip& clip = active_clip.clip < character.clips.size() ? character.clips[active_clip.clip] : rest_pose;
-        // The time as the kernel has it, in float, so that both find the same rows.
+        // Computed in float, like the time in the kernel, so that both find the same rows.
         const float time_s = (static_cast<float>(active_clip.phase) * 0x1p-32f) * clip.duration_s;
         const RowCursor rows = find_rows_reference(
             std::span(character.times_s)

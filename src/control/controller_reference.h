@@ -1,6 +1,6 @@
-// The definition of the controller stage (docs/controller.md): one instance, on the CPU, with nothing fused and nothing
-// fast. Values that decide a state are computed in float as the definition says, so that a device must agree bit for
-// bit; values that decide nothing, in double.
+// The definition of the controller stage (docs/controller.md): one instance, on the CPU, without any optimization.
+// Values that decide a state are computed in float exactly as the definition says, and a device must agree bit for bit.
+// Values that decide nothing are computed in double.
 #pragma once
 
 #include "control/root_motion_reference.h"
@@ -35,8 +35,8 @@ constexpr size_t kMostEvents = 16'384;  // the default of CrowdSettings::event_c
 
 struct ControllerUpdate {
     std::vector<ControllerActiveClip> active_clips;  // lowest layer first; at least one
-    // Layer by layer, and within a layer by time; the first kMostEvents of them, so that a clip that goes round a
-    // billion times takes no memory without bound
+    // Layer by layer, and by time within a layer. At most kMostEvents, so that a clip that loops a billion times in one
+    // update does not take memory without bound
     std::vector<ControllerEventAt> events;
     GroundMove move;       // in model space before the update
     float inertial_s = 0;  // duration of the inertial transition that begins; 0: none does

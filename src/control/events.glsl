@@ -1,15 +1,15 @@
 // Events that a clip passed in an update: step 7 of docs/controller.md. The includer declares `events`, `event_head`
 // and `instance`.
 
-// How often an event is passed: positions are phase + 2^32 * loops; forwards it is passed by [before, after), backwards
-// by [after, before).
+// How many times a step passes an event. Positions are phase + 2^32 * loops. Going forwards, a step passes the
+// positions in [before, after), going backwards those in [after, before).
 uint times_passed(uint phase, PhaseStep phase_step) {
     const int passed_before = phase < phase_step.before ? 1 : 0,
               passed_after = phase < phase_step.after || phase_step.reached_end ? 1 : 0;
     return uint(abs(phase_step.crossed + passed_after - passed_before));
 }
 
-// Counts them all, and keeps those that there is room for.
+// Counts each time that the event is passed, and stores a record of it while there is room.
 void emit_event(ControlEvent event, PhaseStep phase_step, uint layer) {
     const uint count = times_passed(event.phase, phase_step);
     if (count == 0) return;

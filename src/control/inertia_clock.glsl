@@ -1,4 +1,4 @@
-// When inertial transitions begin and end. The includer declares `inertias`, and what control/layer.glsl does.
+// When inertial transitions begin and end. Included after control/layer.glsl. The includer declares `inertias`.
 
 void end_inertia() {
     if ((push.flags & kPushIsInertial) == 0) return;

@@ -1,11 +1,11 @@
 // One update of a layer of an instance: the part of docs/controller.md that decides its state. C++ too, like
 // control/blend_space.glsl. The includer declares what that file needs, the buffers `layers` and `parameters`, `push`,
 // `layout_of_group`, `instance`, `first_parameter`, load_layer_state(index), and the functions that show the layer:
-// begin_layer(), add_active_clip(), add_move(), scale_move() and emit_events(). These use control/plays.glsl, so that
-// comes first.
+// begin_layer(), add_active_clip(), add_move(), scale_move() and emit_events(). Those functions use control/plays.glsl,
+// so it is included first.
 
-bool has_taken = false;  // a transition, in any layer
-// Duration of the inertial transition or play that this update begins with, in the highest layer that has one; 0: none
+bool has_taken = false;  // whether any layer has taken a transition in this update
+// Duration of the inertial transition or play that begins in this update, of the highest layer that has one; 0: none
 float begun_duration_s = 0;
 
 void note_transition(LayerState state, float layer_weight) {
@@ -19,7 +19,7 @@ void note_inertial_play(LayerState state, float layer_weight) {
     if (state.inertial_rate > 0 && layer_weight > 0) begun_duration_s = 1 / state.inertial_rate;
 }
 
-// A layer's weight; a direct one's goes towards its goal.
+// Moves the weight of a direct layer towards its goal. Returns the layer's weight.
 float advance_weight(INOUT(LayerState) state, ControlLayer layer) {
     const float way = product(max(push.time_step_s, 0), state.weight_rate);
     state.weight = state.weight < state.weight_goal ? min(sum(state.weight, way), state.weight_goal)
@@ -44,8 +44,8 @@ void store_layer_state(uint index, LayerState state) {
     if (state.inertial_rate != 0) layers[index].inertial_rate = 0;
 }
 
-// Of a layer that has states that play nothing: the weight of all other plays, which is how much the layer shows. Never
-// so small that weights could not be divided by it.
+// The part of a layer that is shown, if some of its states play nothing: the sum of the weights of all other plays. At
+// least 1e-30, so that weights can be divided by it.
 float shown_part(LayerState state, ControlLayer layer, vec3 weights) {
     float shown = 0;
     uint k = 0;
@@ -68,18 +68,20 @@ void add_clips(ClipMix clip_mix, PhaseStep phase_step, float play_weight, bool m
     } while (++point < 3);
 }
 
-// What plays in step with the leading one take from it.
+// What plays in the same sync group take over from the leading play.
 struct Leading {
     uint sync, phase, loops;
     float rate;
     PhaseStep phase_step;
 };
 
-// Advances plays in time and shows them, the leading one first: one at a time, since a GPU lacks the registers for what
-// all of them show. Plays in step with the leading one advance at a common rate; if there can be any, a first round
-// through all plays only adds up that rate. Then `weights` become those of clips within what the layer shows. All
-// variables are initialized, and no `continue` is used: either would make AMD's compiler hold values in registers
-// throughout the loop around this (docs/performance.md).
+// Advances plays in time and shows them, the leading one first. It handles one play at a time, because a GPU lacks the
+// registers for the clips of all plays at once. Plays in the leading one's sync group advance at a common rate; if
+// there can be any, a first pass over all plays only sums up that rate. If some states play nothing, `weights` are then
+// divided by the part of the layer that is shown.
+//
+// All variables are initialized, and no `continue` is used: otherwise AMD's compiler would hold values in registers
+// throughout the enclosing loop (docs/performance.md).
 void show_plays(uint at, uint index, LayerState state, ControlLayer layer, vec3 weights, float layer_weight) {
     Leading leading = {kNone, 0, 0, 0, {0, 0, 0, false, 0}};
     float common_rate = 0;
@@ -130,7 +132,7 @@ void show_plays(uint at, uint index, LayerState state, ControlLayer layer, vec3 
             ++k;
         }
     } while (k < state.play_count);
-    // The plays' own weights sum to 1
+    // The weights summed to 1 before they were divided by the part that is shown, so 1 / sum is that part
     if (index == 0 && layer.has_empty_states != 0) scale_move(1 / (weights.x + weights.y + weights.z));
 }
 

@@ -1,5 +1,5 @@
-// Checks what Crowd asks of layers and turns it into commands of the GPU (the caller fills in the instance); and says
-// what layers play.
+// Checks the calls of Crowd that concern layers and turns them into commands for the GPU (the caller fills in the
+// instance). Also reports what layers play.
 #pragma once
 
 #include "base/error_place.h"
@@ -10,7 +10,7 @@
 
 namespace throng {
 
-// What can be asked of a layer: only a state if it has some.
+// What can be asked of a layer. A layer that has states plays only states, a direct layer only clips.
 struct LayerKind {
     uint32_t state_count = 0;     // 0: none, a direct layer
     bool inertial_plays = false;  // ControllerLayer::inertial_plays

@@ -2,7 +2,7 @@
 // The includer declares the table `root_rows`.
 #include "gpu/ground.glsl"
 
-// Relative to where the clip begins.
+// The place of the root at a phase, relative to the beginning of the clip.
 vec4 place_at(ControlClip clip, uint phase) {
     uint row, fraction;
     umulExtended(phase, clip.root_count - 1, row, fraction);
@@ -23,7 +23,7 @@ vec4 cycles_of(ControlClip clip, int count) {
     return all;
 }
 
-// From one phase to another, over whole cycles between.
+// The move from one phase to the other, with the whole cycles between them.
 vec4 move_of(ControlClip clip, PhaseStep phase_step) {
     vec4 move = vec4(0, 0, 1, 0);
     if (clip.root_count > 0) {
@@ -40,11 +40,11 @@ void add_move(uint clip, PhaseStep phase_step, float weight) {
     if ((push.flags & kPushHasRootMotion) != 0) move_sum += weight * move_of(load_clip(clip), phase_step);
 }
 
-// To that of a layer that shows only so much; the rest does not move.
+// Scales the move of a layer of which only the part `shown` (0..1) is shown. The rest counts as standing still.
 void scale_move(float shown) { move_sum = shown * move_sum + vec4(0, 0, 1 - shown, 0); }
 
 // Reports the move and, if root motion is applied, places the instance at base * place. What rounding drops from x and
-// z is added with the next move (Kahan, 1965); otherwise a long way in short steps would miss its end.
+// z is added to the next move (Kahan, 1965). Otherwise the error of many short steps would add up.
 void end_move() {
     if ((push.flags & kPushHasRootMotion) == 0) return;
     const vec4 move = move_sum == vec4(0) ? vec4(0, 0, 1, 0) : turned_to_length_one(move_sum);

@@ -26,7 +26,8 @@ GroundMove place_at(RootRows rows, uint32_t phase);
 // phase_before.
 GroundMove move_between(RootRows rows, uint32_t phase_before, uint32_t phase_after, int64_t crossed);
 
-// Adds to a weighted sum of moves; and the sum with its turn brought to length one (no move if they cancel each other).
+// Adds to a weighted sum of moves; and returns the sum with its turn normalized (no turn if the turns cancel each
+// other).
 void add_weighted(GroundMove& sum, const GroundMove& move, double weight);
 GroundMove turned_to_length_one(const GroundMove& sum);
 

@@ -17,7 +17,7 @@ using Triangle = std::array<uint32_t, 3>;  // counterclockwise
 using Edge = std::array<uint32_t, 2>;
 
 constexpr double kFlat = 1e-4;         // height relative to length
-constexpr double kCocircular = 1e-12;  // of places within 0..2: rounding, many times over
+constexpr double kCocircular = 1e-12;  // for coordinates within 0..2; many times the rounding error
 
 double cross(Place a, Place b, Place c) { return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x); }
 double squared_distance(Place a, Place b) { return (b.x - a.x) * (b.x - a.x) + (b.y - a.y) * (b.y - a.y); }
@@ -28,7 +28,8 @@ bool in_circle(Place a, Place b, Place c, Place d) {
     return lifted(a, b, c) + lifted(b, c, a) + lifted(c, a, b) > kCocircular;
 }
 
-// The points moved to 0 and scaled by powers of two, which rounds nothing: what lies on a line or circle still does.
+// The points moved to the origin, and x and y scaled by powers of two, which rounds nothing: points on a line stay
+// exactly on a line, and the corners of an upright rectangle on a circle.
 std::vector<Place> scaled(std::span<const BlendPoint> points) {
     const auto [left, right] = std::ranges::minmax(points, {}, &BlendPoint::x);
     const auto [bottom, top] = std::ranges::minmax(points, {}, &BlendPoint::y);
@@ -82,7 +83,8 @@ private:
             return std::pair(places_[i].x, places_[i].y) < std::pair(places_[k].x, places_[k].y);
         });
         const auto apex = std::ranges::find_if(order, [&](uint32_t i) { return area(order[0], order[1], i) != 0; });
-        // Points of a line so far; seen from its right it is a hull without an inside
+        // The points before the apex lie on a line. They form a hull without an inside, ordered so that the apex is on
+        // its right
         std::vector<uint32_t> hull(order.begin(), apex);
         if (area(order[0], order[1], *apex) > 0) std::ranges::reverse(hull);
         for (size_t i = 0; i + 1 < hull.size(); ++i) triangles.push_back({hull[i + 1], hull[i], *apex});
@@ -103,8 +105,8 @@ private:
         hull.insert(hull.begin() + 1, point);
     }
 
-    // If the far point of a neighbour lies in a triangle's circle, turns their common side (Lawson 1977); this ends
-    // when no circle holds a point.
+    // If the far point of a neighbour lies in a triangle's circumcircle, flips their common edge (Lawson 1977). This
+    // ends when no circumcircle contains a point.
     bool flip_one() {
         for (Triangle& one : triangles)
             for (size_t side = 0; side < 3; ++side) {
@@ -139,7 +141,7 @@ private:
             }
     }
 
-    // Removes a nearly flat triangle whose long side is on the border; its two short sides take that one's place.
+    // Removes a nearly flat triangle whose long side is on the border. Its two short sides become the border there.
     bool peel_one() {
         for (auto triangle = triangles.begin(); triangle != triangles.end(); ++triangle)
             for (size_t side = 0; side < 3; ++side) {

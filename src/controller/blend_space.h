@@ -17,10 +17,10 @@ struct BlendSpace {
     std::vector<io::ControlEdge> edges;
 };
 
-// The Delaunay triangulation of the points (at least one, all at different places). x and y have units of their own, so
-// they are scaled to the same range for it. Triangles at the border that are flatter than 1e-4 of their length are left
-// out: floats could not tell places within them apart. O(points^2), which is quick for the 64 points that a state can
-// have.
+// The Delaunay triangulation of the points (at least one, all at different places). x and y may have different units,
+// so both are scaled to the same range first. Triangles at the border that are flatter than 1e-4 of their length are
+// left out, since floats could not tell places within them apart. Each edge flip searches all pairs of triangles, which
+// is quick enough for the 64 points that a state can have.
 BlendSpace make_blend_space(std::span<const BlendPoint> points);
 
 }  // namespace throng

@@ -92,7 +92,8 @@ private:
             out.points[i].inverse_span = static_cast<float>(1 / (double{out.points[i + 1].x} - out.points[i].x));
     }
 
-    // Each state has a list of its own, which includes the transitions from any state.
+    // Each state has its own list, which includes the transitions from any state, except those that lead to the state
+    // itself.
     void add_transitions(const ControllerLayer& layer, uint32_t first_state) {
         std::vector<io::ControlTransition> all;
         for (const ControllerTransition& transition : layer.transitions) all.push_back(converted(transition, layer));
@@ -109,7 +110,7 @@ private:
     }
 
     io::ControlTransition converted(const ControllerTransition& transition, const ControllerLayer& layer) {
-        // One less, so that a clip that stops at kLastPhase has played its cycle.
+        // One less, so that a clip that has stopped at kLastPhase counts as one whole cycle.
         const auto exit = static_cast<uint64_t>(std::max(std::round(transition.exit * 0x1p32) - 1, 0.0));
         const io::ControlTransition added{
             .to = find_name(layer.states, transition.to),

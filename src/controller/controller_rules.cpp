@@ -37,7 +37,7 @@ void require_name(std::string_view name, const std::string& place) {
     throw Failure(ErrorCode::kLimit, place, "the name is longer than the limit of ", kNameLimit, " bytes");
 }
 
-// For names that the controller itself gives, and others print.
+// For names that the controller defines. They appear in messages.
 void require_printable_name(std::string_view name, const std::string& place) {
     require_name(name, place);
     if (printable(name, kNameLimit) != name)
@@ -51,7 +51,7 @@ void add_unique(KnownNames& names, std::string_view name, const std::string& pla
     if (!names.add(name)) refuse(place, "the name '", printable(name), "' is taken; rename one");
 }
 
-// The checks in the controller's order, and the names that later ones look up.
+// Runs the checks, and keeps the names that later checks look up.
 class Rules {
 public:
     explicit Rules(const Controller& controller) : controller_(controller) {}
@@ -122,7 +122,7 @@ private:
         check_transition_count();
     }
 
-    // Each state gets a list of its own (controller_arrays.cpp).
+    // Each state gets its own list of transitions (controller_arrays.cpp).
     void check_transition_count() const {
         uint64_t count = 0;
         for (const ControllerLayer& layer : controller_.layers)
@@ -177,7 +177,7 @@ private:
         }
     }
 
-    // A state that plays nothing has nothing that those fields could be said of.
+    // loop, speed and sync mean nothing for a state that plays nothing, so they must have their defaults.
     static void check_empty(const ControllerState& state, const std::string& place) {
         if (!state.x_parameter.empty() || !state.y_parameter.empty())
             refuse(place_of(place, "clips"), "a blend has at least one clip");

@@ -8,7 +8,7 @@ namespace throng {
 inline constexpr size_t kLayerLimit = 16;
 inline constexpr size_t kStateLimit = 1'024;       // of a layer
 inline constexpr size_t kTransitionLimit = 4'096;  // of a layer
-// Of all layers; one from any state counts for each state of its layer
+// Of all layers together. A transition from any state counts once for each state of its layer
 inline constexpr size_t kAllTransitionsLimit = 1'048'576;
 inline constexpr size_t kBlendPointLimit = 64;  // of a state
 inline constexpr size_t kParameterLimit = 256;
@@ -16,12 +16,13 @@ inline constexpr size_t kEventLimit = 4'096;
 inline constexpr size_t kMaskLimit = 256;
 inline constexpr size_t kMaskItemLimit = 4'096;  // of a mask
 inline constexpr float kExitLimit = 1e6f;        // cycles
-inline constexpr float kLeastFade_s = 1e-4f;     // 1 / fade must not overflow; nobody sees a shorter one
+inline constexpr float kLeastFade_s = 1e-4f;     // 1 / fade must not overflow; a shorter one would be invisible
 inline constexpr float kMostFade_s = 1e3f;
 inline constexpr float kBlendPlaceLimit = 1e6f;      // of blend points
-inline constexpr float kLeastBlendDistance = 1e-6f;  // between them: 1 / it must not overflow
+inline constexpr float kLeastBlendDistance = 1e-6f;  // between them; 1 / distance must not overflow
 
-// Throws kInvalidArgument or kLimit. Places are those of the JSON: layers[0].states.walk.clips[1].at.
+// Throws kInvalidArgument or kLimit. The place of an error is a path in the JSON, such as
+// layers[0].states.walk.clips[1].at.
 void check_rules(const Controller& controller);
 
 }  // namespace throng

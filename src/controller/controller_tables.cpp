@@ -61,7 +61,7 @@ ControllerTables make_controller_tables(const Controller& controller, const Char
     const ControllerArrays arrays = make_controller_arrays(controller, character);
     ControllerTables tables;
     std::vector<uint32_t>& words = tables.words;
-    append(words, std::vector{tables.layout});  // its place; filled in below
+    append(words, std::vector{tables.layout});  // reserves its words; filled in below
     tables.layout = {
         .clips = append(words, arrays.clips),
         .layers = append(words, arrays.layers),

@@ -11,7 +11,7 @@
 namespace throng {
 
 struct ControllerTables {
-    std::vector<uint32_t> words;                 // io::ControllerLayout, then the arrays whose beginnings it names
+    std::vector<uint32_t> words;                 // io::ControllerLayout, then the arrays that it locates
     io::ControllerLayout layout{};               // the first words
     std::vector<float> masks;                    // [mask_count][joint_count], 0..1
     std::vector<float> initial_parameters;       // [parameter_count]

@@ -132,7 +132,7 @@ void AttachStage::set(uint32_t instance, const io::InstanceAttachment& attachmen
     dirty_.add(instance, 1);
 }
 
-// kNone: it hangs on nobody.
+// The number of its carrier in the crowd; kNone if it is not attached.
 uint32_t AttachStage::carrier_of(uint32_t instance) const {
     const io::InstanceAttachment& hangs = attachments_[instance];
     return hangs.carrier_batch == kNone ? kNone : batches_[hangs.carrier_batch].first_instance + hangs.carrier;
@@ -199,14 +199,15 @@ void AttachStage::record(const Update& update) {
     update.end_stage("attach");
 }
 
-// Detaches all before groups are read one after the other, so that they form no circles with the old attachments.
+// Detaches everything before groups are read one after another. Otherwise an attachment that has been read could form a
+// cycle with an old one.
 void AttachStage::exchange(StateArchive& archive) {
     if (!archive.reads()) return;
     for (uint32_t instance = 0; instance < attachments_.size(); ++instance)
         if (attachments_[instance].carrier_batch != kNone) set(instance, kOnNobody);
 }
 
-// Stores carriers by their numbers in the crowd. All attachments are handed to the device with the next update.
+// Stores carriers by their numbers in the crowd. After reading, all attachments go to the device with the next update.
 void AttachStage::exchange_group(StateArchive& archive, uint32_t group) {
     for_each_batch_of(group, [&](const Batch& batch, uint32_t) {
         if (!group_of(batch).is_carried) return;
@@ -214,7 +215,7 @@ void AttachStage::exchange_group(StateArchive& archive, uint32_t group) {
         std::vector<io::InstanceAttachment> by_number(attachments.begin(), attachments.end());
         for (io::InstanceAttachment& one : by_number)
             if (one.carrier_batch != kNone) one.carrier += batches_[one.carrier_batch].first_instance;
-        for (io::InstanceAttachment& one : by_number) one.level = 0;  // follows from the others
+        for (io::InstanceAttachment& one : by_number) one.level = 0;  // set_levels() finds it again
         archive.values(std::span(by_number));
         if (!archive.reads()) return;
         for (uint32_t i = 0; i < by_number.size(); ++i) {

@@ -50,9 +50,10 @@ private:
     Kernel kernel_;
     struct Pair {
         Bindings bindings;
-        std::vector<uint32_t> counts;  // [level], how many instances hang at it
+        std::vector<uint32_t> counts;  // [level], attached instances
     };
-    // By a carried batch and a batch of carriers, or kNone for the sockets of instances that hang on nobody.
+    // Keys: a carried batch, and the batch of its carriers or, for the sockets of instances that are not attached,
+    // kNone.
     std::map<std::pair<uint32_t, uint32_t>, Pair> pairs_;
 };
 

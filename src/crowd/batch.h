@@ -12,15 +12,15 @@ namespace throng {
 struct Batch {
     uint32_t group = 0, of_group = 0;  // of_group: which of the group's batches it is
     uint32_t first_instance = 0, instance_count = 0;
-    uint32_t used_count = 0;  // instances up to the last one that is there in the update under way
-    // The value in `births` of instances born in that update; 0: all instances are always there
+    uint32_t used_count = 0;  // instances up to the last one that exists in the update under way
+    // The entry in `births` of instances born in that update; 0: all instances always exist
     uint32_t birth = 0;
     bool blends = false;      // whether two clips have weight in any instance, in the update that is under way
     bool is_moved = false;    // whether placements have been set for the update that is under way
     uint32_t move_count = 0;  // in how many updates so far placements had been set
-    Buffers buffers;          // those that its settings ask for
-    // Outputs of updates for their readers, in frame slots used in turn: skin matrices and, if
-    // CrowdSettings::frames_in_flight is above 1, the skinned vertices and copies of other outputs (kShownBuffers).
+    Buffers buffers;          // those that the group's settings ask for
+    // Outputs of updates, in frame slots that are used in turn: skin matrices and, if CrowdSettings::frames_in_flight
+    // is above 1, the skinned vertices and copies of other outputs (kShownBuffers).
     std::vector<Buffer> skins;   // [slot]
     std::vector<Buffers> shown;  // [slot], or none
     uint32_t slot = 0;           // of the last update
@@ -43,7 +43,7 @@ struct Batch {
     bool has(uint32_t instance) const { return instance - first_instance < instance_count; }
     const Buffer& skin() const { return skins[slot]; }
     uint32_t slot_before(uint32_t of) const { return (of == 0 ? static_cast<uint32_t>(skins.size()) : of) - 1; }
-    // An output in its slot, for those who read it.
+    // The buffer from which readers take an output of this slot.
     const Buffer& shown_in(uint32_t of_slot, uint32_t number) const {
         const bool is_copied = !shown.empty() && shown[of_slot].has(number);
         return is_copied ? shown[of_slot][number] : buffers[number];
@@ -59,7 +59,7 @@ struct Batch {
                   {io::kParametersBeforeBuffer, buffers[io::kParametersBuffer]}})
             .set_absent(absent, of[io::kWordsBuffer]);
     }
-    // What a picture is drawn from.
+    // The buffers that a picture is drawn from.
     BufferTable shown_table(const Group& of, const BufferRange& absent, uint32_t of_slot) const {
         BufferTable all = table(of, absent);
         if (!shown.empty()) all.add(shown[of_slot]);

@@ -17,7 +17,7 @@ public:
 
     // Contents are undefined. `instance_bytes`: of one instance.
     void add_storage(uint32_t number, uint64_t instance_bytes);
-    // The same, with zeros: what Crowd::save_state() keeps must not hold what was in the memory before.
+    // The same, filled with zeros: what Crowd::save_state() saves must not contain leftovers of earlier memory.
     void add_zeros(uint32_t number, uint64_t instance_bytes);
     // Read by gpu/table.glsl, as T.
     template <class T>
@@ -42,26 +42,27 @@ public:
         });
     }
     void add(uint32_t number, uint64_t instance_bytes, Make make);
-    // Its size does not grow with the batch: `most_bytes` at most.
+    // A buffer of at most `most_bytes`, whose size does not grow with the batch.
     void add_of_batch(uint32_t number, uint64_t most_bytes, Make make);
-    // Keeps batches small enough for a buffer that they share and do not own, such as the arena of the staged update:
-    // an instance takes this much of it.
+    // Keeps batches small enough for a buffer that they share and do not own, such as the arena of the staged update.
+    // `instance_bytes`: what an instance takes of that buffer.
     void limit(uint64_t instance_bytes) { largest_bytes_ = std::max(largest_bytes_, instance_bytes); }
-    // What a stage keeps of an instance besides, on the host.
+    // Host memory that a stage keeps for each instance.
     void add_host(uint64_t instance_bytes) { host_bytes_ += instance_bytes; }
     const Group& group() const { return group_; }
     const CrowdSettings& settings() const { return settings_; }
-    // What an instance takes of all buffers together.
+    // What an instance takes in all buffers together.
     uint64_t instance_bytes() const;
     uint64_t host_bytes() const { return host_bytes_; }    // what an instance takes on the host
-    uint64_t batch_bytes() const { return batch_bytes_; }  // what a batch takes besides, whatever its size
-    // The most that an instance takes of any one buffer, which decides how many instances form a batch.
+    uint64_t batch_bytes() const { return batch_bytes_; }  // what a batch of any size takes in addition
+    // The most that an instance takes in any one buffer, which decides how many instances form a batch.
     uint64_t largest_bytes() const { return largest_bytes_; }
     // Makes the buffers of a batch, for as many instances as it has.
     void make(Uploads& uploads, Batch& batch) const;
 
 private:
-    // Whether kernels write it to the frame slot of their update; whether it is copied there when they are done.
+    // Whether kernels write the buffer in the frame slot of their update; and whether it is copied there after the
+    // kernels.
     bool is_only_in_slots(uint32_t number) const;
     bool is_copied_to_slots(uint32_t number) const;
     // How many buffers of this number a batch has.
@@ -79,7 +80,7 @@ private:
     uint64_t largest_bytes_ = 0, batch_bytes_ = 0, host_bytes_ = 0;
 };
 
-// For how many updates skin matrices are kept at a time.
+// For how many updates skin matrices are kept: the number of frame slots.
 inline uint32_t frame_slot_count(const CrowdSettings& settings) {
     return settings.frames_in_flight + (settings.keep_previous_matrices ? 1 : 0);
 }

@@ -78,8 +78,8 @@ void ChangeStage::record(const Update& update) {
         used_words = 0;
     };
     const size_t room = uploaded_.size_bytes() / sizeof(uint32_t);
-    // The first round can be written at once: the barrier that the update begins with comes after the last update's
-    // reads.
+    // The first round needs no barrier before it: the one at the beginning of the update already waits for the reads of
+    // the last update.
     for (const Pending& of : std::views::join(pending_)) {
         const size_t stride = 1 + of.item_words;
         for (size_t at = 0; at < of.words.size();) {

@@ -1,4 +1,4 @@
-// What the application has changed, on its way to the GPU.
+// Uploads what the application has changed to the GPU.
 #pragma once
 
 #include "crowd/stage.h"

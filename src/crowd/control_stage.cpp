@@ -28,7 +28,7 @@ void ControlStage::plan(BatchPlan& plan) {
     if (plan.group().controller) return;
     plan.add_filled(io::kPlaybacksBuffer, std::vector{rest_of(plan.group())});
     if (!plan.group().varies) return plan.add_storage(io::kCursorsBuffer, sizeof(io::InstanceCursor));
-    // The staged update also animates instances that have never been there
+    // The staged update animates all instances, including those that have never existed: they begin in the rest pose
     const io::ClipCursor rest{.first_track = rest_track_of(plan.group()), .earlier = 0, .later = 0, .fraction = 0};
     plan.add_filled(io::kCursorsBuffer, std::vector<io::InstanceCursor>{{rest, rest, 1}});
 }
@@ -57,7 +57,7 @@ io::InstancePlayback ControlStage::checked(uint32_t instance, const Playback& pl
     const auto& durations_s = group.clip_durations_s;
     const auto clip_count = static_cast<uint32_t>(durations_s.size());
     check_playback(playback, clip_count, place);
-    // Wrapped in double precision here, so that a late time costs no digits on the GPU.
+    // Wrapped in double precision here, so that a large time does not cost precision on the GPU.
     const auto play = [&](const ClipPlayback& from) {
         if (from.clip == kNone) return io::ClipPlay{.clip = clip_count, .loop = 0, .time_s = 0, .speed = 0};
         const double time_s = local_time_reference(from.time_s, durations_s[from.clip], from.loop);

@@ -15,7 +15,7 @@ namespace {
 
 constexpr size_t kRound = 16384;  // commands of a batch that are applied by one dispatch
 
-// The staged update animates all instances, also those that have never been there.
+// The staged update animates all instances, including those that have never existed: they begin in the rest pose.
 void add_resting_clips(BatchPlan& plan) {
     std::vector<io::ActiveClip> of_instance(plan.group().controller->active_clip_limit);
     of_instance[0] = {.first_track = rest_track_of(plan.group()),
@@ -78,15 +78,17 @@ ControllerStage::ControllerStage(const StageContext& context)
 
 void ControllerStage::add(uint32_t batch, const io::ControlCommand& command) {
     ServedBatch& served = served_[served_of_batch_[batch]];
-    if (!served.uploaded) make_uploads(served);  // here, since it may fail: an update that has begun may not
-    // So that of each number only what its last instance was told is kept, and each command is looked at a few times
+    if (!served.uploaded) make_uploads(served);  // here, because it may fail, and an update must not fail midway
+    // When numbers are reused between updates, only the commands of the last instance with a number count. Waiting
+    // until the list has doubled visits each command only a few times
     constexpr size_t kWorthIt = 1024;
     if (command.kind == io::kCommandBegin && served.pending.size() >= std::max(kWorthIt, 2 * served.kept_count))
         drop_superseded(served);
     served.pending.push_back(command);
 }
 
-// Drops pending commands of instances whose numbers others have got since: those begin anew, whatever came before.
+// Drops pending commands of instances whose numbers have been given to new ones since: a new instance starts afresh,
+// whatever came before.
 void ControllerStage::drop_superseded(ServedBatch& served) const {
     std::vector<bool> begins_later(batches_[served.batch].instance_count);
     std::vector<io::ControlCommand>& pending = served.pending;
@@ -109,7 +111,7 @@ void ControllerStage::make_uploads(ServedBatch& served) {
         batch.table(group_of(batch), batch[io::kLayersBuffer]).set({{io::kCommandsBuffer, served.uploaded}}));
 }
 
-// One dispatch per batch, of the commands after the first `first`. Returns false if there were none.
+// Dispatches up to kRound commands of each batch, from index `first` on. Returns false if there are none.
 bool ControllerStage::record_round(VkCommandBuffer commands, size_t first) {
     const auto count_of = [&](const ServedBatch& served) {
         return std::min(kRound, served.recorded.size() - std::min(first, served.recorded.size()));
@@ -193,7 +195,7 @@ void ControllerStage::exchange_group(StateArchive& archive, uint32_t group) {
     for (ServedBatch& served : served_) {
         const Batch& batch = batches_[served.batch];
         if (batch.group != group) continue;
-        // Else the bytes would depend on when add() did so last
+        // Otherwise the saved bytes would depend on when add() last dropped superseded commands
         if (!archive.reads() && group_of(batch).varies) drop_superseded(served);
         archive.list(served.pending, UINT32_MAX);
         if (!archive.reads()) continue;

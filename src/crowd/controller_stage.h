@@ -1,5 +1,5 @@
-// The control stage of groups with a controller: commands of the CPU, then parameters and layers -> active clips,
-// events and root motion.
+// The control stage of groups with a controller. Applies commands of the CPU; then parameters and layers -> active
+// clips, events and root motion.
 #pragma once
 
 #include "crowd/batch_plan.h"
@@ -31,7 +31,7 @@ private:
     struct ServedBatch {
         uint32_t batch = 0;
         std::vector<io::ControlCommand> pending, recorded;  // for the next update; of the last one
-        size_t kept_count = 0;                              // pending ones that drop_superseded() has left
+        size_t kept_count = 0;                              // size of `pending` after the last drop_superseded()
         Buffer uploaded;                                    // kRound commands at a time; made when there are any
         Bindings commands, controller;
     };

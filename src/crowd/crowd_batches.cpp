@@ -1,4 +1,4 @@
-// The making of a crowd: what it takes, and the buffers of its batches.
+// Makes a crowd: checks its settings and the memory they take, and makes groups and the buffers of batches.
 #include "crowd/crowd_state.h"
 
 #include "base/failure.h"
@@ -44,7 +44,7 @@ void CrowdState::check_groups(const CrowdSettings& settings) const {
     if (total > UINT32_MAX)
         throw Failure(ErrorCode::kLimit, "crowd", std::to_string(total) + " instances; at most 4,294,967,295");
     check_terrain(settings);
-    constexpr uint32_t kMostInFlight = 4;  // as many as updates whose feedback is kept
+    constexpr uint32_t kMostInFlight = 4;  // feedback is kept for as many updates
     if (settings.frames_in_flight < 1 || settings.frames_in_flight > kMostInFlight)
         throw Failure(ErrorCode::kInvalidArgument, "frames in flight", settings.frames_in_flight, "; 1 to ",
                       kMostInFlight);
@@ -71,7 +71,7 @@ void CrowdState::make_groups(Uploads& uploads, const CrowdSettings& settings) {
     for (Group& group : groups) group.leave_native("another group of the crowd cannot be updated natively");
 }
 
-// Refuses at once what cannot fit, before gigabytes are allocated on the way to failing.
+// Refuses early what cannot fit, before gigabytes have been allocated in vain.
 void CrowdState::check_memory(std::string_view what, uint64_t needed_bytes) const {
     if (needed_bytes > gpu->largest_heap_bytes())
         throw Failure(ErrorCode::kLimit, "crowd", needed_bytes >> 20, " MiB of ", what,
@@ -81,7 +81,7 @@ void CrowdState::check_memory(std::string_view what, uint64_t needed_bytes) cons
 // As few batches as the device's limits allow.
 uint64_t CrowdState::batch_count_of(const BatchPlan& plan, uint32_t count) const {
     const uint64_t limit_bytes = arena_limit_bytes(*gpu);
-    // If matrices lie in a pool, only as many instances as the pool has rows can take a workgroup each
+    // With a skin pool, only instances with a row of their own take a workgroup each, and make_skin_pool() limits these
     const uint64_t instances_per_workgroup = plan.group().skin_pool ? io::kCullWorkgroupSize : 1,
                    capacity = std::min(limit_bytes / plan.largest_bytes(),
                                        instances_per_workgroup * gpu->properties.limits.maxComputeWorkGroupCount[0]);

@@ -1,4 +1,4 @@
-// What the application changes: checked and kept, and taken up by the next update.
+// Changes by the application: checked and kept here, and applied by the next update.
 #include "crowd/crowd_state.h"
 
 #include "base/failure.h"
@@ -33,7 +33,7 @@ void CrowdState::check_in_group(const InstanceHandle& handle, const char* what) 
 
 void CrowdState::check_there(const Instances& instances, const char* what) const {
     if (!instances.handles()) return check_there(instances.first(), instances.size(), what);
-    const Batch* batch = nullptr;  // often that of the one before
+    const Batch* batch = nullptr;  // often the same as for the previous handle
     for (const InstanceHandle& handle : std::span(instances.handles(), instances.size())) {
         check_handle(handle, what);
         if (!batch || !batch->has(handle.instance)) batch = batch_at(batches, handle.instance);
@@ -100,7 +100,7 @@ void CrowdState::send(uint32_t instance, io::ControlCommand command) {
     controllers->add(of.batch, command);
 }
 
-// make_command(i, group, place) makes the i-th instance's. All are made before the first is sent.
+// make_command(i, group, place) makes the i-th instance's command, or throws. All are made before the first is sent.
 template <class MakeCommand>
 void CrowdState::send_each(const Instances& instances, const char* what, const MakeCommand& make_command) {
     check_there(instances, what);
@@ -199,7 +199,8 @@ void CrowdState::set_pose(const Instances& instances, std::span<const Trs<float>
     check_fade(fade_s, "pose");
     std::vector<InBatch> at_each;
     std::vector<std::vector<Trs<double>>> poses_of;
-    // A pose that all share is as long as the first instance's; a single instance has a pose of its own.
+    // Several instances share one pose if there are as many transforms as the first instance has joints. Otherwise each
+    // has its own.
     const bool is_shared = instances.size() > 1 &&
                            parent_from_joint.size() == group_of(instances.number(0)).joint_count;
     size_t next = 0;

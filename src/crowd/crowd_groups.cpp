@@ -1,5 +1,5 @@
-// Groups that come and go. What stages have is made for all groups together, so stages are made anew over the existing
-// buffers, and continue from where the old ones were.
+// Adds and removes groups. A stage covers all groups, so a change of groups makes all stages anew, over the existing
+// buffers. The new stages continue from the state of the old ones.
 #include "base/failure.h"
 #include "crowd/crowd_state.h"
 #include "crowd/state_archive.h"
@@ -83,7 +83,7 @@ std::vector<CrowdState::StageState> CrowdState::stage_states() const {
     return all;
 }
 
-// Chooses the first numbers for the group and its instances that neither a group nor an earlier move has.
+// Chooses the lowest numbers for the group and its instances that no group of this crowd and no earlier move has.
 CrowdState::Move CrowdState::plan_move(const CrowdState& from, uint32_t group, std::span<const Move> others) const {
     const Instances instances = from.instances(group);
     Move move{.from = group, .first_from = instances.first(), .count = instances.size()};
@@ -173,8 +173,8 @@ CrowdState::Remade CrowdState::remake(std::span<const StageState> before, std::s
     }
     if (placements->is_followed()) find_stage<PlacementStage>(made.stages)->follow(false);
     if (timer && end_count_of(made.stages) > timer_room_) made.timer = make_timer(made.stages);
-    // Feedback of an update is kept for four more, and refers to what its groups had; its outputs are read while up to
-    // frames_in_flight more updates are computed.
+    // The feedback of an update is kept for four more updates and refers to data of its groups. Its outputs are read
+    // while up to frames_in_flight more updates are computed.
     constexpr uint32_t kUpdates = 5;
     made.retired.emplace(events_, std::max(kUpdates, settings_.frames_in_flight + 1));
     return made;
@@ -230,7 +230,7 @@ void CrowdState::remove_group(uint32_t group) {
     go_on_with(std::move(made), {.batches = std::move(moving.batches), .group = std::move(moving.group)});
 }
 
-// `gone`: what updates under way may use besides the old stages.
+// `gone`: what updates under way may still use, apart from the old stages.
 void CrowdState::go_on_with(Remade made, Retired::Things gone) {
     for (auto& stage : stages) gone.stages.push_back(std::move(stage));
     use_stages(std::move(made.stages));

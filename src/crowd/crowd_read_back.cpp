@@ -63,7 +63,7 @@ void CrowdState::request_poses(const Instances& instances) {
     for (uint32_t i = 0; i < instances.size(); ++i) pose_requests_.push_back(instances.number(i));
 }
 
-// If a discarded record() has put some back, there may be more than there is room for: the rest wait.
+// If a discarded record() has put requests back, there may be more than there is room for: the rest wait.
 std::vector<RequestedPose> CrowdState::take_pose_requests() {
     const auto end = pose_requests_.begin() + std::min<ptrdiff_t>(std::ssize(pose_requests_), pose_request_capacity_);
     recorded_pose_requests_.assign(pose_requests_.begin(), end);
@@ -129,7 +129,7 @@ std::vector<Vec3<float>> CrowdState::read_positions(const InstanceHandle& handle
     const Group& group = groups[batch.group];
     if (group.sockets_only) throw Failure(ErrorCode::kInvalidArgument, "read-back", group.name + " has sockets only");
     if (group.vertex_count == 0) return {};
-    read_skin_row(group, batch, handle.instance - batch.first_instance);  // which refuses what is not drawn
+    read_skin_row(group, batch, handle.instance - batch.first_instance);  // throws if the instance is not drawn
     if (!skin_kernel_) skin_kernel_ = skin_kernel(gpu, skin_format, skin_blend, false);
     const Buffer skinned(gpu, group.name + ": skinned vertices", group.vertex_count * sizeof(SkinnedVertex),
                          VK_BUFFER_USAGE_STORAGE_BUFFER_BIT);

@@ -20,12 +20,12 @@ struct Head {
     uint32_t version = kVersion;
     uint32_t flags = 0;
     StateFit fit{};
-    uint64_t update_count = 0;  // that feedback tells of
+    uint64_t update_count = 0;  // FeedbackRing::update_count()
     uint64_t buffers_bytes = 0;
 };
 constexpr uint32_t kHasUpdated = 1, kWasNative = 2;
 
-// A checksum of things one after another.
+// A checksum of values that are added one after another.
 class Checksum {
 public:
     template <class T>
@@ -78,7 +78,7 @@ void add_group(Checksum& made_of, const Group& group) {
     made_of.add(group.pose_capacity);
     made_of.add(group.outfit_count);
     made_of.add(group.active_morph_limit);
-    made_of.add_all(std::array{group.posed_min, group.posed_max});  // they decide who is in view
+    made_of.add_all(std::array{group.posed_min, group.posed_max});  // they decide which instances are in view
     if (group.controller) add_controller(made_of, *group.controller);
     if (group.procedural) made_of.add(group.procedural->checksum);
     if (group.steering) {
@@ -175,7 +175,7 @@ void CrowdState::exchange(StateArchive& archive) {
                               "a pose is requested of an instance that has none");
 }
 
-// Until the first update fills them, they hold whatever was in the memory.
+// Saves zeros as the playbacks of a crowd that has not been updated: the first update writes them all.
 void CrowdState::clear_playbacks(std::span<const KeptBuffer> kept, std::span<std::byte> contents) {
     for (const auto& [batch, number, buffer] : kept) {
         if (number == io::kPlaybacksBuffer) std::ranges::fill(contents.first(buffer->size_bytes()), std::byte{});
@@ -194,7 +194,7 @@ void CrowdState::save_state(std::vector<std::byte>& out) {
     for (const KeptBuffer& one : kept) head.buffers_bytes += one.buffer->size_bytes();
     StateArchive archive;
     archive.write_into(std::move(out));
-    constexpr uint64_t kHostBytes = 256;  // of an instance, roughly: a state that turns out larger is copied to grow
+    constexpr uint64_t kHostBytes = 256;  // of an instance, roughly: a larger state is reallocated as it grows
     const size_t sure_bytes = sizeof head + head.buffers_bytes;
     archive.reserve(sure_bytes + instance_count * kHostBytes, sure_bytes);
     archive.value(head);
@@ -229,7 +229,7 @@ void CrowdState::download_all(std::span<const KeptBuffer> kept, std::span<std::b
     std::memcpy(contents.data(), staging.mapped(), contents.size());
 }
 
-// Checks before anything changes. If an error only shows while reading, what has been read is taken back.
+// Checks what it can before anything changes. If an error only shows while reading, the previous state is put back.
 void CrowdState::restore_state(std::span<const std::byte> state) {
     if (!is_half_recorded_) check_may_change("crowd state");
     check_last_has_run("crowd state");
@@ -283,7 +283,7 @@ void CrowdState::upload_all(std::span<const KeptBuffer> kept, std::span<const st
     size_t at = 0;
     for (const auto& [batch, number, buffer] : kept) {
         const auto of_buffer = contents.subspan(at, buffer->size_bytes());
-        if (std::byte* const mapped = buffer->mapped())  // also where a software device has its memory
+        if (std::byte* const mapped = buffer->mapped())  // native, or memory of a software device
             std::memcpy(mapped, of_buffer.data(), of_buffer.size());
         else
             uploads.add(*buffer, of_buffer);

@@ -49,7 +49,7 @@ CrowdState::CrowdState(std::shared_ptr<Gpu> gpu_in, const CrowdSettings& asked)
     const CrowdSettings settings = with_capacity(asked);
     check_groups(settings);
     Uploads& uploads = first_uploads_.emplace_back(std::make_unique<FirstUploads>(gpu, events_))->uploads;
-    uploads.shares = true;  // what groups have does not change
+    uploads.shares = true;  // the data of groups never changes
     make_groups(uploads, settings);
     uploads.shares = false;
     for (size_t i = 0; i < groups.size(); ++i) groups[i].initial_count = asked.groups[i].instance_count;
@@ -130,7 +130,7 @@ uint32_t CrowdState::end_count_of(const Stages& of) {
     return sum;
 }
 
-// With room for stages that groups bring along later.
+// With room for the stages of groups that are added later.
 uint32_t CrowdState::timer_room_for(const Stages& of) {
     constexpr uint32_t kMore = 16;
     return end_count_of(of) + kMore;
@@ -187,7 +187,8 @@ void CrowdState::check_runs(bool natively) const {
             if (group.sockets_only)
                 throw Failure(ErrorCode::kUnsupported, group.name + ": sockets only",
                               "they are computed natively alone: by update(), and without occlusion");
-    // The device's kernels do not see what a native update keeps of transitions for itself, and vice versa
+    // Native updates keep the state of inertial transitions in memory of their own, which kernels do not see, and vice
+    // versa
     const bool has_inertia = std::ranges::any_of(batches, [&](const Batch& batch) {
         const Group& group = groups[batch.group];
         return batch.has_updated && group.native && group.controller && group.controller->is_inertial;
@@ -215,13 +216,13 @@ void CrowdState::record(VkCommandBuffer commands, float time_step_s, const Crowd
         throw Failure(ErrorCode::kUnsupported, "occlusion", "a native device has no depths to test");
     if (!std::isfinite(time_step_s)) throw Failure(ErrorCode::kInvalidArgument, "time step", "must be finite");
     const io::CullView seen = cull_view_of(view, budgeted_full_rate_pixels(view));
-    // Whoever reads the last update's results must be done; with frames in flight the application sees to that, and
-    // drawing may go on beside this update.
+    // Readers of the last update's results must have finished. With several frames in flight the application ensures
+    // that, and drawing may continue during this update.
     const Access readers = is_in_flight_ ? kShaderRead | kTransferRead : consumers();
     memory_barrier(*gpu, commands, readers | kShaderWrite | kTransferWrite,
                    kShaderRead | kShaderWrite | kTransferWrite);
     check_runs(commands == VK_NULL_HANDLE);
-    if (feedback) feedback->begin(commands);  // before anything is taken up, since it may refuse
+    if (feedback) feedback->begin(commands);  // first, because it may throw
     for (const auto& uploads : first_uploads_) uploads->begin_update(commands);
     free_what_may_go();
     had_native_ = std::exchange(was_native_, commands == VK_NULL_HANDLE);
@@ -245,7 +246,7 @@ void CrowdState::record(VkCommandBuffer commands, float time_step_s, const Crowd
     }
     copy_shown(commands);
     for (Retired& retired : retired_) retired.record(commands);
-    // The application's shaders may write commands for the next one as soon as those of this one are done
+    // The application's shaders may write commands for the next update as soon as this one has read its own
     memory_barrier(*gpu, commands, kShaderWrite | kTransferWrite,
                    instance_commands ? consumers() | kShaderWrite | kTransferWrite : consumers());
     recorded_.record(commands);
@@ -274,8 +275,8 @@ Access CrowdState::consumers() const {
                : kAnyAccess;
 }
 
-// What the update has taken up is pending again, and what it has advanced goes back. The timer notices by itself that
-// the update never runs.
+// Changes that the update has taken up become pending again, and what it has advanced goes back. The timer detects by
+// itself that the update never runs.
 void CrowdState::discard_last_record() {
     if (is_half_recorded_)
         throw Failure(ErrorCode::kInvalidArgument, "discard",
@@ -340,7 +341,7 @@ void CrowdState::go_to_slot(uint32_t next) {
     for (Batch& batch : batches) batch.slot = next;
 }
 
-// A group's first update has no earlier one, so it counts as if nothing had moved.
+// The first update of a group has no previous matrices, so the current ones are copied, as if nothing had moved.
 void CrowdState::copy_to_previous(VkCommandBuffer commands) const {
     if (!keeps_previous_ || std::ranges::all_of(batches, &Batch::has_updated)) return;
     memory_barrier(*gpu, commands, kShaderRead | kShaderWrite, kTransferRead | kTransferWrite);

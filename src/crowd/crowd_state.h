@@ -1,7 +1,7 @@
-// The inside of a Crowd: groups, batches, and the updates that they go through.
+// The implementation of Crowd: groups, batches, and the updates that they go through.
 //
-// A group is one character; a batch is a run of its instances whose buffers fit the device's limits. control advances
-// all batches; then the fused ones go from cursors to skin matrices in one pass, the others stage by stage.
+// A group is one character; a batch is a run of its instances whose buffers fit the device's limits. The control stage
+// advances all batches. Then the fused ones go from cursors to skin matrices in one pass, the others stage by stage.
 #pragma once
 
 #include "crowd/attach_stage.h"
@@ -66,7 +66,8 @@ struct CrowdState {
     void watch(const Instances& instances);
     void request_poses(const Instances& instances);
     std::vector<Feedback> take_feedback();
-    // Whether update() computes natively; on a software device not with occlusion, which a native device refuses.
+    // Whether update() computes natively. A software device does so only without occlusion; a native device refuses
+    // occlusion.
     bool updates_natively(bool occlusion) const;
     // Upload the first contents of the buffers, unless an update or either of these calls has done so. The second
     // waits for the upload.
@@ -82,7 +83,7 @@ struct CrowdState {
     void record(VkCommandBuffer commands, float time_step_s, const CrowdView* view);
     void record_disoccluded(VkCommandBuffer commands, const DepthImage& depths);
     void discard_last_record();
-    // Whether the last update is in a command buffer of the application's, and may not have run.
+    // Whether the last update was recorded into the application's commands, which may not have run.
     bool awaits_commands() const { return awaits_commands_; }
     void save_state(std::vector<std::byte>& out);
     void restore_state(std::span<const std::byte> state);
@@ -97,7 +98,7 @@ struct CrowdState {
     SkinBlend skin_blend = SkinBlend::kLinear;
     bool skins_once = false;
     std::deque<Group> groups;    // with gaps (Group::is_gone()), which later groups fill
-    std::vector<Batch> batches;  // in ascending order of their instances; numbers between them belong to nobody
+    std::vector<Batch> batches;  // in ascending order of their instances; numbers between them are unused
     std::vector<std::vector<OutputBlock>> outputs;  // [frame slot][batch]
     uint32_t slot = 0;                              // of the last update
     std::unique_ptr<StageTimer> timer;
@@ -171,7 +172,7 @@ private:
     static void refuse_if_shaders_populate(const Group& group, const char* what);
     void check_handle(const InstanceHandle& handle, const char* what) const;
     // Also throws if the group that had this number has been removed. Does not check whether the number belongs to
-    // another instance by now.
+    // another instance now.
     void check_in_group(const InstanceHandle& handle, const char* what) const;
     void check_range(uint32_t first_instance, uint32_t count, const char* what) const;
     InBatch at(uint32_t instance) const { return in_batch(batches, instance); }
@@ -197,12 +198,12 @@ private:
         CrowdGroup settings;
         std::vector<Batch> batches;
     };
-    // What the crowd goes on with after a change.
+    // What the crowd continues with after a change of groups.
     struct Remade {
         Stages stages{};
         std::unique_ptr<FirstUploads> uploads{};
         std::unique_ptr<StageTimer> timer{};  // if the one before has too little room
-        std::optional<Retired> retired{};     // to keep what is not needed any more
+        std::optional<Retired> retired{};     // will keep what updates under way may use
     };
     void check_may_change(const char* what) const;
     void check_goes_with(const CrowdState& other) const;
@@ -233,7 +234,7 @@ private:
         false;                  // the last update was recorded into commands, which may have run or been dropped since
     bool can_discard_ = false;  // the last record() has not been discarded, and groups have not changed since
     bool may_be_pending_ = false;    // commands of a record() that has not been discarded may not have run
-    bool is_half_recorded_ = false;  // the last record() failed on its way
+    bool is_half_recorded_ = false;  // the last record() failed midway
     float full_rate_factor_ = 1;     // the budget's factor on CrowdView::full_rate_pixels
     std::vector<Watched> watched_;
     uint32_t watch_capacity_ = 0;

@@ -29,9 +29,9 @@ public:
     // Throws kInvalidArgument if the last begin() was not for a view with occlusion, or its second half has been
     // recorded already.
     void record_disoccluded(const Update& update, const DepthImage& depths) override;
-    // Allocates what record_disoccluded() needs for pictures of this size, so that it cannot fail for that.
+    // Allocates what record_disoccluded() needs for pictures of this size, so that it cannot fail for lack of memory.
     void make_room_for(const DepthImage& depths) { reveal_for(depths); }
-    // Whether record_disoccluded() is to come.
+    // Whether the second half of the last update, record_disoccluded(), is still to be recorded.
     bool is_half_done() const { return is_half_done_; }
     uint32_t end_count() const override { return 3; }
     // The instances that the last finished update listed for a batch.
@@ -60,7 +60,7 @@ private:
     CullKernels kernels_;
     Buffer view_;
     uint32_t update_number_ = 0;
-    bool is_half_done_ = false;   // record_disoccluded() is to come
+    bool is_half_done_ = false;   // record_disoccluded() is still to be called
     bool was_half_done_ = false;  // before the last begin()
     // Made when needed, for the largest picture so far. Smaller ones are kept with their bindings, since updates
     // under way may use them. Each has twice the room of the one before, if the device can bind that.

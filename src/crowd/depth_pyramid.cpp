@@ -33,7 +33,7 @@ bool DepthPyramid::has_room_for(const DepthImage& depths) const {
 }
 
 void DepthPyramid::record(VkCommandBuffer commands, const Kernel& kernel, const DepthImage& depths) const {
-    // Whoever reads the last one must be done.
+    // Readers of the last pyramid must have finished.
     memory_barrier(*gpu_, commands, kShaderRead | kShaderWrite, kTransferWrite);
     VkBufferImageCopy copy{};
     copy.imageSubresource = {depths.aspect, 0, 0, 1};

@@ -25,7 +25,7 @@ public:
         for_each_word(first, count, [](uint64_t& word, uint64_t bits) { word |= bits; });
     }
 
-    // Takes these off the list of what has changed.
+    // Marks these as unchanged.
     void remove(uint32_t first, uint32_t count) {
         const size_t end = std::min(size_t{first} + count, words_.size() * kBits);
         if (first >= end) return;

@@ -88,7 +88,7 @@ void FeedbackRing::end(VkCommandBuffer commands, std::span<const Watched> watche
     memory_barrier(*gpu_, commands, kShaderWrite | kTransferWrite, kTransferRead | kTransferWrite);
     copies_.assign(1, {commands ? BufferRange(events_) : happened(), 0});
     VkDeviceSize at = events_.size_bytes();
-    // Drivers take time for each copy: thousands took NVIDIA's over a millisecond.
+    // Adjacent ranges are copied together. Drivers take time for each copy: thousands took NVIDIA's over a millisecond.
     const auto copy = [&](const BufferRange& range) {
         if (range.size_bytes == 0) return;
         BufferRange& last = copies_.back().from;
@@ -119,7 +119,7 @@ std::vector<Feedback> FeedbackRing::take() {
     return taken;
 }
 
-// Invocations append in any order; sorted, the same update always reports the same.
+// Invocations append events in any order. They are sorted, so that the same update always reports the same.
 Feedback FeedbackRing::read(const Slot& slot) const {
     io::EventHead head;
     std::memcpy(&head, slot.copy.mapped(), sizeof head);

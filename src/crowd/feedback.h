@@ -21,9 +21,9 @@ struct Watched {
     uint32_t place = 0;                      // in the order that the application asked for
     BufferRange placement;                   // Affine
     BufferRange root;                        // io::RootState; none where there is no root motion
-    BufferRange sockets;                     // Affine[]; likewise
+    BufferRange sockets;                     // Affine[]; none where there are no sockets
     BufferRange parameters;                  // float[]; none where there is no controller
-    BufferRange layers;                      // io::LayerState[layers]; likewise
+    BufferRange layers;                      // io::LayerState[layers]; none where there is no controller
     std::span<const LayerKind> layer_kinds;  // of the group, which outlives it (Retired)
     uint32_t clip_count = 0;                 // of the character
 
@@ -36,7 +36,7 @@ struct RequestedPose {
     uint32_t instance = 0;  // of the crowd
     BufferRange skin;       // [palette_count]
     SkinFormat skin_format = SkinFormat::kAffine;
-    const PoseOfSkin* pose_of_skin = nullptr;  // of the group, likewise
+    const PoseOfSkin* pose_of_skin = nullptr;  // of the group, which outlives it (Retired)
 };
 
 class FeedbackRing {
@@ -86,7 +86,7 @@ private:
     BufferRange happened() const;
     Slot& last_slot() { return slots_[(update_count_ - 1) % slots_.size()]; }
     Feedback read(const Slot& slot) const;
-    // Both read from `at` on, and move it on.
+    // Both read from `at` and advance it.
     static void read_watched(const Slot& slot, const std::byte*& at, Feedback& feedback);
     static void read_poses(const Slot& slot, const std::byte*& at, Feedback& feedback);
 

@@ -20,8 +20,8 @@ void FirstUploads::begin_update(VkCommandBuffer commands) {
 }
 
 // The commands of record_uploads() may have been dropped together with the first update, so the next update uploads
-// again. If they have run, that writes the same values once more, and over what shaders have written since
-// (OutputBlock::command).
+// again. If they have run after all, this writes the same values once more, and overwrites what shaders have written
+// since (OutputBlock::command).
 void FirstUploads::discard_update() {
     if (!std::exchange(recorded_event_, false)) return;
     state_ = State::kPending;

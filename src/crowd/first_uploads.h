@@ -1,5 +1,5 @@
-// The first contents of a crowd's buffers. Making a crowd submits nothing: they are recorded into the first update, or
-// before it into commands of the application's.
+// The first contents of a crowd's buffers. Making a crowd submits nothing: the uploads are recorded into the first
+// update or, before it, into commands of the application.
 #pragma once
 
 #include "gpu/event.h"
@@ -14,11 +14,11 @@ public:
 
     Uploads uploads;  // to be filled before any of the calls
 
-    // Records the uploads alone, each time until an update has been recorded.
+    // Records the uploads by themselves. Until an update has been recorded, each call records them again.
     void record(VkCommandBuffer commands);
     // At the beginning of an update: records them unless that has been done.
     void begin_update(VkCommandBuffer commands);
-    // The last update will never be submitted, and perhaps nor will what record() has recorded before it.
+    // The last update will never be submitted, and perhaps neither will the commands that record() was given before it.
     void discard_update();
     // Frees the staging memory once they have run.
     void poll();
@@ -26,8 +26,9 @@ public:
     DeviceEvent take_event() { return std::move(have_run_); }  // when it is done
     // Whether the commands of a first update that was recorded are known to have run.
     bool first_update_has_run() const { return has_event_ && have_run_.is_set(); }
-    // Called before something is read or restored. Unless an update has been recorded, waits for what has been recorded
-    // alone, then submits them and waits; on a software device the processor copies, since nobody uses the buffers yet.
+    // Called before something is read or restored. Unless an update has been recorded, waits for what record() has
+    // recorded, then submits the uploads and waits. On a software device the CPU copies them, since nothing uses the
+    // buffers yet.
     void finish();
 
 private:

@@ -91,8 +91,8 @@ void FusedUpdate::bind(ServedBatch& served) const {
     const Group& group = group_of(batch);
     for (size_t set = 0; set < group.fused.size(); ++set) {
         SetBindings& bindings = served.sets.emplace_back();
-        // For what the character does not have, the dispatch's own output is bound, so that two dispatches never share
-        // it.
+        // Bindings for which the character has no buffer get the dispatch's own output, so that two dispatches never
+        // share one.
         const auto bound = [&](const Buffer& skin) {
             return kernels_[batch.group][set].blending.bind(
                 batch.table(group, skin).add(group.fused[set].tables).set({{io::kSkinBuffer, skin}}));
@@ -115,8 +115,8 @@ void FusedUpdate::record_disoccluded(const Update& update, const DepthImage&) {
     update.end_stage("fused");
 }
 
-// A barrier between two sets of joints, since synchronization validation treats each buffer that both write as one
-// range.
+// There is a barrier between two sets of joints, since synchronization validation treats each buffer that both write as
+// one range.
 template <class Applies>
 void FusedUpdate::record_sets(VkCommandBuffer commands, const Applies& applies) const {
     size_t most = 0;
@@ -187,7 +187,7 @@ void FusedUpdate::update_natively(const ServedBatch& served, uint32_t set, const
     });
 }
 
-// From model to world space, in place.
+// Transforms sockets from model to world space, in place.
 void FusedUpdate::record_sockets(VkCommandBuffer commands) const {
     for (const ServedBatch& served : served_) {
         const Batch& batch = batches_[served.batch];

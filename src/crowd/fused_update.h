@@ -27,12 +27,12 @@ private:
     };
     struct SetBindings {
         std::vector<Bindings> skins;  // [frame slot]
-        Bindings target;              // where instances are animated ahead
+        Bindings target;              // for instances that are animated ahead
     };
     struct ServedBatch {
         uint32_t batch = 0;
         std::vector<SetBindings> sets;  // of joints
-        Bindings sockets;               // where they go to world space
+        Bindings sockets;               // where sockets are transformed to world space
     };
     Kernels make_kernels(const Group& group, size_t set, const CrowdSettings& settings) const;
     void bind(ServedBatch& served) const;

@@ -25,7 +25,7 @@ static_assert(sizeof(io::VertexRows) == sizeof(Vertex));
 
 constexpr size_t kSocketLimit = 64;  // as include/throng/crowd.h says
 
-// One axis per clip, and the rest pose's: a single row at time 0. As words.
+// One timeline per clip, and one for the rest pose, which has a single row at time 0. As words.
 std::vector<uint32_t> clip_timelines(const Character& character) {
     std::vector<io::ClipTimeline> timelines;
     for (const Clip& clip : character.clips)
@@ -49,7 +49,8 @@ std::vector<io::vec4> readable_root_rows(const Character& character) {
     return rows;
 }
 
-// With the zero that ends each name; how many there are of each is compared beside it.
+// Includes the zero at the end of each name, which separates names. The numbers of clips and joints are compared
+// elsewhere.
 uint64_t checksum_of_names(const Character& character) {
     uint64_t checksum = 0;
     const auto add = [&](const std::string& name) {
@@ -198,7 +199,7 @@ Group::Group(Uploads& uploads, SharedRigs& rigs, const Character& character, con
     make_lods(uploads, character);
 }
 
-// Uses rows if `may_have_rows` and there are any; the joints are then walked in the order of the rows.
+// Uses rows if `may_have_rows` and the character has any. The joints are then in the order of the rows.
 void Group::add_fused(Uploads& uploads, SharedRigs& rigs, const Character& character, FusedRig rig, FusedPlan plan,
                       bool may_have_rows) {
     if (may_have_rows) {
@@ -213,7 +214,7 @@ void Group::add_fused(Uploads& uploads, SharedRigs& rigs, const Character& chara
             plan = std::move(of_order);
         }
     }
-    if (!plan.unsupported_reason.empty()) return;  // of a coarser set of joints: the finer ones are there
+    if (!plan.unsupported_reason.empty()) return;  // only for a coarser set: the finer ones suffice
     Buffers tables = rows ? rows->upload_tables(uploads, character, rig, plan)
                           : upload_fused_tables(uploads, character, rig, plan);
     fused.push_back({rig.rig.joint_count(), std::move(plan), std::move(tables), {}, {}});
@@ -308,7 +309,7 @@ void Group::make_looks(Uploads& uploads, const CrowdGroup& group) {
     if (outfit_count > 0) buffers[io::kSectionLooksBuffer] = upload(uploads, name + ": outfits", looks);
 }
 
-// The boxes of clips hold for linear blends; dual quaternions can leave them.
+// The boxes of clips are right for linear blends; dual quaternions can leave them.
 float Group::usual_pose_margin(SkinBlend blend) const {
     constexpr float kBlends = 0.1f, kAnything = 0.5f;
     return controller || procedural || pose_capacity > 0 || blend != SkinBlend::kLinear ? kAnything : kBlends;

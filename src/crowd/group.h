@@ -32,7 +32,7 @@ struct FusedJoints {
     native::AlignedBytes native_masks;        // of the controller, by NativeRig::masks_in_order()
 };
 
-// What a group that is driven by a controller has.
+// What a group with a controller has in addition.
 struct GroupController {
     GroupController(Uploads& uploads, const Controller& controller, const Character& character,
                     bool applies_root_motion, Buffers& buffers);
@@ -65,7 +65,7 @@ struct GroupSkinPool {
     uint32_t capacity = 0;
     uint32_t shared_row_count = 0;
     float pose_spread = 0;               // SharedPoses::spread
-    std::vector<std::byte> shared_skin;  // until batches have it
+    std::vector<std::byte> shared_skin;  // empty once it is in the buffers of batches
 
     // Rows that instances of a batch may have of their own.
     uint32_t row_count(uint32_t instance_count) const { return std::min(capacity, instance_count); }
@@ -130,17 +130,17 @@ struct Group {
     uint32_t morph_count = 0;
     uint32_t active_morph_limit = 0;  // that an instance shows at most
     uint32_t outfit_count = 0;
-    std::vector<std::vector<uint32_t>> section_materials;  // [section], as io::SectionLook has them: all that
-                                                           // outfits show the section in
+    std::vector<std::vector<uint32_t>> section_materials;  // [section], as in io::SectionLook: all materials
+                                                           // in which outfits show the section
 
     bool is_gone() const { return joint_count == 0; }
     const Buffer& operator[](uint32_t number) const { return buffers[number]; }
     // Gives up the native update that was chosen. Throws kUnsupported if the group must be updated natively.
     void leave_native(const std::string& reason);
-    // The walk of all joints; null where the group is not updated natively in one pass.
+    // The native rig of all joints; null where the group is not updated natively in one pass.
     const NativeRig* native_rig() const { return fused.empty() ? nullptr : fused[0].native.get(); }
-    // Whether instances that are not drawn can be left as they are: only a picture shows their pose, and no pose builds
-    // upon the one before.
+    // Whether instances that are not drawn can keep their last pose: nothing but a picture shows it, and no pose
+    // depends on the previous one.
     bool animates_drawn_only() const { return !fused.empty() && !sockets && !(controller && controller->is_inertial); }
     // Whether skin matrices outlive an update.
     bool skips_updates(const CrowdSettings& settings) const {
@@ -164,14 +164,14 @@ struct Group {
         return steering || on_terrain || is_carried || command_capacity > 0 ||
                (has_root_motion() && controller->applies_root_motion);
     }
-    // Updates leave sockets of carried groups in model space, since only the attach stage knows their placements; it
-    // takes them to world space.
+    // Updates leave the sockets of carried groups in model space, since only the attach stage knows the placements.
+    // That stage transforms them to world space.
     uint32_t socket_flags() const {
         return socket_space == SocketSpace::kWorld && !is_carried ? io::kSocketsToWorld : 0;
     }
     uint32_t socket_count() const { return sockets ? static_cast<uint32_t>(sockets->joints.size()) : 0; }
     bool takes_similarities() const { return scan_choice.method->format == ScanFormat::kSimilarity; }
-    uint64_t size_bytes() const;  // without native walks, which groups share
+    uint64_t size_bytes() const;  // without native rigs, which groups share
 
 private:
     void make_procedural(Uploads& uploads, const ProceduralRules& rules, const Character& character);

@@ -1,4 +1,5 @@
-// Which of a group's instances are there. Numbers are given lowest first, so that those in use stay together.
+// Which instance numbers of a group are in use. The lowest free number is taken first, so that those in use stay
+// together.
 #pragma once
 
 #include <bit>
@@ -50,7 +51,7 @@ private:
     static uint64_t bit_of(uint32_t number) { return uint64_t{1} << number % kBits; }
 
     std::vector<uint64_t> free_;  // a bit each
-    size_t first_free_word_ = 0;  // none is free in those before
+    size_t first_free_word_ = 0;  // words before it have no free bit
     uint32_t capacity_ = 0, free_count_ = 0, end_ = 0;
 };
 

@@ -1,4 +1,4 @@
-// How instances of groups with CrowdGroup::outfits look, as the application says.
+// The looks that the application gives to instances of groups with CrowdGroup::outfits.
 #pragma once
 
 #include "crowd/batch_plan.h"

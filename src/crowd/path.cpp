@@ -33,7 +33,7 @@ std::string staged_only(const CrowdGroup& group) {
     return {};
 }
 
-// As staged_only(), for updates in one pass on this machine's processor.
+// As staged_only(), for native updates in one pass.
 std::string natively_staged_only(const CrowdSettings& settings, const CrowdGroup& group) {
     if (std::string reason = staged_only(group); !reason.empty()) return reason;
     return native_unsupported_reason(*group.character, settings.skin_format);
@@ -47,7 +47,7 @@ std::string natively_unsupported_reason(const PathChoice& choice, const CrowdSet
     return "scan method " + std::string(choice.scan.method->name) + " runs on Vulkan alone";
 }
 
-// On a native device where nothing else is asked for.
+// On a native device.
 PathChoice native_path(const Gpu& gpu, const CrowdSettings& settings, const CrowdGroup& group) {
     const Character& character = *group.character;
     const ExplainedChoice scan = choose_scan(gpu, settings.scan, character.rig, group.instance_count);
@@ -80,7 +80,8 @@ PathChoice device_path(const Gpu& gpu, const CrowdSettings& settings, const Crow
                                              std::max({group.instance_count, group.capacity, 1u});
         FusedPlan plan = any_scan ? choose_fused(rig, limits, subgroups_a_character)
                                   : plan_named(settings.scan, rig, limits);
-        // Poses from outside may have any scale, which rows lack; from keys the form of similarities is faster
+        // Poses that the application sets may have any scale, which rows cannot hold. Without rows, the form for
+        // similarities ("stream_quaternion") is faster than "stream"
         const bool may_have_rows = group.pose_capacity == 0;
         if (any_scan && !may_have_rows && plan.unsupported_reason.empty() && plan.choice.method->name == "stream") {
             FusedPlan similar = plan_fused({find_scan_method("stream_quaternion"), plan.choice.threads}, rig, limits);
@@ -156,7 +157,7 @@ ExplainedChoice choose_scan(const Gpu& gpu, const std::string& wanted, const Rig
                       "a native device does not have it: 'serial'");
     ExplainedChoice chosen = choose_scan(is_first_native ? "serial" : wanted, ScanRig(rig.parents, rig.uniform_scale),
                                          instance_count, scan_limits(gpu), scan_costs(gpu));
-    if (gpu.is_native())  // costs are those of GPUs
+    if (gpu.is_native())  // the costs in the reason are those of GPUs
         chosen.reason = is_first_native ? "the fastest on one thread a character" : "asked for";
     return chosen;
 }

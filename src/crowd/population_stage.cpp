@@ -9,9 +9,9 @@
 namespace throng {
 namespace {
 
-constexpr uint64_t kUpdatesRemembered = 8;  // at least as many as feedback() may be late
+constexpr uint64_t kUpdatesRemembered = 8;  // at least as many as feedback() may lag behind
 
-// Never 0, which says that nobody is there.
+// Never 0, which marks a number that is free.
 uint32_t birth_of(uint64_t update) { return static_cast<uint32_t>(1 + update % UINT32_MAX); }
 
 }  // namespace
@@ -73,7 +73,7 @@ void PopulationStage::join_group(uint32_t group) {
         if (birth != 0) birth = birth_of(update_number_ + 1);
 }
 
-// Feedback of updates that are under way may name them.
+// Feedback of updates under way may still name its instances.
 void PopulationStage::end_group(uint32_t group) {
     const Population& population = populations_[group];
     next_generation_ = std::max(next_generation_, population.generation + 1);
@@ -167,7 +167,7 @@ void PopulationStage::take_over(const Batch& batch, std::span<const uint32_t> bi
     std::ranges::copy(births, population.births.begin() + (batch.first_instance - population.first_instance));
 }
 
-// Kernels go no further than the last instance that is there, if the CPU knows which that is.
+// Kernels go no further than the last instance that exists, if the CPU knows which one that is.
 void PopulationStage::tell_batches() const {
     for (Batch& batch : batches_) {
         const Population& population = populations_[batch.group];
@@ -192,10 +192,11 @@ void PopulationStage::begin(const Update& update) {
     });
 }
 
-// The next update gets the number of this one, so instances born in it need no change.
+// The next update gets the number of this one, so the births of instances born in it stay right.
 void PopulationStage::discard() {
     dirty_.put_back();
-    // Instances spawned since then were numbered for the update after it: they get its number too.
+    // Instances spawned since then have the birth of the update after it. They are born in the next update, which gets
+    // the number of the discarded one.
     for (Population& population : populations_)
         std::ranges::replace(population.births, birth_of(update_number_ + 1), birth_of(update_number_));
     const uint64_t discarded = update_number_--;
@@ -225,7 +226,7 @@ void PopulationStage::exchange(StateArchive& archive) {
     }
 }
 
-// All births are handed to the device with the next update, except those of shaders, which it knows.
+// All births go to the device with the next update, except those that shaders have set, which it has already.
 void PopulationStage::exchange_group(StateArchive& archive, uint32_t group) {
     Population& population = populations_[group];
     archive.value(population.generation);

@@ -1,4 +1,4 @@
-// Which instances are there. The stage numbers updates, and tells kernels in which update an instance of a group with
+// Which instances exist. The stage numbers updates, and tells kernels in which update an instance of a group with
 // CrowdGroup::capacity was born, so that they start it afresh.
 #pragma once
 
@@ -14,10 +14,11 @@
 
 namespace throng {
 
-// The settings of a crowd that is made for as many instances as there may be.
+// The settings with each group's capacity, if it has one, as its instance_count; culling is then set too. Throws
+// kInvalidArgument where capacity, shaders_populate and instance_count do not go together.
 CrowdSettings with_capacity(CrowdSettings settings);
 
-// For messages.
+// The name of an instance in messages.
 std::string name_of(const InstanceHandle& handle);
 
 class PopulationStage : public Stage {
@@ -36,7 +37,8 @@ public:
     std::vector<uint32_t> spawn(uint32_t group, uint32_t count);
     void despawn(std::span<const InstanceHandle> gone) override;
 
-    // Whether the handle, whose number is in this batch, is of an instance that is there, as far as the CPU knows.
+    // Whether the instance of this handle exists, as far as the CPU knows. `batch`: the one that has the handle's
+    // number.
     bool is_alive(const Batch& batch, const InstanceHandle& handle) const;
     // `instance` must belong to a group.
     bool has_instance(uint32_t instance) const;
@@ -65,8 +67,8 @@ private:
         std::vector<uint32_t> generations;
         bool is_of_shaders = false;  // CrowdGroup::shaders_populate: `births` are those read back last
     };
-    // Instances removed after this update and before the next. Of several with one number the first: the others were
-    // in no update.
+    // Instances removed after this update and before the next. If several had the same number, it is the first: the
+    // others were in no update.
     struct Deaths {
         uint64_t update = 0;
         std::unordered_map<uint32_t, uint32_t> generations;  // by their numbers in the crowd

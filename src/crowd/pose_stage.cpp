@@ -92,8 +92,7 @@ uint32_t PoseStage::take_slot(const InBatch& at) {
     return slot;
 }
 
-// Frees the slot of a pose that the last update has faded out. If that update is discarded, the pose does not come
-// back.
+// Frees the slot of a pose that the last update has faded out. If that update is discarded later, the pose stays gone.
 bool PoseStage::take_back_slot(uint32_t group) {
     for (uint32_t i = 0; i < of_batches_.size(); ++i) {
         if (batches_[i].group != group) continue;
@@ -107,7 +106,7 @@ bool PoseStage::take_back_slot(uint32_t group) {
     return false;
 }
 
-// Returns the next one.
+// Returns the override after it.
 PoseStage::OverrideAt PoseStage::erase(uint32_t batch, OverrideAt at) {
     std::vector<uint32_t>& free_slots = of_groups_[batches_[batch].group].free_slots;
     free_slots.push_back(at->second.slot);
@@ -152,7 +151,7 @@ void PoseStage::despawn(std::span<const InstanceHandle> gone) {
     for (const InstanceHandle& one : gone) clear(in_batch(batches_, one.instance), 0);
 }
 
-// Updates what the device is to know about an instance.
+// Updates the slot and weight that the device has of an instance.
 void PoseStage::follow(uint32_t batch, OverrideAt at) {
     BatchPoses& poses = of_batches_[batch];
     const auto& [instance, pose_override] = *at;
@@ -259,7 +258,7 @@ void PoseStage::find_free_slots(uint32_t group) {
         }
     });
     poses.free_slots.clear();
-    for (size_t slot = 0; slot < is_taken.size(); ++slot)  // ascending, which is such a heap
+    for (size_t slot = 0; slot < is_taken.size(); ++slot)  // an ascending list is a min-heap
         if (!is_taken[slot]) poses.free_slots.push_back(static_cast<uint32_t>(slot));
 }
 

@@ -1,5 +1,5 @@
-// Poses that the application sets for chosen instances: kept here with their fades. What has changed is handed to the
-// GPU inside the command buffer.
+// Poses that the application sets for chosen instances, and their fades. They are kept here; begin() uploads those that
+// have changed, inside the command buffer.
 #pragma once
 
 #include "blend/pose_override.h"
@@ -45,7 +45,7 @@ private:
     struct Override {
         uint32_t slot = 0;
         PoseFade fade;
-        PoseFade before;           // what it would be without the last begin()
+        PoseFade before;           // what `fade` would be without the last begin()
         bool awaits_pose = false;  // between make_room() and set()
     };
     struct BatchPoses {
@@ -56,7 +56,8 @@ private:
         DirtyRanges changed;                     // of instances
     };
     struct GroupPoses {
-        // A heap with the lowest on top, which is taken next: the order in which slots became free is not saved
+        // A min-heap, of which the lowest slot is taken next: the order in which slots became free must not matter,
+        // since a saved state does not keep it
         std::vector<uint32_t> free_slots;
         std::vector<io::JointPose> poses;   // [slots ever used][joint_count]
         DirtyRanges changed;                // of slots

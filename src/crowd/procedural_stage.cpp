@@ -88,7 +88,7 @@ void ProceduralStage::record_rank(VkCommandBuffer commands, const KindBindings& 
     bool is_first = true;
     for (const ProceduralTables::Dispatch& dispatch : group_of(batches_[batch]).procedural->dispatches) {
         if (dispatch.rank != rank) continue;
-        // Chains of one rank touch nothing of each other, which synchronization validation cannot see.
+        // Chains of one rank do not touch each other's joints, but synchronization validation cannot see that.
         if (!is_first) separate_kernels(commands);
         record_dispatch(commands, bindings, batches_[batch], dispatch);
         is_first = false;
@@ -110,7 +110,7 @@ void ProceduralStage::record_dispatch(VkCommandBuffer commands, const KindBindin
                             .time_step_s = time_step_s_,
                             .birth = batch.birth};
     wind_.moment().tell(push);
-    // As many chains at once as the device dispatches.
+    // As many chains at once as the device can dispatch.
     const uint32_t chains = std::max(gpu_->properties.limits.maxComputeWorkGroupCount[0] / workgroups, 1u);
     for (uint32_t left = dispatch.chain_count; left > 0;) {
         const uint32_t count = std::min(left, chains);

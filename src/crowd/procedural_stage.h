@@ -1,4 +1,4 @@
-// The procedural stage of groups with rules: targets and wind of the application; local transforms -> the same, moved.
+// The procedural stage of groups with rules. Takes targets and wind from the application, and moves local transforms.
 #pragma once
 
 #include "crowd/batch_plan.h"

@@ -28,8 +28,8 @@ public:
     bool has_last_run() const { return under_way_.empty() || under_way_.back().is_set(); }
 
 private:
-    // Commands run in the order in which they were recorded: those recorded before some that have run have run too, or
-    // never will. If kMost are pending and none has run, the oldest is taken to never run.
+    // Commands run in the order in which they were recorded: if some have run, those recorded earlier have run too, or
+    // never will. If kMost are pending and none has run, the oldest is assumed never to run.
     void give_back_known() {
         constexpr size_t kMost = 64;
         size_t known = under_way_.size();

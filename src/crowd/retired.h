@@ -15,9 +15,9 @@ public:
         std::unique_ptr<StageTimer> timer{};
         Buffer buffer{};
     };
-    // Things are freed once `update_count` later updates have run, after which nobody reads the outputs of earlier
-    // ones, and as many more have been recorded. The event alone would do, but validation layers do not follow events:
-    // they know that commands have run by the application's fences, which it has waited for by then.
+    // Things are freed once `update_count` later updates have run, after which nothing reads the outputs of earlier
+    // ones, and as many more have been recorded. The event alone would do, but validation layers do not follow events.
+    // They know that commands have run by the fences of the application, which has waited for them by then.
     Retired(EventPool& events, uint32_t update_count)
         : have_run_(events.take()), left_(update_count), more_(update_count) {}
     void keep(Things things) { things_ = std::move(things); }

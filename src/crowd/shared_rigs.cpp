@@ -6,7 +6,7 @@
 
 namespace throng {
 
-// Checksums of all that rows and the native walk depend on.
+// Checksums of everything that rows and native rigs depend on.
 const SharedValues::Key& SharedRigs::motion(const Character& character) {
     const auto [entry, is_new] = motions_.try_emplace(&character);
     SharedValues::Key& key = entry->second;

@@ -1,4 +1,4 @@
-// The skin stage of crowds whose vertices are skinned once, for all who read them.
+// The skin stage of crowds with CrowdSettings::skins_once: skins vertices once for all their readers.
 #pragma once
 
 #include "crowd/batch_plan.h"
@@ -25,7 +25,7 @@ private:
     std::vector<std::vector<Bindings>> bindings_;  // [batch][frame slot]
 };
 
-// For one batch. `skin_matrices`: those that are current; `skinned`: where its vertices go.
+// For one batch. `skin_matrices`: the current ones; `skinned`: where the skinned vertices are written.
 BufferTable skin_buffers(const Group& group, const Batch& batch, const Buffer& skin_matrices, const Buffer& skinned);
 io::SkinPush skin_push(const Group& group);
 

@@ -40,7 +40,7 @@ struct StageContext {
     const std::deque<Group>& groups;
     std::vector<Batch>& batches;
     uint32_t instance_count = 0;
-    const FeedbackRing* feedback = nullptr;             // null where no group has anything to tell
+    const FeedbackRing* feedback = nullptr;             // null where no group has anything to report
     const Buffer& terrain_heights;                      // of CrowdSettings::terrain
     const std::vector<std::unique_ptr<Stage>>& before;  // earlier stages of the list
 };
@@ -68,14 +68,15 @@ public:
     virtual void discard() {}
     // These instances have gone: clears what was set for them, since the next ones with their numbers would inherit it.
     virtual void despawn(std::span<const InstanceHandle> /*gone*/) {}
-    // Write or read the state that the stage continues from, beside the buffers that Crowd::save_state() knows of: that
-    // of the crowd, and that of a group. No update is being recorded then.
+    // Write or read the state that the stage continues from, apart from the buffers that Crowd::save_state() saves: the
+    // first that of the whole crowd, the second that of one group. Not called while an update is being recorded.
     virtual void exchange(StateArchive&) {}
     virtual void exchange_group(StateArchive&, uint32_t /*group*/) {}
 
-    // How many times at most an update, both halves of it, calls end_stage().
+    // The largest number of times that an update, both halves of it, calls end_stage().
     virtual uint32_t end_count() const { return 1; }
-    // The memory that the stage itself owns, beside the buffers of groups and batches; also after those have gone.
+    // The memory that the stage itself owns, apart from the buffers of groups and batches. Can be called after those
+    // are gone.
     virtual uint64_t size_bytes() const { return 0; }
 
 protected:

@@ -12,7 +12,7 @@ public:
     StageTimer(std::shared_ptr<Gpu> gpu, uint32_t most_stages);
 
     // begin() once an update, then end_stage() after each stage, at most most_stages times; a stage may come several
-    // times. publish() after the last one, and again where an update goes on.
+    // times. publish() after the last one, and again after the second half of an update.
     void begin(VkCommandBuffer commands);
     // `name`: one of stage_names().
     void end_stage(VkCommandBuffer commands, std::string_view name);
@@ -22,7 +22,7 @@ public:
 
     // Times of the newest update that has finished. Throws kInvalidArgument where there is none.
     StageTimes read() const;
-    // The same, but none where it has been taken before.
+    // The same, but none if it has been taken before.
     std::optional<StageTimes> take_newest();
 
 private:

@@ -14,7 +14,7 @@ namespace {
 
 static_assert(sizeof(io::JointPose) == sizeof(Affine));
 
-// Beyond this an arena saves no dispatches that would matter, and only costs memory.
+// A larger arena would save hardly any dispatches, and only cost memory.
 constexpr uint64_t kArenaBuffer_bytes = uint64_t{256} << 20;
 
 }  // namespace
@@ -180,7 +180,7 @@ void StagedUpdate::record_wave(const Update& update, const Wave& wave) const {
     });
 }
 
-// Rank by rank; the batches run side by side in each.
+// Rank by rank. Within a rank, the batches run without barriers between them.
 void StagedUpdate::record_procedural(const Update& update, std::span<const ServedBatch> of_wave) const {
     uint32_t rank_count = 0;
     for (const ServedBatch& served : of_wave) rank_count = std::max(rank_count, procedural_.rank_count(served.batch));

@@ -1,5 +1,5 @@
 // Cursors -> skin matrices, stage by stage: sample, blend, procedural rules, scan, bind, each through memory. Layers
-// are sampled and blended in one: their time counts as sample.
+// are sampled and blended by one kernel, whose time counts as sample.
 //
 // A wave is a run of batches whose intermediates (poses, local and model matrices) fit the arena together. A wave goes
 // through the stages as a whole, so that small groups share a dispatch's latency; then the next wave reuses the arena.
@@ -15,7 +15,7 @@
 
 namespace throng {
 
-// The largest that a buffer of intermediates may be.
+// The largest size of a buffer of intermediates.
 uint64_t arena_limit_bytes(const Gpu& gpu);
 
 class StagedUpdate : public Stage {

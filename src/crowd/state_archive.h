@@ -37,7 +37,7 @@ public:
         if (!holds) refuse(why);
     }
 
-    // Exactly as many as there are; their number is not stored.
+    // Writes or reads `all`. The number of values is not stored.
     template <class T>
     void values(std::span<T> all) {
         static_assert(std::is_trivially_copyable_v<T> && !std::is_same_v<T, bool>);
@@ -51,18 +51,18 @@ public:
             written_.insert(written_.end(), bytes.begin(), bytes.end());
         }
     }
-    // Writes into this memory, whatever it holds.
+    // Reuses this memory for writing; what it holds is lost.
     void write_into(std::vector<std::byte>&& memory) {
         written_ = std::move(memory);
         written_.clear();
     }
-    // Room for so many bytes, of which at least `sure_bytes` will be written.
+    // Reserves `size_bytes`, of which at least `sure_bytes` will be written.
     void reserve(size_t size_bytes, size_t sure_bytes) {
-        if (written_.capacity() >= size_bytes) return;  // memory that has been written to before
+        if (written_.capacity() >= size_bytes) return;  // memory that has been written to, so its pages exist
         written_.reserve(size_bytes);
         populate({written_.data(), sure_bytes});
     }
-    // Room for this many more bytes, to write to before anything else is written.
+    // Appends this many bytes, which the caller fills before it writes anything else.
     std::span<std::byte> room_for(size_t size_bytes) {
         written_.resize(written_.size() + size_bytes);
         return std::span(written_).last(size_bytes);
@@ -77,7 +77,7 @@ public:
         require(byte <= 1, "a truth value is neither 0 nor 1");
         one = byte != 0;
     }
-    // Stores their number too, which is at most `most`.
+    // Stores the number of values too. Reading refuses more than `most`.
     template <class T>
     void list(std::vector<T>& all, uint64_t most) {
         auto count = static_cast<uint64_t>(all.size());
@@ -88,7 +88,7 @@ public:
         }
         values(std::span(all));
     }
-    // What has changed among `count` things from `first` on.
+    // The changes among the `count` items from `first` on.
     void changes(DirtyRanges& changed, uint32_t first, uint32_t count) {
         std::vector<DirtyRanges::Range> ranges;
         for (const auto& [begin, length] : changed.pending()) {

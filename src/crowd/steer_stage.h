@@ -1,5 +1,5 @@
-// The steer stage of groups with CrowdGroup::steering: destinations of the application; agents -> a step further. All
-// agents of the crowd keep out of each other's way.
+// The steer stage of groups with CrowdGroup::steering: moves agents a step towards the destinations that the
+// application sets. All agents of the crowd avoid each other.
 #pragma once
 
 #include "crowd/batch_plan.h"
@@ -20,7 +20,7 @@ public:
     // Serves the batches whose group steers.
     explicit SteerStage(const StageContext& context);
 
-    // `place_and_whether`: the last is 1, or 0 for none.
+    // `place_and_whether`: xyz is the destination, w is 1, or 0 for none.
     void set_destination(const InBatch& at, const io::vec4& place_and_whether);
     void despawn(std::span<const InstanceHandle> gone) override;
 
@@ -28,8 +28,8 @@ public:
     void begin(const Update& update) override;
     void discard() override;
     void exchange_group(StateArchive& archive, uint32_t group) override;
-    // Runs after control; later stages see where agents stand. Without time nobody takes a step, but those born in the
-    // update begin.
+    // Runs after control; later stages see where agents stand. If the time step is not above 0, no agent takes a step,
+    // but those born in the update are initialized.
     void record(const Update& update) override;
     uint64_t size_bytes() const override { return places_.size_bytes() + buckets_.size_bytes(); }
 

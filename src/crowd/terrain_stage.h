@@ -1,4 +1,4 @@
-// The terrain stage of crowds with CrowdSettings::terrain: instances of groups that stand on it are put there.
+// The terrain stage of crowds with CrowdSettings::terrain: puts instances of groups with CrowdGroup::on_terrain on it.
 #pragma once
 
 #include "crowd/batch_plan.h"

@@ -9,7 +9,7 @@ namespace throng {
 
 class UpdateRateStage : public Stage {
 public:
-    // Serves the batches whose group is animated only where drawn.
+    // Serves the batches of groups whose skin matrices outlive an update (Group::skips_updates()).
     explicit UpdateRateStage(const StageContext& context);
 
     // Runs after the fused update.

@@ -18,8 +18,8 @@ uint32_t quotient_up(uint32_t count, uint32_t divisor) { return count / divisor 
 
 uint32_t cell_count(uint32_t instance_count) { return quotient_up(instance_count, io::kCullWorkgroupSize); }
 
-// One workgroup goes through the offsets of all the others. Fewer workgroups have more cells each; more make that one
-// take longer (docs/performance.md, "A million").
+// A single workgroup, of the offsets kernel, reads the counts of all others. Fewer workgroups have more cells each;
+// more of them make the offsets kernel take longer (docs/performance.md, "A million").
 uint32_t cells_of_workgroup(uint32_t instance_count) {
     constexpr uint32_t kWorkgroups = 1024;
     return std::clamp(quotient_up(cell_count(instance_count), kWorkgroups), 1u, uint32_t{io::kMostCells});

@@ -58,7 +58,7 @@ float distance_to_box(CullView view, Affine world_from_model, vec3 centre, vec3 
            largest_scale(world_from_model) * length(half_extent);
 }
 
-// The coarsest level whose error the view does not see; errors do not fall from level to level.
+// The coarsest level whose error the view does not see. Errors never decrease from one level to the next.
 uint lod_of(CullView view, float distance_to_it, float scale, vec4 lod_errors, uint lod_count) {
     uint lod = 0;
     for (uint k = 1; k < kLodCount; ++k)
@@ -76,7 +76,8 @@ uint period_of(CullView view, float distance_to_it, float scale, vec3 half_exten
     return view.shadow.w == 0 ? 1 : 1u << period_log2;
 }
 
-// What is done with an instance that is drawn; `state` is that of the last update, and becomes that of this one.
+// The verdict on an instance that is drawn. `state` is its state after the last update; it is replaced by the one after
+// this update.
 uint verdict_of(CullView view, CullPush push, Affine world_from_model, uint instance, INOUT(uint) state) {
     const float distance_to_it = distance_to_box(view, world_from_model, push.centre.xyz, push.half_extent.xyz),
                 scale = largest_scale(world_from_model);

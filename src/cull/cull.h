@@ -7,7 +7,8 @@
 
 namespace throng {
 
-// Cells of consecutive instances; how many of them a workgroup goes through; and how many workgroups that makes.
+// The number of cells of consecutive instances; how many cells a workgroup processes; and how many workgroups that
+// takes.
 uint32_t cell_count(uint32_t instance_count);
 uint32_t cells_of_workgroup(uint32_t instance_count);
 uint32_t cull_workgroups_of(uint32_t instance_count);

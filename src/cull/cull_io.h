@@ -11,8 +11,8 @@ THRONG_IO_CONSTANT kMostCells = 64;      // of a workgroup
 THRONG_IO_CONSTANT kLodCount = 4;        // levels of detail of a character; 0 is the finest
 THRONG_IO_CONSTANT kMostPeriodLog2 = 3;  // the smallest instances are animated in every eighth update
 
-// The list of a batch: how many instances are drawn; where each level's begin, counted from kFirstListed; then the
-// instances, finest level first, each level's in ascending order.
+// The list of a batch: how many instances are drawn; where each level's instances begin, counted from kFirstListed;
+// then the instances, finest level first, each level's in ascending order.
 THRONG_IO_CONSTANT kListCount = 0;
 THRONG_IO_CONSTANT kListBegins = 1;
 THRONG_IO_CONSTANT kFirstListed = 5;
@@ -21,11 +21,14 @@ THRONG_IO_CONSTANT kFirstListed = 5;
 // work.
 THRONG_IO_CONSTANT kCounters = 16;  // of a workgroup
 
-// The work of a batch: for each section where it begins, in words from the first, and how many instances it has; then
-// the instances, section by section, in ascending order within each. The sections: instances that are animated, a
-// section for each set of joints; instances that are animated for a later update, likewise; those whose matrices are
-// interpolated towards that later pose; and those that were not drawn in the last update. Before the instances: how
-// many rows of a skin pool the first half of the update has given out, and how many both halves have.
+// The work of a batch. For each section two words: where its instances begin, as an index into the work, and how many
+// there are. Then, at kOwnRowsBefore, how many rows of a skin pool the first half of the update has given out (0 in
+// that half itself), and at kOwnRowsTaken how many both halves have. Then the instances, section by section, in
+// ascending order within each. The sections:
+// - kAnimated + k: instances that are animated with joint set k;
+// - kAnimatedAhead + k: the same, but for the pose of a later update;
+// - kGoingOn: instances whose skin matrices are interpolated towards that later pose, or only kept;
+// - kAppearing: instances that were not drawn in the last update, or with fewer joints.
 THRONG_IO_CONSTANT kAnimated = 0;
 THRONG_IO_CONSTANT kAnimatedAhead = 4;
 THRONG_IO_CONSTANT kGoingOn = 8;
@@ -49,11 +52,11 @@ THRONG_IO_CONSTANT kVerdictAppears = 512u;
 // What is kept of an instance from one update to the next.
 THRONG_IO_CONSTANT kStateDrawn = 1u;     // in the last update; its skin matrices are from then
 THRONG_IO_CONSTANT kStateVisible = 2u;   // not hidden in the last update
-THRONG_IO_CONSTANT kStateLeftShift = 2;  // updates that its matrices still take to the next pose
+THRONG_IO_CONSTANT kStateLeftShift = 2;  // updates until its matrices reach the next pose
 THRONG_IO_CONSTANT kStateLeftMask = 15u;
-THRONG_IO_CONSTANT kStateStepShift = 6;  // in this update they go 1 / it of the remaining way; 0: none
+THRONG_IO_CONSTANT kStateStepShift = 6;  // in this update they move 1 / step of the remaining way; 0: none
 THRONG_IO_CONSTANT kStateStepMask = 15u;
-THRONG_IO_CONSTANT kStateSetShift = 10;  // the set of joints that they have, or are moving to
+THRONG_IO_CONSTANT kStateSetShift = 10;  // joint set of its matrices, or of the pose they move to
 
 // A view, in world space.
 struct CullView {
@@ -62,8 +65,9 @@ struct CullView {
     // w: the pixels that a length of 1 covers at a distance of 1, divided by the error in pixels allowed to a level of
     // detail
     vec4 eye;
-    // How far a point's shadow falls at most, since what is drawn casts one. w: pixels of a length of 1 at a distance
-    // of 1, divided by the size in pixels from which on characters are animated in every update; 0: all are
+    // The longest way that the shadow of a point falls: an instance also counts as seen if its shadow may be. w: the
+    // pixels that a length of 1 covers at a distance of 1, divided by the size in pixels from which characters are
+    // animated in every update; 0: all are
     vec4 shadow;
     uint update_number;  // modulo 2^32
     uint occlusion;      // whether instances hidden in the last update wait for reveal
@@ -77,7 +81,7 @@ struct SharedClip {
     uint first_row;  // of the skin matrices
     uint interval_count;
     float intervals_per_s;  // 0: the clip has no length
-    float error;            // model space: the largest error of the nearest of them
+    float error;            // model space: the largest error of the nearest shared pose
 };
 
 // A box around the boxes of a cell's instances.
@@ -90,23 +94,24 @@ struct Cell {
 struct CullPush {
     vec4 centre;  // of the box that holds all of a character's poses, model space
     vec4 half_extent;
-    vec4 lod_errors;  // model space: how far a level is off
+    vec4 lod_errors;  // model space: the error of each level
     uint instance_count;
     uint lod_count;
     uint joint_set_count;  // level k has the joints of set min(k, joint_set_count - 1)
-    uint keeps_previous;   // skin matrices of the update before
+    uint keeps_previous;   // skin matrices of the previous update are kept
     uint may_skip;         // instances need not be animated in every update
     // Of groups with a skin pool: rows that instances may have of their own; 0: there is no pool
     uint own_row_count;
     uint first_own_row;
     uint joint_count;
     uint active_clip_limit;  // of groups with a controller; else 0
-    float pose_spread;       // model space: how far two poses of clips are apart at most
+    float pose_spread;       // model space: the largest distance between two poses of clips
     uint cells_of_workgroup;
-    // Changes whenever placements have, above 0; 0: they always change, and there are no cells
+    // Above 0, and another number whenever placements have changed; 0: placements change in every update, so there are
+    // no cells
     float placements_version;
     uint birth;              // control/births.glsl
-    uint animates_unlisted;  // instances that are not drawn are animated too, all of their joints
+    uint animates_unlisted;  // instances that are not drawn are animated too, with all joints
     uint unused0, unused1;
 };
 
@@ -116,7 +121,7 @@ struct CullPush {
 struct PyramidPush {
     uint width, height;              // of what is read
     uint first_read, first_written;  // floats
-    float sign;                      // what is read times this is greater where it is nearer
+    float sign;                      // depth * sign is greater where it is nearer
 };
 
 struct RevealPush {

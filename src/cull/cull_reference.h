@@ -7,7 +7,7 @@
 
 namespace throng {
 
-// A character's box in model space, and its levels of detail.
+// A character's box in model space.
 struct CullBox {
     Vec3<double> centre, half_extent;
 };

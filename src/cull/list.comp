@@ -22,7 +22,7 @@ void list_animated(uint instance, uint at) {
 
 #ifdef __cplusplus
 
-// One thread lists a workgroup's instances in their order, so it counts on from where the workgroup writes.
+// One thread lists a workgroup's instances in order. It counts up from where the workgroup's part of each list begins.
 void main() {
     if (gl_LocalInvocationID.x > 0) return;
     uint next[kCounters];
@@ -40,9 +40,9 @@ void main() {
 
 #else
 
-// A byte per counter: how many invocations up to and including this one it counts; at most 64
+// One byte per counter: how many invocations, up to and including this one, count towards it; at most 64
 shared uvec4 ranks[2][kCullWorkgroupSize];
-shared uint next[kCounters];  // where the next cell's begin
+shared uint next[kCounters];  // where the next cell's instances begin, by counter
 
 void list_cell(uint instance) {
     const uint invocation = gl_LocalInvocationID.x;

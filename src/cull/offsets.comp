@@ -4,7 +4,7 @@
 #include "cull/cull_io.h"
 
 WORKGROUP(kCullWorkgroupSize);
-// [workgroup][kCounters / 4]: before, counts; after, where each one's instances begin
+// [workgroup][kCounters / 4]: read as counts, replaced by where each one's instances begin
 BUFFER(kCountsBuffer, uvec4, counts);
 WRITEONLY_BUFFER(kListBuffer, uint, list);
 BUFFER(kWorkBuffer, uint, work);

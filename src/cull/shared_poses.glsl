@@ -13,7 +13,7 @@ WRITEONLY_BUFFER(kSkinRowsBuffer, uint, skin_rows);
 // The clip that most of an instance's pose comes from; with a controller, the first of its lowest layer.
 struct MainClip {
     ClipCursor cursor;
-    float others_weight;  // 0: there is no other; 1: not known, with a controller
+    float others_weight;  // 0: there is no other clip; 1: unknown, with a controller
 };
 
 MainClip main_clip(CullPush push, uint instance) {

@@ -1,4 +1,4 @@
-// bounds: the edges of the box that culling tests of an instance.
+// bounds: the edges of the box against which culling tests an instance.
 #include "cull/cull_io.h"
 #include "draw/scene.glsl"
 #include "gpu/affine.glsl"

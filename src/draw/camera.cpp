@@ -33,8 +33,8 @@ View make_view(const Camera& camera, float aspect_ratio) {
     View view{axes.right, axes.up, axes.forward};
     view.half_height = std::tan(camera.vertical_field_of_view_rad / 2);
     view.half_width = view.half_height * aspect_ratio;
-    // Reversed depths are floats, as precise for any near plane. So it can be closer than anything that is to be seen,
-    // even where the target is a mountain.
+    // Reversed float depths are equally precise for any near plane. So the near plane may be closer than anything to be
+    // seen, even where the target is a mountain.
     constexpr float kNear = 2e-5f;
     const float near = distance * kNear;
     const auto row = [&](const Vec3<float>& axis) {
@@ -73,7 +73,7 @@ CrowdView crowd_view_of(const Camera& camera, uint32_t width, uint32_t height, c
     const View view = make_view(camera, static_cast<float>(width) / static_cast<float>(height));
     const Vec3<float> to_sun = direction_to_sun(options);
     constexpr float kHighest = 2;      // above the ground, in heights of the crowd at rest
-    constexpr float kDeepest = 0.25f;  // below it, likewise: rest poses may float above the floor that clips walk on
+    constexpr float kDeepest = 0.25f;  // below it, as above: rest poses may float above the floor that clips walk on
     const float extent = bounds.max.y - bounds.min.y,
                 above = std::max(kHighest * extent, highest - bounds.min.y + kDeepest * extent),
                 reach = options.shadows ? above / to_sun.y : 0;
@@ -93,9 +93,10 @@ Result<CrowdView> view_of(const Camera& camera, uint32_t width, uint32_t height,
     return as_result([&] { return crowd_view_of(camera, width, height, bounds, bounds.max.y, checked(options)); });
 }
 
-// Both fits below look at corners in the camera's axes, relative to the centre of the bounds: `side` along one axis of
-// the picture, and `forward`. An eye `back` behind the centre and moved by `shift` along that axis sees the corner at
-// (side - shift) / (forward + back), and within the picture where that is at most half_extent, either way.
+// Both fits below take the corners of the bounds in the camera's axes, relative to the centre of the bounds: `side`
+// along one axis of the picture, and `forward`. An eye at distance `back` behind the centre, moved by `shift` along
+// that axis, sees a corner at (side - shift) / (forward + back). The corner is in the picture if the absolute value of
+// that is at most half_extent.
 namespace {
 
 struct Corner {
@@ -139,10 +140,10 @@ Camera fit_camera(const Bounds& bounds, float aspect_ratio) {
     const float width = std::max(extent.x, extent.z), flatness = width / std::max({extent.y, width * 1e-3f, 1e-30f});
     // 0 for one character, 1 for a crowd much wider than high
     const float crowd = std::clamp((flatness - 2) / 6, 0.0f, 1.0f);
-    // 1 where a whole crowd would be a carpet far away
+    // 1 for a crowd so wide that, shown whole, it would be a distant carpet
     const float vast = std::clamp((flatness - 25) / 50, 0.0f, 1.0f);
     const float elevation_rad = 0.17f + crowd * 0.25f - vast * 0.12f, yaw_rad = 0.5f - crowd * 0.25f;
-    // A vast crowd runs out of the picture at its corners.
+    // Only this part of a vast crowd's width and depth is fitted: its corners may lie outside the picture.
     const float kept = 1 - 0.6f * vast;
     constexpr float kMargin = 1.06f;
 

@@ -18,7 +18,7 @@ struct View {
 // Throws kInvalidArgument if the camera is invalid.
 View make_view(const Camera& camera, float aspect_ratio);
 
-// As view_of() of throng/draw.h. `highest`: the greatest y of what throws a shadow, in any pose. Throws
+// As view_of() of throng/draw.h. `highest`: the greatest y that anything casting a shadow reaches, in any pose. Throws
 // kInvalidArgument if the camera is invalid.
 CrowdView crowd_view_of(const Camera& camera, uint32_t width, uint32_t height, const Bounds& bounds, float highest,
                         const DrawOptions& options);
@@ -26,7 +26,7 @@ CrowdView crowd_view_of(const Camera& camera, uint32_t width, uint32_t height, c
 // Throws kInvalidArgument if they are invalid.
 const DrawOptions& checked(const DrawOptions& options);
 
-inline constexpr float kLowestSun = 0.05f;  // the sine of its height above the horizon
+inline constexpr float kLowestSun = 0.05f;  // the sine of the sun's angle above the horizon
 
 // Unit, world space.
 inline Vec3<float> direction_to_sun(const DrawOptions& options) { return normalized(options.to_sun); }

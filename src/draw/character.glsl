@@ -2,7 +2,7 @@
 #include "draw/scene.glsl"
 
 CONSTANT(0, bool, kDiscards, false);  // masked materials, and batches with mirrored instances
-CONSTANT(1, bool, kMaps, false);      // materials with more textures than that of the base colour
+CONSTANT(1, bool, kMaps, false);      // materials with other textures than the base colour's
 
 layout(set = 1, binding = 0) uniform sampler2D shadow_map;
 layout(set = 2, binding = 0) uniform sampler2D base_color_texture;
@@ -27,10 +27,11 @@ layout(location = 0) out vec4 out_color;
 #include "draw/material_model.glsl"
 
 void main() {
-    // At the middle of a pixel that a triangle covers in part, colours may lie beyond those of its vertices.
+    // At the centre of a pixel that a triangle covers only in part, interpolated colours may lie outside the range of
+    // the vertices' colours.
     const vec4 color = texture(base_color_texture, in_texcoord) * push.base_color * max(in_color, 0);
     const bool front = gl_FrontFacing != (in_mirrored != 0);
-    // Before anything is discarded: beside a fragment that has ended, derivatives and textures' levels are undefined.
+    // Before any discard: next to an invocation that has ended, derivatives and mip levels are undefined.
     MapTexels maps;
     PixelSteps steps;
     if (kMaps) {

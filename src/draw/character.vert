@@ -9,7 +9,7 @@
 
 CONSTANT(0, bool, kShadow, false);  // as the sun sees it, for the shadow map
 CONSTANT(1, uint, kSkinFormat, 0);  // throng::SkinFormat
-CONSTANT(2, bool, kListed, false);  // what is drawn lies in list
+CONSTANT(2, bool, kListed, false);  // the instances to draw are those of `list`
 CONSTANT(3, uint, kSkinBlend, kSkinLinear);
 // Reads vertices that the skin stage has skinned, in place of skin matrices
 CONSTANT(4, bool, kSkinned, false);
@@ -70,7 +70,7 @@ void main() {
     if (kHasLooks) {
         const SectionLook look = look_of_section(instance, push.section, push.section_count);
         if (look.material != push.material) {
-            gl_Position = vec4(0, 0, -1, 1);  // in no view
+            gl_Position = vec4(0, 0, -1, 1);  // outside of the clip volume
             return;
         }
         color = look_color(instance, look);
@@ -83,7 +83,7 @@ void main() {
     out_color = unpackUnorm4x8(vertex.texcoord_color_delta.z) * vec4(color, 1);
     out_layer = coverage_layer(push.first_layer + instance, push.section);
     if (kShadow) {
-        // What lies higher than the map reaches throws its shadow from there
+        // What lies above the map's range casts its shadow from the top of that range
         gl_Position = vec4(2 * dot(scene.map_from_world[0], world) - 1, 2 * dot(scene.map_from_world[1], world) - 1,
                            min(dot(scene.map_from_world[2], world), 1), 1);
     } else {

@@ -1,7 +1,7 @@
-// Alpha to coverage: what is transparent covers some of a pixel's samples. Levels between those of one pixel are spread
-// over 4 x 4 pixels in Bayer's order (B. E. Bayer, An optimum method for two-level rendition of continuous-tone
-// pictures, 1973). So characters need not be sorted, what lies behind shows through, and depths, shadows and occlusion
-// work as for everything else. C++ too.
+// Alpha to coverage: a transparent fragment covers only some of a pixel's samples. Alpha levels finer than the samples
+// of one pixel are dithered over 4 x 4 pixels in Bayer's order (B. E. Bayer, An optimum method for two-level rendition
+// of continuous-tone pictures, 1973). So characters need not be sorted, what lies behind shows through, and depths,
+// shadows and occlusion work as for everything else. C++ too.
 
 // 0..15, a different one for each of 4 x 4 pixels.
 uint bayer_rank(uint x, uint y) {
@@ -15,12 +15,12 @@ uint hash_of(uint number) {
     return (word >> 22) ^ word;
 }
 
-// The layer of one section of one instance, whose samples are covered alike. Instances are counted over all crowds of
-// the picture.
+// The number of one section of one instance, all of whose fragments use the same coverage pattern. Instances are
+// counted over all crowds of the picture.
 uint coverage_layer(uint instance, uint section) { return hash_of(instance ^ section << 24); }
 
-// Each layer begins at a different rank in each 4 x 4 pixels, so that over several of them one layer shows through
-// another in the right proportion.
+// Each layer begins at a different rank in each block of 4 x 4 pixels, so that over several blocks one layer shows
+// through another in the right proportion.
 bool covers(float alpha, uint x, uint y, uint sample_number, uint sample_count, uint layer) {
     const uint level_count = 16u * sample_count, first = hash_of(hash_of(layer + (x >> 2)) + (y >> 2));
     const uint rank = (16u * sample_number + bayer_rank(x, y) + first) % level_count;

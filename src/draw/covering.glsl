@@ -1,5 +1,5 @@
-// Leaves out the samples that a fragment does not cover. Only for fragment shaders that need it: one that may write
-// gl_SampleMask is not depth-tested before it runs.
+// Masks out the samples that a fragment does not cover. Include it only in fragment shaders that need it: a shader that
+// may write gl_SampleMask gets no early depth test.
 #include "gpu/shader_types.h"
 #include "draw/coverage.glsl"
 
@@ -7,7 +7,7 @@ CONSTANT(2, uint, kSamples, 4);  // of a pixel
 
 layout(location = 5) flat in uint in_layer;
 
-// `pixel`: of a grid that stays where it is.
+// `pixel`: on a grid that stays fixed from frame to frame.
 void cover(float alpha, uvec2 pixel) {
     uint samples = 0;
     for (uint i = 0; i < kSamples; ++i)

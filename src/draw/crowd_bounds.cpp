@@ -38,8 +38,9 @@ std::pair<float, float> middle_half(std::vector<float>& values) {
     return {low, *rest};
 }
 
-// Where all except strays stand: the middle half, and around it four times its width along the axis where it is widest.
-// (J. W. Tukey's fences, Exploratory Data Analysis, 1977, and a wider margin.)
+// A box that holds the placements of all instances except strays: the middle half along each axis, extended on all
+// sides by four times the width of the widest of the three (at least a character's size). (J. W. Tukey's fences,
+// Exploratory Data Analysis, 1977, with a wider margin.)
 Bounds fence_of(Crowds crowds) {
     constexpr uint32_t kSample = 1024, kFewest = 5;
     constexpr float kWidths = 4;
@@ -66,7 +67,7 @@ Bounds fence_of(Crowds crowds) {
             {x.second + margin, y.second + margin, z.second + margin}};
 }
 
-// Grows by one instance after another.
+// Bounds that grow instance by instance.
 struct Growing {
     uint32_t count = 0;
     Bounds rest = kNothing, posed = kNothing;
@@ -90,7 +91,7 @@ struct Growing {
     }
 
 private:
-    // Shadows are fitted to no more than this, since games hide things by moving them far away in a clip.
+    // A limit for the posed box to which shadows are fitted, since games hide things by moving them far away in a clip.
     static Bounds near_box(const Group& group) {
         constexpr float kSizes = 4;
         const float reach = kSizes * size_at_rest(group);

@@ -1,4 +1,4 @@
-// Where crowds are: the picture's ground, fog and shadow map are fitted to this, and so are cameras.
+// Where crowds stand. The picture's ground, fog and shadow map are fitted to this, and so are cameras.
 #pragma once
 
 #include "crowd/crowd_state.h"
@@ -12,11 +12,11 @@ namespace throng {
 // One crowd, or several that are drawn in one picture.
 using Crowds = std::span<CrowdState* const>;
 
-// Strays are the few instances (a hundredth at most; one, where there are fewer than a hundred) that stand so far away
-// from all others that a picture which is fitted to them would show nobody else.
+// Strays are the few instances (at most a hundredth of all, or one if there are fewer than a hundred) that stand so far
+// away from all others that a picture fitted to include them would show nothing else.
 enum class Strays { kIncluded, kLeftOut };
 
-// World space, by the instances' placements; all zero if nobody is there.
+// World space, from the instances' placements. If no instance is there, everything except `size` is zero.
 struct CrowdBounds {
     Bounds rest;   // of their rest poses
     Bounds posed;  // of all their poses as far as culling knows them
@@ -32,8 +32,8 @@ CrowdBounds bounds_of(Crowds crowds, Strays strays);
 float size_at_rest(const Group& group);
 float placed_size(float size_at_rest, const Affine& placement);
 
-// That of the largest character that is there, in the world; if nobody is, of the largest. A batch counts with the
-// scale of its first instance.
+// The world size of the largest character that is there; if none is, of the largest character of the crowds. The first
+// instance of a batch gives the scale of the whole batch.
 float character_size(Crowds crowds);
 
 }  // namespace throng

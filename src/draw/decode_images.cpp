@@ -10,13 +10,14 @@
 namespace throng {
 namespace {
 
-// On a software device either renderer may draw: by shaders from pictures, natively from its own textures.
+// Shaders draw from decoded pictures, the native renderer from its own textures. On a software device either may draw,
+// so both are made.
 struct Decoded {
     std::optional<TexturedMaterials<Picture>> pictures;
     std::optional<TexturedMaterials<raster::OwnedTexture>> textures;
 };
 
-// Drops warnings, since renderers decode again what could not be decoded, and warn then.
+// Drops warnings: renderers try again to decode what could not be decoded, and warn then.
 std::shared_ptr<const Decoded> decoded_of(Gpu& gpu, const Group& group, uint64_t& room_bytes) {
     std::vector<std::string> warnings;
     auto decoded = std::make_shared<Decoded>();

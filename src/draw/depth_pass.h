@@ -1,4 +1,4 @@
-// A render pass of depth alone: what the sun sees, or what hides the rest.
+// A render pass that draws only depth: the shadow map, or the depths of occluders.
 #pragma once
 
 #include "draw/image.h"

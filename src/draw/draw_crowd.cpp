@@ -17,7 +17,7 @@ bool has_mirrored_instances(const CrowdState& crowd, const Batch& batch) {
 
 io::DrawPush push_of(const Group& group, const MeshSection& section, const TexturedMaterial<Image>& material) {
     const AssetMaterial& f = material.factors;
-    const float cutoff = f.alpha_mode == AlphaMode::kMask ? f.alpha_cutoff : 0;  // 0 keeps all of mirrored opaque ones
+    const float cutoff = f.alpha_mode == AlphaMode::kMask ? f.alpha_cutoff : 0;  // 0: opaque ones keep all fragments
     return {.first_vertex = section.first_vertex,
             .first_influences = section.first_influences,
             .influence_sets = section.influence_sets,
@@ -62,7 +62,7 @@ void CrowdDrawing::draw(VkCommandBuffer commands, DrawPass pass) const {
         const Group& group = crowd.groups[batch.group];
         // Front faces of mirrored instances wind the other way: then the fragment shader culls.
         const bool has_mirrored = mirrors[i];
-        if (has_mirrored && pass == DrawPass::kOccluders) continue;  // it would take a shader that culls
+        if (has_mirrored && pass == DrawPass::kOccluders) continue;  // the occluder pipelines have no shader that culls
         bind(commands, kBatchSet, groups[batch.group]->set_of(batch));
         crowd.gpu->vk.vkCmdBindIndexBuffer(commands, group.indices.handle(), 0, VK_INDEX_TYPE_UINT32);
         for (size_t section = 0; section < group.sections.size(); ++section)
@@ -111,7 +111,7 @@ void CrowdDrawing::draw_section(VkCommandBuffer commands, const Batch& batch, si
     }
 }
 
-// push_of(group): what the lines of its instances are, and how many each has.
+// push_of(group) returns the push constants of the lines of one group, and how many lines each instance has.
 template <class PushOf>
 void CrowdDrawing::draw_lines(VkCommandBuffer commands, const OwnedPipeline& pipeline, const PushOf& push_of) const {
     constexpr uint32_t kLineVertices = 6;  // two triangles

@@ -19,7 +19,7 @@ struct CrowdDrawing {
     uint32_t first_layer = 0;              // coverage_layer()'s number of the crowd's first instance
     std::vector<bool> mirrors{};           // [batch], whether some of its instances are mirrored
 
-    // Before the first draw(): goes through all instances.
+    // Call it before the first draw(). Goes through all instances.
     void find_mirrors();
     void draw(VkCommandBuffer commands, DrawPass pass) const;
     // For all instances, or those that are listed. Skeletons need CrowdSettings::keep_model_matrices.

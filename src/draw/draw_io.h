@@ -1,11 +1,11 @@
-// What the draw's shaders read beside the buffers of a crowd. Shared by C++ and GLSL.
+// What the draw's shaders read besides the buffers of a crowd. Shared by C++ and GLSL.
 #ifndef THRONG_DRAW_IO_H
 #define THRONG_DRAW_IO_H
 #include "gpu/shader_types.h"
 THRONG_IO_BEGIN
 
-// One for the whole picture, in world space. std140 and std430 give it the same layout. Light is linear; that of the
-// sun and the sky is what a white diffuse surface reflects of it.
+// One for the whole picture, in world space. It has the same layout in std140 and std430. Light is linear; sun and sky
+// light are given as what a white diffuse surface reflects of them.
 struct DrawScene {
     vec4 clip_from_world[4];  // rows
     vec4 map_from_world[3];   // rows, of the shadow map: place in it and height towards the sun, all 0..1
@@ -15,11 +15,11 @@ struct DrawScene {
     vec4 down;
     vec4 to_sun;   // unit
     vec4 ground;   // centre x, height, centre z; w: size of a character
-    vec4 fog;      // x: at a distance of 1 / x it leaves 1 / e
+    vec4 fog;      // x: at a distance of 1 / x, fog leaves 1 / e of the light
     vec4 picture;  // x, y: pixels
     // x: texels of the map, each way; y: world size of the larger side of one; z: 1 with shadows, 0 without
     vec4 shadow;
-    vec4 map_grid;  // x, y: where the map's first texel lies on the grid that it moves along; texels, 0..65535
+    vec4 map_grid;  // x, y: the position of the map's first texel on a fixed grid of texels, 0..65535
     vec4 sun_light;
     vec4 sky_light;        // on a surface that looks up
     vec4 bounce_light;     // on one that looks down

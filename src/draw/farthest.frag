@@ -1,5 +1,5 @@
-// farthest: the farthest depth of a pixel's samples, which is the least, since nearer is greater. A device need not be
-// able to resolve to the least (lavapipe is not).
+// farthest: the farthest depth of a pixel's samples. This is the minimum, since depth is reversed. A device need not be
+// able to resolve to the minimum (lavapipe is not).
 layout(set = 0, binding = 0) uniform sampler2DMS depths;
 layout(location = 0) out float out_depth;
 

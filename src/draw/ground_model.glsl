@@ -24,7 +24,7 @@ Real cell_value(Whole column, Whole row) {
     return Real(h & 0xFFFFu) * (1 / 65535.0);
 }
 
-// Soft patches, -1..1, gone where a pixel holds a whole one.
+// Soft patches, -1..1, faded out where a pixel covers a whole patch.
 Real patches(vec2 position, vec2 pixel) {
     const Real width = max(pixel.x, pixel.y);
     if (!some(width < 1)) return Real(0);
@@ -52,8 +52,8 @@ vec3 ground_light(vec3 world, vec2 pixel) {
            (xyz(scene.sky_light) + xyz(scene.sun_light) * (scene.to_sun.y * sun_at(world, vec3(0, 1, 0))));
 }
 
-// A pixel where no character is, as the picture has it. `ray`: through its centre; `pixel`: its width and height in
-// ground_position().
+// The picture's colour at a pixel without a character. `ray`: through the pixel's centre; `pixel`: its width and height
+// in ground_position().
 vec3 background(vec3 ray, vec2 pixel) {
     const Mask misses = ray.y >= 0 || Real(scene.eye.y) <= scene.ground.y;
     vec3 color = vec3(0);

@@ -10,8 +10,8 @@
 namespace throng {
 
 struct GroupBindings {
-    // Makes the textures that `textures`, the renderer's, does not have yet, and takes the size of all that the group
-    // needs from `room_bytes`. Draw with it only when the uploads have finished.
+    // Makes the textures that are not yet among `textures`, the renderer's, and subtracts the size of all textures that
+    // the group needs from `room_bytes`. Draw with it only when the uploads have finished.
     GroupBindings(Uploads& uploads, const ShaderLayout& layout, const MaterialSampling& sampling,
                   const CrowdState& crowd, uint32_t group, uint64_t& room_bytes, SharedValues& textures);
 

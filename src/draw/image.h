@@ -1,4 +1,4 @@
-// A 2D image with memory and view of its own.
+// A 2D image with its own memory and view.
 #pragma once
 
 #include "gpu/barrier.h"
@@ -32,7 +32,7 @@ private:
     OwnedImageView view_;
 };
 
-// What an image is used for at a time.
+// How an image is used between two transitions.
 struct ImageUse {
     VkImageLayout layout;
     Access access;
@@ -47,7 +47,7 @@ inline constexpr ImageUse kColorTarget{VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL,
     kCopySource{VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, kTransferRead},
     kCopyTarget{VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, kTransferWrite};
 
-// The aspect is depth if either use is one of depths, else colour.
+// The aspect is depth if either use is a depth use, else colour.
 void transition(const Gpu& gpu, VkCommandBuffer commands, VkImage image, const ImageUse& from, const ImageUse& to,
                 uint32_t first_mip = 0, uint32_t mip_count = VK_REMAINING_MIP_LEVELS);
 

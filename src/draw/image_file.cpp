@@ -15,8 +15,8 @@ namespace {
 
 constexpr uint64_t kUnlimited_bytes = std::numeric_limits<uint64_t>::max();
 
-// What stb may allocate at once on this thread. stb unpacks a PNG file to whatever size its data ask for: a megabyte of
-// them can ask for a gigabyte.
+// The largest allocation that stb may make on this thread. stb unpacks a PNG file to whatever size its data expand to:
+// a megabyte can expand to a gigabyte.
 thread_local uint64_t stb_limit_bytes = kUnlimited_bytes;
 thread_local bool stb_asked_for_more = false;
 
@@ -40,7 +40,7 @@ public:
 }  // namespace
 }  // namespace throng
 
-// Static, so that an application may have an stb of its own.
+// Static, so that an application may have its own stb.
 #define STB_IMAGE_STATIC
 #define STB_IMAGE_IMPLEMENTATION
 #define STBI_ONLY_PNG
@@ -75,15 +75,15 @@ bool is_png(std::span<const uint8_t> bytes) {
     return bytes.size() >= 4 && std::memcmp(bytes.data(), "\x89PNG", 4) == 0;
 }
 
-// The size of the largest block of memory that a PNG file can need: its packed data, gathered in blocks that double;
-// or its rows, each with a byte for its filter, of up to four channels of 16 bits. Interlaced files have more rows, for
-// which the block doubles once.
+// The largest block of memory that decoding a PNG file can need. It is either the packed data, gathered in a block that
+// doubles; or the rows, each with a filter byte and up to four 16-bit channels for each pixel. Interlaced files have
+// more rows, for which stb doubles the block once.
 uint64_t largest_of_png_bytes(uint64_t file_bytes, uint64_t width, uint64_t height) {
     constexpr uint64_t kLeast_bytes = 4096;
     return std::max(2 * file_bytes + kLeast_bytes, 2 * (width * 8 + 1) * height);
 }
 
-// A scan of a JPEG file is decoded for the whole picture, however little data it has.
+// The number of scans of a JPEG file. Each is decoded for the whole picture, however little data it has.
 size_t scan_count(std::span<const uint8_t> jpeg) {
     constexpr uint8_t kBeginsMarker = 0xFF, kFirstRestart = 0xD0, kPictureBegins = 0xD8, kPictureEnds = 0xD9,
                       kScan = 0xDA;

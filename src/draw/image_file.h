@@ -1,4 +1,4 @@
-// Images as files have them.
+// Encoded image files.
 #pragma once
 
 #include <throng/asset.h>
@@ -15,8 +15,8 @@ inline constexpr uint32_t kTextureDimensionLimit = 16'384;
 // A PNG, JPEG or WebP file in memory, recognized by its content.
 class ImageFile {
 public:
-    // Reads only the file's header. `image` must live as long as this. Throws kInvalidFile if it is no such file, and
-    // kLimit above 2 GiB; all failures name the image.
+    // Reads only the file's header. `image` must live as long as this. Throws kInvalidFile if the content is none of
+    // these formats, and kLimit above 2 GiB; all failures name the image.
     explicit ImageFile(const AssetImage& image);
 
     uint32_t width() const { return width_; }

@@ -1,5 +1,5 @@
-// What a surface reflects of the scene's light, and what of that arrives at the eye; docs/drawing.md names the sources.
-// C++ too (gpu/glsl.h). The includer declares `DrawScene scene` and xyz(), the first three of a vec4.
+// The light that a surface reflects, and how much of it reaches the eye; docs/drawing.md names the sources. C++ too
+// (gpu/glsl.h). The includer declares `DrawScene scene` and xyz(), the first three components of a vec4.
 const Real kPi = 3.14159265;
 
 vec3 sky_color(vec3 direction) {
@@ -7,7 +7,7 @@ vec3 sky_color(vec3 direction) {
     return mix(xyz(scene.horizon), xyz(scene.zenith), sqrt(max(direction.y, 0))) + 0.12 * glow * xyz(scene.sun_light);
 }
 
-// What comes from all sides onto a surface that looks along `normal`.
+// The light from all sides onto a surface that faces along `normal`.
 vec3 ambient_light(vec3 normal) { return mix(xyz(scene.bounce_light), xyz(scene.sky_light), 0.5 + 0.5 * normal.y); }
 
 struct Surface {

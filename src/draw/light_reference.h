@@ -35,10 +35,10 @@ double sun_reference(const io::DrawScene& scene, const MapHeights& heights, cons
 Vec3<double> background_reference(const io::DrawScene& scene, const MapHeights& heights, const Vec3<double>& ray,
                                   const Vec3<double>& beside, const Vec3<double>& below);
 
-// What a material's maps say of a place, and how places change from its pixel to the next ones.
+// The texels of a material's maps at a point, and how the point changes from its pixel to the next ones.
 struct MapsReference {
     double metallic = 1, roughness = 1;
-    Vec3<double> normal{1, 1, 1};  // as the texel has it
+    Vec3<double> normal{1, 1, 1};  // as stored in the texel
     double occlusion = 1;
     Vec3<double> emissive{1, 1, 1};
     double normal_scale = 0;  // 0: there is no normal map
@@ -46,8 +46,8 @@ struct MapsReference {
     Vec3<double> place_x{}, place_y{};  // steps to the right, and down
     std::array<double, 2> texcoord_x{}, texcoord_y{};
 };
-// The colour of a pixel of a character. `surface`: its front, without maps; its occlusion is not read, but follows from
-// its place.
+// The colour of a pixel of a character. `surface`: its front, without maps. Its occlusion is ignored, and computed from
+// its place instead.
 Vec3<double> character_reference(const io::DrawScene& scene, const MapHeights& heights, const LitSurface& surface,
                                  bool is_front, const MapsReference& maps = {});
 

@@ -1,4 +1,4 @@
-// What a character's material makes of the light; C++ too (gpu/glsl.h). The includer also includes light_model.glsl and
+// How a character's material reflects the light; C++ too (gpu/glsl.h). The includer also includes light_model.glsl and
 // sun_model.glsl.
 
 // The surface of a material without maps. `size`: of the character, in the world.
@@ -55,7 +55,8 @@ Surface mapped_surface(Surface plain, MapTexels maps, Real normal_scale, Real oc
     return surface;
 }
 
-// A pixel of a character, as the picture has it. `normal`: without maps. Both normals look to the front.
+// The picture's colour at a pixel of a character. `normal`: without the normal map. Both normals point to the front
+// side.
 vec3 pictured_surface(Surface front_surface, vec3 world, vec3 normal, Mask is_front) {
     Surface surface = front_surface;
     surface.normal = choose(is_front, surface.normal, -surface.normal);

@@ -9,7 +9,7 @@
 
 namespace throng {
 
-// How the textures of materials are read.
+// The samplers that read the textures of materials.
 class MaterialSampling {
 public:
     explicit MaterialSampling(const std::shared_ptr<Gpu>& gpu);

@@ -227,7 +227,7 @@ void NativeFrame::add_lines(const DrawOptions& options) {
                                    size_t{of.instance} * of.group.joint_count,
                                lines);
         });
-    // The last one lies over all others
+    // The line added last lies on top of all others, so it comes first (raster::Frame::lines)
     std::reverse(lines_.begin() + frame_.depth_tested_count, lines_.end());
     frame_.lines = lines_.data();
     frame_.line_count = static_cast<uint32_t>(lines_.size());

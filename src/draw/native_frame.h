@@ -76,7 +76,7 @@ private:
     void skin();
     void skin_instance(const Posed& posed, NativeScratch& scratch);
     void sort_by_distance();
-    // `are_clear`: [tile], whether the last picture left them clear; at first they are.
+    // `are_clear`: [tile], whether the last picture left the tile clear; true at first.
     template <class Draw>
     void draw_tiles(VkExtent2D of, VkExtent2D largest, std::vector<uint8_t>& are_clear, const Draw& draw);
     void resolve();
@@ -96,7 +96,7 @@ private:
     std::vector<Posed> posed_;
     std::vector<Job> jobs_;
     std::vector<raster::Draw> draws_;
-    std::vector<uint64_t> distances_;  // greatest depth, and draw
+    std::vector<uint64_t> distances_;  // sort keys: the complement of `nearest`, then the number of the draw
     std::vector<uint32_t> nearest_first_, draw_of_ids_;
     std::vector<raster::Line> lines_;
     std::vector<uint32_t> casters_;

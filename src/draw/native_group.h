@@ -13,8 +13,8 @@
 
 namespace throng {
 
-// Textures are shared by all native renderers of the device. Takes what they need from `room_bytes`, counting as the
-// Vulkan renderer does, so that both draw the same ones white.
+// Textures are shared by all native renderers of the device. Subtracts their size from `room_bytes`, counted as the
+// Vulkan renderer counts it, so that both draw the same images white.
 TexturedMaterials<raster::OwnedTexture> native_materials(Gpu& gpu, const Group& group,
                                                          std::vector<std::string>& warnings, uint64_t& room_bytes);
 

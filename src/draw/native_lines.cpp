@@ -27,7 +27,7 @@ struct LineText {
         std::ranges::copy(std::array{line.color.x, line.color.y, line.color.z}, added.color);
     }
 
-    // Beyond one side of the picture.
+    // Whether all corners lie beyond the same side of the picture.
     static bool is_outside(const std::array<vec4, 4>& corners) {
         const auto all = [&](const auto& is_beyond) { return std::ranges::all_of(corners, is_beyond); };
         return all([](const vec4& at) { return at.x > at.w; }) || all([](const vec4& at) { return at.x < -at.w; }) ||

@@ -47,7 +47,7 @@ void list_instances(const Batch& batch, NativeList& list) {
 
 NativeView::NativeView(const io::DrawScene& scene, bool shadows) : shadows_(shadows) {
     const io::vec4* const clip = scene.clip_from_world;
-    // The last plane is the near one, whose distance all points have as clip-space z
+    // The last plane is the near plane: all points have the same clip-space z, its distance
     picture_ = {plane(clip[0], 1, clip[3]), plane(clip[0], -1, clip[3]), plane(clip[1], 1, clip[3]),
                 plane(clip[1], -1, clip[3]), plane(clip[2], -1, clip[3])};
     const io::vec4 none(0, 0, 0, 0), one(0, 0, 0, 1);
@@ -65,7 +65,7 @@ bool NativeView::shows(const Affine& place, const Vec3<float>& centre, const Vec
 }
 
 void NativeView::keep_seen(const Group& group, const Batch& batch, const NativeDevice& device, NativeList& list) {
-    if (group.pose_capacity > 0) return;  // they may be anywhere
+    if (group.pose_capacity > 0) return;  // poses from set_pose() may reach anywhere
     const Vec3<float> centre = (group.posed_min + group.posed_max) * 0.5f,
                       half = (group.posed_max - group.posed_min) * 0.5f;
     const auto* const placements = reinterpret_cast<const Affine*>(batch[io::kPlacementsBuffer].mapped());

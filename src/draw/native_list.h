@@ -31,7 +31,7 @@ private:
 
     std::vector<io::vec4> picture_, map_;  // a point p is inside if dot(xyz, p) + w >= 0 for all of them
     bool shadows_;
-    std::vector<uint8_t> seen_;  // of the list
+    std::vector<uint8_t> seen_;  // [place in the list]
 };
 
 }  // namespace throng

@@ -9,7 +9,7 @@ namespace throng {
 // How an instance shows a section.
 struct NativeLook {
     uint32_t material;  // io::SectionLook's
-    Vec3<float> color;  // what the base colour is multiplied with
+    Vec3<float> color;  // multiplies the base colour
 };
 
 class NativeLooks {

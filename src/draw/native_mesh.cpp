@@ -26,7 +26,7 @@ NativeMesh::NativeMesh(const Group& group, uint32_t lod_count) : section_count_(
     }
 }
 
-// Coarse levels refer to few of the palette's matrices.
+// Gathers the palette entries that a level uses: coarse levels use few of them.
 void NativeMesh::gather_entries(const Group& group, uint32_t lod) {
     const std::span sections = std::span(sections_).subspan(lod * section_count_, section_count_);
     std::vector<bool> is_used(group.palette_count);
@@ -54,7 +54,7 @@ std::unique_ptr<NativeSection> NativeMesh::make_section(const Group& group, uint
     made->of = &group.sections[index];
     made->first_influences = range.first_influences;
 
-    // Vertices in the order in which triangles ask for them
+    // Vertices in the order in which triangles first use them
     const uint32_t* const indices = content<uint32_t>(group.indices) + range.first_index;
     const size_t padded = whole_blocks(triangle_count);
     std::vector<uint32_t> numbers(made->of->vertex_count, kNone);

@@ -54,7 +54,7 @@ std::vector<NativeGroups> NativeRenderer::kept_of(Crowds crowds) {
     for (CrowdState* crowd : crowds) {
         crowd->finish_uploads();
         all.push_back(groups_.of(*crowd, [&](std::span<const uint32_t> new_groups) {
-            crowd->check_last_has_run("render");  // their buffers are read here, once and for all
+            crowd->check_last_has_run("render");  // the new groups' buffers are read here, and never again
             uint64_t room_bytes = kTexturesLimit_bytes;
             std::vector<std::unique_ptr<const NativeGroup>> made;
             for (const uint32_t group : new_groups)
@@ -67,13 +67,13 @@ std::vector<NativeGroups> NativeRenderer::kept_of(Crowds crowds) {
 
 void NativeRenderer::prepare(Crowds crowds) {
     accept(crowds);
-    // Otherwise the first picture makes the groups, and waits for what has been recorded
+    // If a crowd still waits for recorded commands, the first picture makes the groups, after the commands have run
     if (std::ranges::none_of(crowds, [](const CrowdState* crowd) { return crowd->awaits_commands(); })) kept_of(crowds);
 }
 
 RenderResult NativeRenderer::render(Crowds crowds, const Camera& camera) {
     accept(crowds);
-    if (!gpu->is_native()) gpu->wait_idle();  // what was submitted may write what is read now
+    if (!gpu->is_native()) gpu->wait_idle();  // submitted work may write what is read below
     const std::vector<NativeGroups> kept = kept_of(crowds);
     const auto [width, height] = extent();
     RenderResult result{
@@ -91,7 +91,7 @@ RenderResult NativeRenderer::render(Crowds crowds, const Camera& camera) {
 RenderResult NativeRenderer::render_frame(Crowds crowds, float time_step_s, const Camera& camera) {
     accept(crowds);
     make_view(camera, 1);                     // refuses an invalid camera before time advances
-    if (!gpu->is_native()) gpu->wait_idle();  // what was submitted may write the meshes that are read now
+    if (!gpu->is_native()) gpu->wait_idle();  // submitted work may write the meshes that are read below
     kept_of(crowds);
     update(crowds, time_step_s, camera);
     return render(crowds, camera);

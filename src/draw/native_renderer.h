@@ -9,7 +9,7 @@
 
 namespace throng {
 
-// Why a native renderer does not serve this device; empty if it does.
+// Why this device cannot have a native renderer; empty if it can.
 std::string natively_undrawable_reason(const Gpu& gpu);
 
 class NativeRenderer : public RendererState {
@@ -38,7 +38,7 @@ private:
     std::unique_ptr<NativeFrame> frame_;
     std::unique_ptr<StagedPicture> staged_;  // if the device has images
     GroupCache<const NativeGroup> groups_;
-    // Draws updates that are recorded, on a software device; made when first needed
+    // The device's own renderer, which draws recorded updates on a software device; made when first needed
     std::unique_ptr<RendererState> device_;
     bool device_drew_ = false;  // the last frame
 };

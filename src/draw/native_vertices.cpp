@@ -29,7 +29,7 @@ struct VertexText : NativeText {
 #include "skin/normal.glsl"
 #include "morph/apply.glsl"
 
-    // In world space, as character.vert places them.
+    // Writes a vertex in world space, placed as character.vert does it.
     void place(const Affine& placement, const vec3& position, const vec3& normal, float* world) {
         set_vertex(affine_point(placement, position), transform_normal(placement, normal), world);
     }
@@ -54,7 +54,7 @@ std::byte* PosedInstance::skin(SkinFormat format) const {
 bool PosedInstance::is_morphed() const {
     const Buffer& active = batch[io::kActiveMorphsBuffer];
     if (group.morph_count == 0 || !active) return false;
-    // Those that are shown come first
+    // Morphs that have weight come first
     return reinterpret_cast<const io::ActiveMorph*>(active.mapped())[size_t{instance} * group.active_morph_limit]
                .weight != 0;
 }

@@ -1,5 +1,5 @@
-// What the kernels of src/raster do not do with vertices (formats, morphs, dual quaternions), computed by the shaders'
-// own source.
+// The vertex work that the kernels of src/raster leave out (formats, morphs, dual quaternions), computed by the
+// shaders' own source.
 #pragma once
 
 #include "crowd/batch.h"
@@ -9,10 +9,10 @@
 
 namespace throng {
 
-// Position, 1, normal, 0, as raster::Section::bind has them.
+// Writes position, 1, normal, 0: the layout of raster::Section::bind.
 void unpack_vertex(const Vertex& vertex, float* bind);
 
-// An instance of a batch, as the buffers have it. `skin()`: the first of its matrices.
+// An instance of a batch, with its data in the buffers. `skin()`: the first of its matrices.
 struct PosedInstance {
     const Group& group;
     const Batch& batch;
@@ -33,13 +33,13 @@ inline constexpr size_t kSimilarity_bytes = 32;
 // Converts all its skin matrices to Similarity of gpu/similarity.glsl, 32 bytes each.
 void unpack_similarities(SkinFormat format, const PosedInstance& of, std::byte* similarities);
 
-// In bind space: section.bind, with what its morphs add.
+// Writes section.bind with the offsets of its morphs added, in bind space.
 void morph_vertices(const PosedInstance& of, const NativeSection& section, float* bind);
-// In world space, [vertex_count][8] as Section::bind: blended as dual quaternions; `bind` as morph_vertices() leaves
-// it.
+// Blends as dual quaternions. Writes world-space vertices, [vertex_count][8], laid out as Section::bind. `bind`:
+// section.bind, or what morph_vertices() has written.
 void blend_dual_quaternions(const PosedInstance& of, const NativeSection& section, std::byte* similarities,
                             const float* bind, float* world);
-// In world space: places the vertices that the crowd's skin stage has skinned.
+// Places the vertices that the crowd's skin stage has skinned, and writes them in world space.
 void place_skinned(const PosedInstance& of, const NativeSection& section, float* world);
 
 }  // namespace throng

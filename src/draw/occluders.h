@@ -1,4 +1,4 @@
-// Depths of what was visible in the last frame: what hides the rest (Crowd::record_disoccluded).
+// Depths of what was visible in the last frame, which hide other instances (Crowd::record_disoccluded).
 #pragma once
 
 #include "draw/depth_pass.h"
@@ -10,7 +10,7 @@ namespace throng {
 
 class Occluders {
 public:
-    // Has as many samples as the picture, so that what covers only some of a pixel's samples hides nothing.
+    // Has as many samples as the picture, so that geometry that covers only some of a pixel's samples hides nothing.
     Occluders(std::shared_ptr<Gpu> gpu, VkExtent2D extent, VkSampleCountFlagBits samples);
 
     // Begins and ends the pass that draws depths.

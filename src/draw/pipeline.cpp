@@ -40,11 +40,11 @@ constexpr uint32_t kLineFragment[] = {
 #include "draw/line.frag.inc"
 };
 
-enum class Depth { kNone, kTested, kAlone, kShadowMap };  // the last two: nothing else is written
+enum class Depth { kNone, kTested, kAlone, kShadowMap };  // kAlone, kShadowMap: depth is the only output
 
 struct Program {
     std::string_view name;
-    std::span<const uint32_t> vertex, fragment;  // no fragment shader: depth is written
+    std::span<const uint32_t> vertex, fragment;  // without a fragment shader only depth is written
     std::array<uint32_t, 6> vertex_constants{};
     std::array<uint32_t, 4> fragment_constants{};
     Depth depth = Depth::kNone;

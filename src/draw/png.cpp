@@ -9,7 +9,8 @@
 
 namespace {
 
-// A zlib stream, to be freed with free(); null where there is no memory. stb's own takes several times as long.
+// Returns a zlib stream, to be freed with free(); null if out of memory. stb's own compressor takes several times as
+// long.
 unsigned char* compressed(const unsigned char* data, int size_bytes, int* compressed_bytes, int /*level*/) {
     constexpr int kLevel = 3;  // of 12
     libdeflate_compressor* const compressor = libdeflate_alloc_compressor(kLevel);
@@ -24,7 +25,7 @@ unsigned char* compressed(const unsigned char* data, int size_bytes, int* compre
 
 }  // namespace
 
-// Static, so that an application may have an stb of its own.
+// Static, so that an application may have its own stb.
 #define STB_IMAGE_WRITE_STATIC
 #define STB_IMAGE_WRITE_IMPLEMENTATION
 #define STBI_WRITE_NO_STDIO

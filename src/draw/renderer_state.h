@@ -1,4 +1,4 @@
-// What stands behind a Renderer: the device's shaders, or this machine's processor.
+// The implementations behind Renderer: by the device's shaders, or by this machine's processor.
 #pragma once
 
 #include "draw/crowd_bounds.h"
@@ -11,7 +11,7 @@ struct RendererState {
     RendererState(std::shared_ptr<Gpu> gpu, const DrawOptions& options);
     virtual ~RendererState() = default;
 
-    // As Renderer has them.
+    // As in Renderer.
     virtual RenderResult render(Crowds crowds, const Camera& camera) = 0;
     virtual RenderResult render_frame(Crowds crowds, float time_step_s, const Camera& camera) = 0;
     virtual void record(VkCommandBuffer commands, Crowds crowds, float time_step_s, const Camera& camera) = 0;
@@ -28,8 +28,8 @@ struct RendererState {
     DrawOptions options;
 
 protected:
-    // To be called with crowds that are to be drawn: follows where their updates have moved instances, since the scene
-    // and views are fitted to them. Throws kInvalidArgument if they cannot be drawn with these options.
+    // Call it first with the crowds that are to be drawn. Reads where their updates have moved instances, since the
+    // scene and the views are fitted to them. Throws kInvalidArgument if the crowds cannot be drawn with these options.
     void accept(Crowds crowds) const;
     CrowdView view_of(const CrowdBounds& crowds, const Camera& camera) const;  // without occlusion
 };

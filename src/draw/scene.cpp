@@ -36,13 +36,13 @@ io::DrawScene make_scene(const CrowdBounds& crowds, const Camera& camera, const 
     scene.down = to_vec4(view.up * -view.half_height);
     scene.to_sun = to_vec4(to_sun);
     scene.ground = {centre.x, crowds.ground, centre.z, crowds.size};
-    constexpr float kFog = 0.1f;  // what it takes of the farthest character
+    constexpr float kFog = 0.1f;  // the part of the farthest character's light that fog replaces
     scene.fog = {options.fog ? std::sqrt(-std::log(1 - kFog)) / farthest : 0, 0, 0, 0};
     scene.picture = {width, height, 0, 0};
     scene.shadow = {static_cast<float>(map_size), shadow.texel, options.shadows ? 1.0f : 0.0f, 0};
     scene.map_grid = {shadow.grid[0], shadow.grid[1], 0, 0};
-    // A clear day, from a low red sun to a high one. The ground reflects what it gets of sun and sky, less what the
-    // characters on it keep away.
+    // A clear day, from a low red sun to a high one. The ground reflects the light of sun and sky that reaches it, less
+    // what the characters on it block.
     const float day = std::clamp((to_sun.y - kLowestSun) / 0.55f, 0.0f, 1.0f);
     const auto by_day = [&](const Vec3<float>& low, const Vec3<float>& high) { return low + (high - low) * day; };
     const Vec3<float> sun_light = by_day({1.3f, 0.7f, 0.36f}, {1.25f, 1.12f, 0.93f}),

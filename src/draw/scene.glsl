@@ -1,4 +1,4 @@
-// What all shaders of the draw know of the picture.
+// The scene of the picture, for all shaders of the draw.
 #include "draw/draw_io.h"
 #include "gpu/buffers_io.h"
 

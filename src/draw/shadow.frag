@@ -1,4 +1,4 @@
-// shadow: leaves out what a mask leaves out; depth is all that is written.
+// shadow: discards fragments below the mask's alpha cutoff; writes only depth.
 #include "draw/draw_io.h"
 
 layout(set = 2, binding = 0) uniform sampler2D base_color_texture;

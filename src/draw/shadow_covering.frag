@@ -3,7 +3,7 @@
 #include "draw/covering.glsl"
 #include "draw/scene.glsl"
 
-CONSTANT(3, bool, kIntoMap, false);  // else what shows through in the picture also does in the depths
+CONSTANT(3, bool, kIntoMap, false);  // else the pattern is the picture's, so that the same samples show through
 
 layout(set = 2, binding = 0) uniform sampler2D base_color_texture;
 PUSH(DrawPush);

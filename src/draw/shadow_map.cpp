@@ -6,9 +6,9 @@
 namespace throng {
 namespace {
 
-constexpr uint32_t kLeastSize = 512, kMostSize = 4096;  // 1 MiB, and 64
+constexpr uint32_t kLeastSize = 512, kMostSize = 4096;  // 1 MiB and 64 MiB
 constexpr double kMargin = 4;                           // texels around what is fitted, for the filter
-constexpr double kGrid = 65536;                         // texels
+constexpr double kGrid = 65536;                         // texels, after which map_grid repeats
 
 struct Interval {
     double low = std::numeric_limits<double>::infinity(), high = -low;
@@ -28,7 +28,7 @@ ShadowFit fit_shadow(const Camera& camera, const View& view, const Bounds& posed
                                                                     : cross(Vec3<double>{0, 1, 0}, sun));
     const std::array axes{across, cross(sun, across), sun};
     std::array<Interval, 3> of_crowd;
-    double reach = 0;  // of the camera: no shadow falls farther away
+    double reach = 0;  // from the camera: no shadow falls farther away
     const auto low = posed.min.as<double>(), high = posed.max.as<double>();
     for (int i = 0; i < 8; ++i) {
         const Vec3<double> corner{i & 1 ? high.x : low.x, i & 2 ? high.y : low.y, i & 4 ? high.z : low.z};

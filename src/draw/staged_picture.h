@@ -15,8 +15,8 @@ public:
     StagedPicture(std::shared_ptr<Gpu> gpu, VkExtent2D extent, bool blue_first);
 
     VkImage image() const { return image_.handle(); }
-    // Where the next picture is written, [height][width][4], in the image's order of channels: memory that no frame
-    // under way still copies from.
+    // Where the next picture is written, [height][width][4], in the image's order of channels: memory that no frame in
+    // flight still copies from.
     uint8_t* next();
     // Copies it into the image, which is then in TRANSFER_SRC_OPTIMAL, visible to transfers.
     void record(VkCommandBuffer commands);
@@ -26,14 +26,14 @@ public:
 private:
     struct Slot {
         Buffer pixels;
-        DeviceEvent done;     // copied
+        DeviceEvent done;     // set when the copy has finished
         uint64_t number = 0;  // of the record() that copies it; 0: none does
     };
 
     std::shared_ptr<Gpu> gpu_;
     VkExtent2D extent_;
     Image image_;
-    std::deque<Slot> slots_;  // as many as frames have been under way
+    std::deque<Slot> slots_;  // as many as there have been frames in flight at once
     Slot* current_ = nullptr;
     uint64_t record_count_ = 0;
 };

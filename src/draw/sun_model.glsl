@@ -1,12 +1,12 @@
-// The part of the sun that arrives; C++ too (gpu/glsl.h). The includer declares what light_model.glsl asks for, and
-// vec4 heights_at(Whole column, Whole row), four neighbouring texels of a row of the shadow map from that one on,
-// clamped to the map's edge; and Mask has_heights(Whole column, Whole row), false only where four such rows of four
-// texels are all empty.
+// The part of the sun's light that arrives; C++ too (gpu/glsl.h). The includer declares what light_model.glsl asks for,
+// and two functions. vec4 heights_at(Whole column, Whole row) returns four neighbouring texels of a row of the shadow
+// map, starting at `column`, clamped to the map's edge. Mask has_heights(Whole column, Whole row) is false only where
+// the 4 x 4 texels from there on are all empty.
 
 // The mean of nine neighbouring comparisons, each interpolated between four texels: a tent over sixteen texels.
 Real sun_at(vec3 world, vec3 normal) {
     if (scene.shadow.z == 0) return Real(1);
-    const Real kShift = 1.5;  // texels: a surface does not shadow itself
+    const Real kShift = 1.5;  // texels, so that a surface does not shadow itself
     const Real n_l = dot(normal, xyz(scene.to_sun)), slope = sqrt(max(1 - n_l * n_l, 0));
     const vec4 point = vec4(world + normal * (scene.shadow.y * (0.5 + kShift * slope)), 1);
     const Real x = dot(vec4(scene.map_from_world[0]), point) * scene.shadow.x - 0.5,

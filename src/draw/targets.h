@@ -1,5 +1,5 @@
-// What a picture is drawn into: colour and depth, with several samples if the device has them, and the picture that
-// they end as.
+// The render targets of a picture: colour and depth, with several samples if the device has them, and the resolved
+// picture.
 #pragma once
 
 #include "draw/image.h"
@@ -20,7 +20,8 @@ public:
     void begin(VkCommandBuffer commands) const;
     // Ends it. The picture is then in TRANSFER_SRC_OPTIMAL, visible to transfers.
     void end(VkCommandBuffer commands) const;
-    // Then copies the picture to where read_back() finds it, once the commands have run. make_read_back() comes first.
+    // After end(): copies the picture to where read_back() finds it once the commands have run. Call make_read_back()
+    // first.
     void record_read_back(VkCommandBuffer commands) const;
     void make_read_back();
     Picture read_back() const;

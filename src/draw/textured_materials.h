@@ -14,7 +14,7 @@ struct MaterialTexture {
     uint32_t AssetMaterial::*image;
     bool is_color;  // sRGB; else numbers
 };
-// By their bindings.
+// Indexed by binding.
 inline constexpr std::array<MaterialTexture, 5> kMaterialTextures{{{&AssetMaterial::image, true},
                                                                    {&AssetMaterial::metallic_roughness_image, false},
                                                                    {&AssetMaterial::normal_image, false},
@@ -23,8 +23,8 @@ inline constexpr std::array<MaterialTexture, 5> kMaterialTextures{{{&AssetMateri
 
 template <class Texture>
 struct TexturedMaterial {
-    AssetMaterial factors;                                            // a normal map that is not there is left out
-    bool has_maps = false;                                            // more textures than that of the base colour
+    AssetMaterial factors;                                            // normal_image is kNone if it cannot be drawn
+    bool has_maps = false;                                            // has other textures than the base colour's
     std::array<const Texture*, kMaterialTextures.size()> textures{};  // null: white
 };
 

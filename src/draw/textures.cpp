@@ -66,8 +66,8 @@ Image upload_texture(Uploads& uploads, std::string_view what, const Picture& pic
 
 namespace {
 
-// Returns the pointer that `make` returns; null, with a warning, if it fails in a way that costs only this texture. An
-// image without content has been warned about when its file was read.
+// Returns the pointer that `make` returns; null, with a warning, if it fails in a way that costs only this texture. For
+// an image without content, there was a warning when its file was read.
 template <class Make>
 std::invoke_result_t<Make> or_white(const AssetImage& image, TextureAccount& account, const Make& make) {
     if (image.encoded.empty()) return nullptr;
@@ -106,7 +106,7 @@ std::shared_ptr<const Image> make_texture(Uploads& uploads, const AssetImage& im
         return found ? nullptr : decoded_picture(*uploads.gpu(), image);
     });
     if (!picture) return found;
-    uploads.make_room(picture->rgba.size());  // if this fails, the failure is that of earlier uploads
+    uploads.make_room(picture->rgba.size());  // if this fails, the failure belongs to earlier uploads
     return or_white(image, account, [&] {
         return account.textures.get<Image>(key, [&] {
             return upload_texture(uploads, "image '" + image.name + "'", *picture,

@@ -18,8 +18,8 @@ inline constexpr uint64_t kTexturePixelLimit = uint64_t{1} << 26;  // 256 MiB de
 // Size of all textures of a crowd, with mipmaps: a small file may ask for a lot
 inline constexpr uint64_t kTexturesLimit_bytes = uint64_t{1} << 31;
 
-// Takes what an image needs with mipmaps from `room_bytes`. Throws kInvalidFile if the image cannot be read, and kLimit
-// above the limits.
+// Subtracts the size of an image with mipmaps from `room_bytes`. Throws kInvalidFile if the image cannot be read, and
+// kLimit above the limits.
 void take_room(const AssetImage& image, uint64_t& room_bytes);
 // Decodes an image's file, unless something on the device holds the picture already. Throws kInvalidFile.
 std::shared_ptr<const Picture> decoded_picture(Gpu& gpu, const AssetImage& image);
@@ -33,7 +33,7 @@ Image upload_texture(Uploads& uploads, std::string_view what, const Picture& pic
 struct TextureAccount {
     std::vector<std::string>& warnings;
     uint64_t& room_bytes;    // left of kTexturesLimit_bytes
-    SharedValues& textures;  // where textures of the same images are found: the renderer's, natively the device's
+    SharedValues& textures;  // textures shared by image: the renderer's; of native renderers, the device's
 };
 
 // Null, with a warning that the image is drawn white, if it cannot be decoded or there is no room for it.

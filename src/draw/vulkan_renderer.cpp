@@ -161,13 +161,13 @@ void VulkanRenderer::record_all(VkCommandBuffer commands, Crowds crowds, float t
         }
         if (view.occlusion) record_occlusion(commands, crowds, frame);
         record_frame(commands, frame);
-    } catch (...) {  // time advances for none, except for the one that failed, if it had begun
+    } catch (...) {  // no crowd's time advances, except that of the one that failed, if it had begun
         for (CrowdState* crowd : crowds.first(recorded_count)) crowd->discard_last_record();
         throw;
     }
 }
 
-// Draws what each crowd has listed for certain, and lists what that does not hide.
+// Draws what each crowd has listed as certainly visible, then lists what those depths do not hide.
 void VulkanRenderer::record_occlusion(VkCommandBuffer commands, Crowds crowds, Frame& frame) {
     begin_draw(commands, frame);
     occluders_->begin(commands);

@@ -34,14 +34,14 @@ private:
         std::vector<CrowdDrawing> drawings;  // of each crowd
         CrowdBounds bounds;
         io::DrawScene scene;
-        bool has_begun = false;  // its time is being taken
+        bool has_begun = false;  // its timestamps have begun
     };
     CrowdDrawing drawing_of(const CrowdState& crowd);
     // Submits and waits if there are new groups.
     std::vector<const GroupBindings*> bindings_of(const CrowdState& crowd);
     Frame frame_of(Crowds crowds, const Camera& camera);
-    // Whether an update of these crowds tests for what is hidden. Makes what that takes, so that it cannot fail for
-    // want of memory once crowds have been updated.
+    // Returns whether an update of these crowds tests occlusion. Allocates what the test needs, so that it cannot run
+    // out of memory once crowds have been updated.
     bool makes_room_for_occlusion(Crowds crowds);
     // Records the update of these crowds, which may be fewer than the frame shows, and the frame. If that fails, their
     // updates are discarded.

@@ -1,4 +1,4 @@
-// Joints that only turn.
+// Finds joints that only rotate.
 #pragma once
 
 #include <throng/character.h>
@@ -7,7 +7,7 @@
 
 namespace throng {
 
-// [joint_count]: whether translation and scale are the rest pose's in every clip.
+// [joint_count]: whether translation and scale equal the rest pose's in every clip.
 std::vector<bool> fixed_joints(const Character& character);
 
 }  // namespace throng

@@ -1,4 +1,5 @@
-// Local transforms from a character's keys, exact or packed, and skin matrices by its inverse binds.
+// For fused.glsl: samples local transforms from a character's keys, exact or packed, and multiplies model transforms by
+// its inverse binds to get skin matrices.
 #include "blend/inertial.glsl"
 
 TABLE_OF_ROWS(kTracksBuffer, tracks);
@@ -7,12 +8,12 @@ TABLE_OF_WORDS(kWordsBuffer, words);
 TABLE_OF_WORDS(kPoseOverridesBuffer, pose_overrides);
 TABLE_OF_ROWS(kSetPosesBuffer, poses);
 CONSTANT(kPackedId, bool, kPacked, false);
-CONSTANT(kPoseOverridesId, bool, kPoseOverrides, false);  // poses may be set
+CONSTANT(kPoseOverridesId, bool, kPoseOverrides, false);  // the application may set poses
 #include "blend/pose_override.glsl"
 #include "blend/active_clips.glsl"
 #include "sample/sample.glsl"
 
-InstanceCursor cursor;  // of the instance; layers have none
+InstanceCursor cursor;  // of the current instance; not used with layers
 
 void begin_clips(uint instance) {
     if (!kLayered) cursor = cursors[instance];
@@ -40,7 +41,7 @@ JointPose animated_pose(uint instance, uint joint) {
     return blend_joint(first, second, cursor.weight);
 }
 
-// The pose of a joint whose translation and scale are the rest pose's in every clip (fused/fixed_joints.h).
+// The pose of a joint whose translation and scale equal the rest pose's in every clip (fused/fixed_joints.h).
 JointPose animated_pose_of_fixed(uint instance, uint joint) {
     if (kInertial) return animated_pose(instance, joint);
     const uvec4 rest = ROW_AT(tracks, push.rest_track + joint) & kTrackPositionMask;

@@ -1,5 +1,5 @@
-// Local transforms from rows (fused/rows_io.h, native/gpu_rows.h): brought into the spaces of the bind pose, so that
-// the walk yields skin matrices. Only for rigs of uniform scale, without pose overrides.
+// For fused.glsl: samples local transforms from rows (fused/rows_io.h, native/gpu_rows.h). These are in the spaces of
+// the bind pose, so that the walk yields skin matrices. Only for rigs of uniform scale, without pose overrides.
 #include "blend/inertial.glsl"
 #include "fused/rows_io.h"
 
@@ -7,25 +7,25 @@ READONLY_BUFFER(kRowsBuffer, uvec2, rows);
 READONLY_BUFFER(kRowJointsBuffer, uvec4, row_joints);
 READONLY_BUFFER(kRowPlacesBuffer, uint, row_places);
 READONLY_BUFFER(kRowColumnsBuffer, uint, row_columns);
-CONSTANT(kRowJointsId, uint, kRowJoints, 1);            // joints that have columns
-CONSTANT(kOtherColumnsId, bool, kOtherColumns, false);  // the columns are those of a finer set of joints
+CONSTANT(kRowJointsId, uint, kRowJoints, 1);            // number of joints that have columns
+CONSTANT(kOtherColumnsId, bool, kOtherColumns, false);  // of a finer set of joints: row_columns maps joints
 CONSTANT(kFineRotationsId, uint, kFineRotations, 0);
 CONSTANT(kMotionsId, uint, kMotions, 0);
 CONSTANT(kFineMotionsId, uint, kFineMotions, 0);
 CONSTANT(kPlainEntriesId, bool, kPlainEntries, false);  // all entries are plain
 const uint kRowColumns = kRowJoints + kFineRotations + kMotions + kFineMotions;
 
-// A place in a clip.
+// A time in a clip, between two rows.
 struct RowPlace {
-    uint earlier, later;  // where rows begin
+    uint earlier, later;  // index of each row's first column
     float fraction;
 };
 
-// What the lane's joint has in all rows.
+// The data of the lane's joint that is the same in all rows.
 struct RowJoint {
     uint column, motion, fine_rotation;
-    vec4 middle, step_size;  // of the rotation's words
-    vec4 centre;             // and, in w, the scale
+    vec4 middle, step_size;  // map the rotation's words to a quaternion
+    vec4 centre;             // of the translation; w: of the scale
     vec3 pivot;
 };
 
@@ -34,7 +34,7 @@ float first_weight;
 RowJoint row_joint;
 
 RowPlace row_place(ClipCursor cursor) {
-    // In floats, which are exact enough here: integer division is slow
+    // Divides floats, which are exact enough here, since integer division is slow
     const uint clip = kRowClipWords * uint(float(cursor.first_track) / float(push.rig_joint_count) + 0.5);
     const float keys = float(cursor.earlier - row_places[clip]) * uintBitsToFloat(row_places[clip + 1]);
     const uint span = row_places[clip + 2] + kRowSpanWords * uint(keys + 0.5);
@@ -65,7 +65,7 @@ vec4 words_between(uint column, RowPlace place) {
     return mix(words_of(rows[place.earlier + column]), words_of(rows[place.later + column]), place.fraction);
 }
 
-// A quaternion of any length.
+// An unnormalised quaternion.
 vec4 rotation_at(RowPlace place) {
     vec4 parts = words_between(row_joint.column, place);
     if (kFineRotations > 0 && row_joint.fine_rotation != kNoColumn)
@@ -73,7 +73,7 @@ vec4 rotation_at(RowPlace place) {
     return row_joint.middle + row_joint.step_size * parts;
 }
 
-// Translation and scale, of a joint that moves.
+// Translation and scale of a joint that does not only rotate.
 vec4 motion_at(RowPlace place, vec4 step_size) {
     const uint column = kRowJoints + kFineRotations + row_joint.motion;
     vec4 parts = words_between(column, place);
@@ -111,7 +111,7 @@ void begin_joint(uint joint) {
     row_joint.fine_rotation = pivot.w >> 16;
 }
 
-// linear * (p - pivot) + centre: for a quaternion of any length.
+// The transform p -> scale * rotate(q, p - pivot) + translation. `q` need not be normalised.
 Affine turned(vec4 q, vec4 motion) {
     const float scale = motion.w;
     const vec3 v = q.xyz * (2 * scale / dot(q, q));
@@ -125,7 +125,7 @@ Affine turned(vec4 q, vec4 motion) {
     return m;
 }
 
-// blend_rotation(), except for the length of the result.
+// Like blend_rotation(), but takes and returns unnormalised quaternions.
 vec4 blend_of_any_length(vec4 a, vec4 b, float weight) {
     const float of_b = (1 - weight) * inversesqrt(dot(b, b));
     return a * (weight * inversesqrt(dot(a, a))) + b * (dot(a, b) < 0 ? -of_b : of_b);

@@ -13,7 +13,7 @@
 namespace throng {
 namespace {
 
-// The method's own plan in the shared memory that the tile leaves.
+// The method's plan within the shared memory that is left beside the tile of local transforms.
 ScanPlan plan_tiled(const ScanChoice& choice, const ScanRig& rig, const ScanLimits& limits) {
     const ScanMethod& method = *choice.method;
     const ScanPlan alone = plan_scan(method, rig, limits, choice.threads);
@@ -89,8 +89,8 @@ FusedPlan plan_fused(const ScanChoice& choice, const FusedRig& rig, const ScanLi
         return {.unsupported_reason = std::move(unsupported_reason)};
     const std::span<const uint32_t> shader = scan_shaders(method.name).fused;
     if (shader.empty()) return {.unsupported_reason = std::string(method.name) + " has no fused form"};
-    // Counts tables too. Software devices read those as texels and bind fewer storage buffers, but none has so few that
-    // it matters.
+    // Counts tables as storage buffers too. Software devices bind them as texel buffers instead, but none has such a
+    // low limit that the difference matters.
     const std::vector<BindingInfo> bindings = read_spirv(shader).bindings;
     if (bindings.size() > limits.storage_buffers)
         return {.unsupported_reason = std::to_string(bindings.size()) +
@@ -117,7 +117,7 @@ FusedPlan plan_fused(const ScanChoice& choice, const FusedRig& rig, const ScanLi
 
 FusedPlan choose_fused(const FusedRig& rig, const ScanLimits& limits, double subgroups_a_character) {
     const FusedNeed need{rig.rig.joint_count(), subgroups_a_character};
-    std::multimap<uint32_t, ScanChoice> choices;  // by their order
+    std::multimap<uint32_t, ScanChoice> choices;  // by FusedPlace::order
     for (const ScanMethod& method : scan_table())
         if (const FusedPlace place = method.fused_place(limits, need); place.order > 0)
             choices.emplace(place.order, ScanChoice{&method, place.threads});
@@ -159,7 +159,7 @@ Kernel fused_kernel(const std::shared_ptr<Gpu>& gpu, const FusedPlan& plan, cons
     const bool has_rows = rows.joint_count > 0, software = gpu->uses_software_kernels();
     const uint32_t tile_instances = plan.tile_transforms > 0 ? plan.scan.instances_per_workgroup : 1;
     std::vector<uint32_t> constants = plan.scan.constants;
-    constants.resize(io::kFusedConstants - 1);  // without that of the workgroup size
+    constants.resize(io::kFusedConstants - 1);  // the workgroup size has its own constant, 0
     for (const auto& [id, value] : std::initializer_list<std::pair<uint32_t, uint32_t>>{
              {io::kPackedId, settings.packed},
              {io::kBlendsId, settings.blends},

@@ -1,4 +1,4 @@
-// What the fused kernel reads and writes beside its stages' own. Shared by C++ and GLSL.
+// Constants and parameters of the fused kernel, besides those of its stages. Shared by C++ and GLSL.
 #ifndef THRONG_FUSED_IO_H
 #define THRONG_FUSED_IO_H
 #include "gpu/shader_types.h"
@@ -25,7 +25,7 @@ THRONG_IO_CONSTANT kMotionsId = 24;
 THRONG_IO_CONSTANT kFineMotionsId = 25;
 THRONG_IO_CONSTANT kPlainEntriesId = 26;
 THRONG_IO_CONSTANT kSkinPoolId = 27;
-THRONG_IO_CONSTANT kFusedConstants = 28;  // with that of the workgroup size
+THRONG_IO_CONSTANT kFusedConstants = 28;  // count, including that of the workgroup size
 
 // links[] of fused/serial.comp: the number of segments, two counts for each, then the walk (scan/pieces_io.h).
 THRONG_IO_CONSTANT kSegmentCount = 0;
@@ -37,8 +37,8 @@ struct FusedPush {
     uint instance_count;
     uint palette_count;
     uint rest_track;         // of the rest pose in `tracks`: clip_count * rig_joint_count
-    uint active_clip_limit;  // of layers: active clips kept for each instance
-    uint section;            // of the work (cull/cull_io.h), where instances are listed
+    uint active_clip_limit;  // with layers: active clips kept for each instance
+    uint section;            // of the work list (cull/cull_io.h), if instances are listed
 };
 
 THRONG_IO_END

@@ -8,7 +8,7 @@ namespace throng {
 namespace {
 
 struct Segment {
-    uint32_t fixed = 0, free = 0;  // steps of the walk
+    uint32_t fixed = 0, free = 0;  // numbers of steps of the walk
 };
 
 std::vector<Segment> segments_of(std::span<const uint32_t> walk, const std::vector<bool>& fixed) {
@@ -18,9 +18,9 @@ std::vector<Segment> segments_of(std::span<const uint32_t> walk, const std::vect
         if (is_fixed && segments.back().free > 0) segments.emplace_back();
         ++(is_fixed ? segments.back().fixed : segments.back().free);
     }
-    // A software device runs each loop once more than it has steps, so if fixed and free steps alternate often, it is
-    // faster to treat all as free.
-    constexpr double kFixedCost = 0.6;  // of a free step
+    // A software device runs each loop one iteration more than needed, so if fixed and free steps alternate often, it
+    // is faster to treat all steps as free.
+    constexpr double kFixedCost = 0.6;  // relative to a free step
     double cost = 0;
     for (const Segment& segment : segments) cost += kFixedCost * (segment.fixed + 1) + segment.free + 1;
     if (cost > static_cast<double>(walk.size())) return {{.fixed = 0, .free = static_cast<uint32_t>(walk.size())}};

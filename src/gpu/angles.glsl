@@ -1,5 +1,5 @@
-// Functions of angles whose precision is known: Vulkan promises too little of its own atan, sin and cos for poses that
-// must hold to 2e-5 of the character's size.
+// Trigonometric functions of known precision: what Vulkan guarantees for its own atan, sin and cos is too little for
+// poses that must hold to 2e-5 of the character's size.
 #ifndef THRONG_GPU_ANGLES_GLSL
 #define THRONG_GPU_ANGLES_GLSL
 

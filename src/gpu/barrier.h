@@ -44,7 +44,7 @@ inline VkDependencyInfo dependency_of(const VkMemoryBarrier2& barrier) {
 
 // All memory: what `before` wrote is visible to `after`, and `after` waits for `before` even where that only read.
 inline void memory_barrier(const Gpu& gpu, VkCommandBuffer commands, Access before, Access after) {
-    if (!commands) return;  // Gpu::processor does one thing after the other
+    if (!commands) return;  // Gpu::processor runs one thing after the other
     const VkMemoryBarrier2 barrier = barrier_between(before, after);
     const VkDependencyInfo dependency = dependency_of(barrier);
     gpu.vk.vkCmdPipelineBarrier2(commands, &dependency);

@@ -48,7 +48,7 @@ void Buffer::Content::create(VkDeviceSize size, VkBufferUsageFlags usage, Memory
         size_bytes = size;
         return;
     }
-    // The application may read what shaders write as vertices too.
+    // The application may also read what shaders write as vertices.
     if (usage & VK_BUFFER_USAGE_STORAGE_BUFFER_BIT) usage |= VK_BUFFER_USAGE_VERTEX_BUFFER_BIT;
     const std::vector<uint32_t>& families = gpu->sharing_families;
     const VkBufferCreateInfo create{
@@ -67,8 +67,8 @@ void Buffer::Content::create(VkDeviceSize size, VkBufferUsageFlags usage, Memory
     const VkMemoryPropertyFlags preferred = kind == MemoryKind::kDevice     ? VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT
                                             : kind == MemoryKind::kReadback ? VK_MEMORY_PROPERTY_HOST_CACHED_BIT
                                                                             : 0;
-    // Mapped memory is aligned as a mapping of its own would be, so that the CPU can read it as any type.
-    constexpr VkDeviceSize kMapped = 64;  // the least that minMemoryMapAlignment may be
+    // Mapped memory has the alignment that a separate mapping would have, so that the CPU can read it as any type.
+    constexpr VkDeviceSize kMapped = 64;  // the smallest value that Vulkan allows for minMemoryMapAlignment
     const bool is_mapped = kind != MemoryKind::kDevice || gpu->processor;
     const VkDeviceSize alignment = is_mapped ? std::max(needs.alignment, kMapped) : needs.alignment;
     gpu->allocate(needs.memoryTypeBits, required, preferred,

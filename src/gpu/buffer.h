@@ -22,7 +22,7 @@ enum class MemoryKind {
 class Buffer {
 public:
     Buffer() = default;
-    // `what` names the content in messages, those of the validation layer too. Throws kLimit where a storage buffer
+    // `what` names the content in messages, including the validation layer's. Throws kLimit where a storage buffer
     // exceeds the device's range or allocation size.
     Buffer(std::shared_ptr<Gpu> gpu, std::string_view what, VkDeviceSize size_bytes, VkBufferUsageFlags usage,
            MemoryKind kind = MemoryKind::kDevice);
@@ -35,16 +35,16 @@ public:
     // This buffer if there is one, else `other`: even a binding that a kernel does not use must have a buffer.
     const Buffer& or_else(const Buffer& other) const { return content_ ? *this : other; }
     VkDeviceSize size_bytes() const { return content_ ? content_->size_bytes : 0; }
-    // Where the CPU sees it: what is mapped, and every buffer where kernels may run natively (Gpu::processor).
+    // The CPU's pointer to the content. Null unless the buffer is mapped, or kernels may run natively (Gpu::processor).
     std::byte* mapped() const { return content_ ? content_->mapped : nullptr; }
     // 4 or 16: a kernel may read the buffer as texels of one or four components; 0: only as a storage buffer.
     uint32_t texel_bytes() const { return content_ ? content_->texel_bytes : 0; }
-    // Its usage has VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT
+    // Only for a buffer whose usage has VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT
     void allow_texels(uint32_t texel_bytes) { content_->texel_bytes = texel_bytes; }
     // As long as this lives, so does the VkBuffer.
     std::shared_ptr<const void> keep_alive() const { return content_; }
 
-    // Another reference to the same buffer, whose contents nobody changes.
+    // Another reference to the same buffer. Only for buffers whose contents do not change.
     Buffer share() const {
         Buffer same;
         same.content_ = content_;
@@ -73,10 +73,10 @@ private:
 // Part of a buffer, as a descriptor takes it.
 struct BufferRange {
     VkBuffer buffer = VK_NULL_HANDLE;
-    std::byte* mapped = nullptr;  // of the whole buffer, as Buffer has it
+    std::byte* mapped = nullptr;  // Buffer::mapped() of the whole buffer
     VkDeviceSize offset_bytes = 0;
     VkDeviceSize size_bytes = 0;
-    uint32_t texel_bytes = 0;  // as Buffer has it; 0 for a part of a buffer, which cannot be read as texels
+    uint32_t texel_bytes = 0;  // Buffer::texel_bytes(); 0 for a part of a buffer, which cannot be read as texels
 
     BufferRange() = default;
     BufferRange(const Buffer& whole)
@@ -104,17 +104,18 @@ constexpr uint32_t texel_bytes_of() {
     return sizeof(T) == 4 ? 4 : 16;
 }
 
-// The same of `count` elements.
+// The same for `count` elements.
 template <class T>
 Buffer make_table(const std::shared_ptr<Gpu>& gpu, std::string_view what, uint64_t count) {
     return make_table_bytes(gpu, what, count * sizeof(T), texel_bytes_of<T>());
 }
 
-// The usage for shaders to read a table (gpu/table.glsl): on a software device as texels only, since its storage
-// buffers are smaller.
+// The usage with which shaders can read a table (gpu/table.glsl). On a software device this is texels only, since its
+// storage buffers have a lower size limit.
 VkBufferUsageFlags table_usage(const Gpu& gpu, std::string_view what, uint64_t size_bytes, uint32_t texel_bytes);
 
-// Below, a command buffer of VK_NULL_HANDLE means: now, by this machine's processor (Gpu::processor).
+// In the functions below, VK_NULL_HANDLE as command buffer means that this machine's processor (Gpu::processor) does
+// the work at once.
 
 // The data travels inside the command buffer, so that no staging memory has to outlive the call; offset and size are
 // multiples of four bytes.
@@ -128,7 +129,7 @@ void record_update(const Gpu& gpu, VkCommandBuffer commands, const BufferRange& 
     record_update(gpu, commands, target, first * sizeof(T), std::as_bytes(items));
 }
 
-// Both of the same size.
+// Both ranges have the same size.
 void record_copy(const Gpu& gpu, VkCommandBuffer commands, const BufferRange& from, const BufferRange& to);
 // Many copies into one buffer, by one command for each source buffer.
 struct CopyFrom {
@@ -136,9 +137,9 @@ struct CopyFrom {
     VkDeviceSize to_bytes = 0;  // where it goes in the target
 };
 void record_copies(const Gpu& gpu, VkCommandBuffer commands, std::span<const CopyFrom> copies, const Buffer& target);
-// Copies `from` again and again until `to` is full, the last time as much of it as there is room for.
+// Copies `from` repeatedly until `to` is full; the last copy is cut to fit.
 void record_repeated(const Gpu& gpu, VkCommandBuffer commands, const BufferRange& from, const BufferRange& to);
-// Each word of the range becomes `word`.
+// Sets each 32-bit word of the range to `word`.
 void record_fill(const Gpu& gpu, VkCommandBuffer commands, const BufferRange& target, uint32_t word);
 
 // Copies a range back. Submits and waits; sees all work submitted to the queue before.

@@ -12,7 +12,7 @@ namespace throng {
 // As docs/buffers.md has it, for messages.
 std::string_view name_of_buffer(uint32_t number);
 
-// The buffers of a group, a batch or a crowd: those that it has.
+// The buffers that a group, a batch or a crowd has.
 class Buffers {
 public:
     Buffer& operator[](uint32_t number) { return buffers_[number]; }
@@ -24,9 +24,10 @@ private:
     std::array<Buffer, io::kBufferCount> buffers_;
 };
 
-// What a kernel finds at each binding. A shader may declare buffers that its specialization constants leave unused; if
-// such a buffer does not exist, `absent` is bound, which no kernel touches. It must be one that no other dispatch
-// writes before the next barrier, since synchronization validation treats a binding as an access.
+// What a kernel finds at each binding. A shader may declare buffers that its specialization constants leave unused. If
+// such a buffer does not exist, a stand-in is bound (set_absent()), which no kernel touches. The stand-in must be a
+// buffer that no other dispatch writes before the next barrier, since synchronization validation treats a binding as an
+// access.
 class BufferTable {
 public:
     struct Entry {

@@ -1,5 +1,5 @@
-// How a kernel's text declares what it reads, writes and is told. As C++ the same words mean members of a class
-// (gpu/native_text.h).
+// The macros with which a kernel's text declares its workgroup size, constants, push constants and buffers. In C++ the
+// same macros declare members of a class (gpu/native_text.h).
 
 #define WORKGROUP(size) layout(local_size_x = size) in
 // For invocations that share an item's elements: each takes every kStride-th one, starting at its own number.
@@ -11,14 +11,15 @@
 #define PUSH(type) \
     layout(push_constant) uniform Push { type push; }
 
-// Arrays, by the numbers of docs/buffers.md; QUALIFIED_BUFFER is for methods that are compiled with different ones.
+// Arrays, by the numbers of docs/buffers.md; QUALIFIED_BUFFER is for methods that are compiled with different
+// qualifiers.
 #define QUALIFIED_BUFFER(qualifier, number, type, name) \
     layout(set = 0, binding = number, std430) qualifier buffer Block_##name { type name[]; }
 #define BUFFER(number, type, name) \
     layout(set = 0, binding = number, std430) buffer Block_##name { type name[]; }
 #define READONLY_BUFFER(number, type, name) QUALIFIED_BUFFER(readonly, number, type, name)
 #define WRITEONLY_BUFFER(number, type, name) QUALIFIED_BUFFER(writeonly, number, type, name)
-// An array behind a struct.
+// A struct, followed by an array.
 #define BUFFER_WITH_HEAD(number, head_type, head, type, name)       \
     layout(set = 0, binding = number, std430) buffer Block_##name { \
         head_type head;                                             \

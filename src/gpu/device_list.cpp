@@ -98,7 +98,7 @@ bool is_selected(const DeviceInfo& info, const std::string& select) {
     const auto [end, parse] = std::from_chars(select.data(), select.data() + select.size(), index);
     if (parse == std::errc{} && end == select.data() + select.size()) return info.index == index;
     if (ascii_lower(select) == "cpu") return info.type == "cpu";
-    // By its whole name: it has the processor's, which a GPU's may share
+    // Only by its whole name: it contains the processor's name, which may also be part of a GPU's
     if (info.type == kNativeType) return is_native_name(select) || select == info.name;
     return ascii_lower(info.name).find(ascii_lower(select)) != std::string::npos;
 }

@@ -19,7 +19,7 @@ std::optional<uint32_t> find_family(VkPhysicalDevice physical);
 
 std::vector<VkPhysicalDevice> physical_devices(VkInstance instance);
 DeviceInfo describe(VkPhysicalDevice physical, uint32_t index);
-// With the native device, which is the last.
+// All devices; the native device is the last.
 std::vector<DeviceInfo> describe_all(const std::vector<VkPhysicalDevice>& devices);
 
 // Why nothing can run on the device; empty if it is usable.

@@ -30,8 +30,8 @@ private:
     bool is_set_ = false;  // on a native device
 };
 
-// Events to be used again and again. None is destroyed before the pool: the commands that set one may still be under
-// way when it is found set.
+// Reusable events. None is destroyed before the pool: the commands that set an event may still be running when it is
+// found set.
 class EventPool {
 public:
     explicit EventPool(std::shared_ptr<Gpu> gpu) : gpu_(std::move(gpu)) {}

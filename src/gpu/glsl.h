@@ -1,7 +1,7 @@
-// GLSL's types and functions for C++, as far as .glsl texts that compile as both use them. C++ includes such a text
-// into a class, whose members are what the text asks its includer to declare. For a text that computes in `Real`, the
-// class also defines that type and its vectors; a text that computes in float gives what a device does, with
-// -ffp-contract=off. Whole kernels: gpu/native_text.h.
+// GLSL's types and functions for C++, as far as they are used by those .glsl texts that also compile as C++. C++
+// includes such a text into a class, whose members are what the text asks its includer to declare. For a text that
+// computes in `Real`, the class also defines that type and its vectors. A text that computes in float gives the same
+// results as on a device if it is compiled with -ffp-contract=off. Whole kernels: gpu/native_text.h.
 #pragma once
 
 #include "gpu/shader_types.h"
@@ -65,7 +65,7 @@ T smoothstep(Scalar<T> from, Scalar<T> to, T x) {
     return t * t * (3 - 2 * t);
 }
 
-// As gpu/shader_types.h has them in GLSL.
+// The same as in gpu/shader_types.h.
 template <class T>
 int truncated(T x) {
     return static_cast<int>(x);

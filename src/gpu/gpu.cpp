@@ -49,7 +49,7 @@ bool has_extension(VkPhysicalDevice physical, std::string_view name) {
     return std::ranges::any_of(extensions, [&](const auto& extension) { return extension.extensionName == name; });
 }
 
-// 0 if the vendor has no extension that tells it.
+// 0 if the vendor has no extension that reports it.
 uint32_t count_simds(VkPhysicalDevice physical) {
     VkPhysicalDeviceShaderSMBuiltinsPropertiesNV nvidia{
         .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SHADER_SM_BUILTINS_PROPERTIES_NV};
@@ -80,7 +80,7 @@ Gpu::Gpu(bool owns_device)
       submissions_(*this, owns_device) {}
 
 std::vector<DeviceInfo> Gpu::list() {
-    // Made before the lock is taken: ~Gpu(), which runs where something below throws, takes it too
+    // Made before the lock is taken: if something below throws, ~Gpu() runs and takes the lock too
     const std::shared_ptr<Gpu> gpu(new Gpu(true));
     const std::lock_guard lock(instance_level_mutex());
     try {
@@ -136,7 +136,7 @@ std::shared_ptr<Gpu> Gpu::create_compiler() {
     return gpu;
 }
 
-// A software device's memory is this machine's.
+// Only software devices do, whose memory is this machine's.
 bool Gpu::computes_in_host_memory() const {
     constexpr VkMemoryPropertyFlags kHost = VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT;
     const auto types = std::span(memory_properties.memoryTypes).first(memory_properties.memoryTypeCount);
@@ -181,7 +181,7 @@ std::shared_ptr<Gpu> Gpu::adopt(const AdoptedDevice& adopted) {
                       "queue family " + std::to_string(adopted.queue_family) + " has no compute");
     gpu->share_with(adopted.more_queue_families);
     volkLoadDeviceTable(&gpu->vk, gpu->device);
-    // Drivers hand out no calls, and fill no structures, of a version that the instance has not asked for.
+    // Drivers provide no functions, and fill no structures, of a Vulkan version that the instance has not requested.
     if (gpu->max_allocation_bytes == 0 || !gpu->vk.vkCmdPipelineBarrier2 ||
         !gpu->vk.vkGetDeviceBufferMemoryRequirements)
         throw Failure(ErrorCode::kInvalidArgument, "adopted device",
@@ -312,7 +312,7 @@ void Gpu::read_properties(VkPhysicalDevice physical) {
     timestamp_valid_bits = families[queue_family].timestampValidBits;
 }
 
-// Timestamps may be taken on any of the families that compute, so they have the bits that all of these have.
+// Timestamps may be written on any of the families with compute, so only the bits that are valid on all of them count.
 void Gpu::share_with(const std::vector<uint32_t>& more_families) {
     const std::vector<VkQueueFamilyProperties> families = queue_families(physical_device);
     std::set<uint32_t> all{queue_family};

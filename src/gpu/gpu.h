@@ -42,7 +42,8 @@ public:
     static std::shared_ptr<Gpu> create(const DeviceSettings& settings);
     static std::shared_ptr<Gpu> adopt(const AdoptedDevice& adopted);
     // The first device that compiles only (DeviceInfo::compiles_only); null where there is none. Its buffers lie in
-    // host memory, nothing is bound or submitted, and the driver can be asked what it made of each pipeline.
+    // host memory, and nothing is bound or submitted. The driver can report machine code and statistics of each
+    // pipeline.
     static std::shared_ptr<Gpu> create_compiler();
     ~Gpu();
     Gpu(const Gpu&) = delete;
@@ -53,7 +54,7 @@ public:
 
     // Whether it is a device without Vulkan, which has none of the handles.
     bool is_native() const { return is_native_; }
-    // Whether pipelines can be made and nothing runs.
+    // Whether pipelines can be made, but nothing can run.
     bool compiles_only() const { return info.compiles_only; }
 
     // Records `body` into a fresh command buffer, submits it to the queue and waits for it. On a native device the
@@ -67,21 +68,21 @@ public:
     VkPipeline make_pipeline(const VkComputePipelineCreateInfo& create) const;
     VkPipeline make_pipeline(const VkGraphicsPipelineCreateInfo& create) const;
 
-    // For messages of the validation layer; nothing where it is off.
+    // Names an object for messages of the validation layer; does nothing where the layer is off.
     template <class Handle>
     void name(VkObjectType type, Handle handle, std::string_view what) const {
         if (set_name_) set_name(type, reinterpret_cast<uint64_t>(handle), what);
     }
 
-    // Calls allocate_from() with a memory type among `type_bits` that has all `required` properties, and the
-    // `preferred` too if there is one. Where that has no memory left, with one of the next heap: memory that a GPU
-    // reaches less fast is better than none.
+    // Calls allocate_from() with a memory type among `type_bits` that has all `required` properties, and also the
+    // `preferred` ones if there is such a type. If its heap has no memory left, tries a type of the next heap: memory
+    // that is slower for the GPU is better than none.
     void allocate(uint32_t type_bits, VkMemoryPropertyFlags required, VkMemoryPropertyFlags preferred,
                   const std::function<void(uint32_t memory_type)>& allocate_from) const;
 
     bool is_cpu() const { return properties.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU; }
     bool has_graphics() const { return (queue_flags & VK_QUEUE_GRAPHICS_BIT) != 0; }
-    // Whether transforms should move as 64-bit words (gpu/stored.glsl).
+    // Whether kernels are compiled with GPU_SOFTWARE (gpu/stored.glsl, gpu/table.glsl).
     bool uses_software_kernels() const { return is_cpu() && has_int64; }
     uint64_t largest_heap_bytes() const;
     bool has_timestamps() const { return timestamp_valid_bits != 0 && properties.limits.timestampPeriod > 0; }
@@ -93,7 +94,7 @@ public:
     VkDevice device = VK_NULL_HANDLE;
     VkQueue queue = VK_NULL_HANDLE;
     uint32_t queue_family = 0;
-    std::vector<uint32_t> sharing_families;  // that use the buffers, queue_family among them; empty: it alone
+    std::vector<uint32_t> sharing_families;  // that use the buffers, with queue_family; empty: only queue_family
     VkQueueFlags queue_flags = 0;
     uint32_t timestamp_valid_bits = 0;
     VolkDeviceTable vk{};
@@ -106,7 +107,7 @@ public:
     uint32_t simd_count = 0;   // processors that run one subgroup at a time; 0: the driver does not say
     bool has_shuffle = false;  // subgroup shuffles in compute shaders
     bool has_int64 = false;    // 64-bit integers, enabled
-    // A compute pipeline can ask for a size, from the smallest to the largest; enabled
+    // A compute pipeline can request a subgroup size, from the smallest to the largest; enabled
     bool can_choose_subgroup = false;
     bool has_full_subgroups = false;  // a pipeline can ask for subgroups without idle invocations; enabled
     uint32_t validation_message_count() const { return validation_messages_; }
@@ -114,7 +115,8 @@ public:
 
     // On a device that compiles only: the subgroup size to compile kernels for; 0: what the driver chooses.
     uint32_t compiled_subgroup_size = 0;
-    // Likewise: called for each kernel, also for one that shares its pipeline, and each graphics pipeline.
+    // On such a device: called for each kernel, even one that shares its pipeline with another, and for each graphics
+    // pipeline.
     std::function<void(const MadePipeline&)> on_pipeline;
 
     MemoryBlocks memory;
@@ -124,7 +126,8 @@ public:
     mutable GpuCounts counts;
 
 private:
-    // On an application's device nothing is kept that no crowd uses: the application may destroy it before this object.
+    // On an application's device, nothing that no crowd uses is kept: the application may destroy the device before
+    // this object.
     explicit Gpu(bool owns_device);
     bool computes_in_host_memory() const;
     void make_native(const DeviceSettings& settings, const DeviceInfo& of);

@@ -7,15 +7,15 @@
 
 namespace throng {
 
-// What kernels share. Does not keep the device: the device keeps it.
+// The compiled part that kernels share. Does not keep the device alive: the device keeps it.
 class CompiledKernel {
 public:
     CompiledKernel(const Gpu& gpu, const KernelSettings& settings);
 
     // Throws where the device or the shader does not allow the settings.
     void check_settings(const Gpu& gpu, const KernelSettings& settings) const;
-    // Made along with the kernel if the device computes, or when first asked for if most updates are native, which need
-    // none. Thread-safe.
+    // Made along with the kernel if the device runs kernels. Made on first use if Gpu::processor runs most updates, for
+    // which no pipeline is needed. Thread-safe.
     VkPipeline pipeline(const Gpu& gpu) const;
 
     SpirvInfo info;
@@ -102,7 +102,7 @@ Kernel::Kernel(std::shared_ptr<Gpu> gpu, const KernelSettings& settings) : gpu_(
     SharedKernels::Key key = key_of(settings);
     compiled_ = gpu_->kernels.find(key);
     if (compiled_)
-        compiled_->check_settings(*gpu_, settings);  // tests lower limits of a device that has the pipeline
+        compiled_->check_settings(*gpu_, settings);  // tests lower the limits of a device that has the pipeline
     else
         compiled_ = gpu_->kernels.add(std::move(key), std::make_shared<const CompiledKernel>(*gpu_, settings));
     workgroup_size_ = compiled_->workgroup_size;

@@ -27,7 +27,7 @@ public:
     Kernel() = default;
     Kernel(std::shared_ptr<Gpu> gpu, const KernelSettings& settings);
     Kernel(Kernel&& other) noexcept { *this = std::move(other); }
-    Kernel& operator=(Kernel&& other) noexcept {  // swaps: frees what is compiled before its device
+    Kernel& operator=(Kernel&& other) noexcept {  // swaps, so that what is compiled is freed before its device
         std::swap(gpu_, other.gpu_);
         std::swap(name_, other.name_);
         std::swap(compiled_, other.compiled_);

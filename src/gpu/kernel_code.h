@@ -1,4 +1,4 @@
-// What a kernel's shader was compiled to: throng_add_kernel() (cmake/shaders.cmake) makes one of each.
+// The compiled code of a kernel. throng_add_kernel() (cmake/shaders.cmake) makes a KernelCode for each.
 #pragma once
 
 #include "gpu/kernel.h"
@@ -8,8 +8,8 @@ namespace throng {
 
 struct KernelCode {
     std::string_view name;
-    std::span<const uint32_t> plain, software;  // the same where there is but one variant
-    const NativeKernel* native = nullptr;       // null: devices without Vulkan do not have it
+    std::span<const uint32_t> plain, software;  // the same where there is only one variant
+    const NativeKernel* native = nullptr;       // null: not available without Vulkan
 
     Kernel on(const std::shared_ptr<Gpu>& gpu, std::vector<uint32_t> constants = {}) const {
         return Kernel(gpu, {.name = name,

@@ -38,7 +38,7 @@ MemoryPart MemoryBlocks::take(uint32_t memory_type, VkDeviceSize size_bytes, VkD
         blocks.push_back(make_block(memory_type, shared_bytes));
     } catch (const Failure& failure) {
         if (failure.error.code != ErrorCode::kOutOfMemory) throw;
-        // When little is left, the request may still fit once the blocks that are kept empty are freed.
+        // When little memory is left, the request may still fit after freeing the empty blocks that are kept for reuse.
         for (Blocks& of_type : blocks_)
             std::erase_if(of_type, [](const auto& block) { return block->free.all_free(); });
         blocks.push_back(make_block(memory_type, size_bytes));

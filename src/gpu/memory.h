@@ -38,7 +38,7 @@ public:
     MemoryPart take(uint32_t memory_type, VkDeviceSize size_bytes, VkDeviceSize alignment);
     // Frees the block when no part of it is in use any more, unless it is kept.
     void give_back(const MemoryPart& part) noexcept;
-    // Frees what is kept; nothing is in use.
+    // Frees the blocks that are kept; no part may be in use.
     void clear();
     size_t block_count() const;
 

@@ -18,9 +18,9 @@ namespace throng {
 namespace {
 
 constexpr uint64_t kAlignment_bytes = 64, kHugePage_bytes = uint64_t{2} << 20;
-constexpr uint32_t kWorkgroupSize = 64;     // of kernels that leave it open
-constexpr uint32_t kJobsOfThread = 8;       // so that none waits long for the last one
-constexpr uint32_t kInvocationsOfJob = 64;  // below this, telling another thread takes longer
+constexpr uint32_t kWorkgroupSize = 64;     // of kernels that do not fix it
+constexpr uint32_t kJobsOfThread = 8;       // so that no thread waits long for the last job
+constexpr uint32_t kInvocationsOfJob = 64;  // below this, waking another thread takes longer than the work
 
 }  // namespace
 
@@ -70,7 +70,7 @@ VkPhysicalDeviceProperties NativeDevice::properties() {
 
 void NativeDevice::run(const NativeKernel& kernel, const NativeDispatch& dispatch, uint32_t workgroup_count) const {
     const uint32_t workgroup_size = kernel.workgroup_size > 0 ? kernel.workgroup_size : dispatch.constants[0];
-    // One invocation is a whole instance's where it goes through all elements (WORKGROUP_OF_STRIDE)
+    // With WORKGROUP_OF_STRIDE one invocation processes a whole instance, so that a workgroup is enough for a job
     const uint32_t least = workgroup_size == 1 ? 1 : std::max(1u, kInvocationsOfJob / workgroup_size);
     for_parts(workgroup_count, least, [&](uint32_t first, uint32_t end) { kernel.run(dispatch, first, end); });
 }
@@ -83,15 +83,15 @@ uint32_t NativeDevice::part_limit() const {
 NativeMemory::NativeMemory(uint64_t size_bytes) {
     const uint64_t alignment_bytes = size_bytes >= kHugePage_bytes ? kHugePage_bytes : kAlignment_bytes;
     const uint64_t used_bytes = rounded_up(std::max<uint64_t>(size_bytes, 1), alignment_bytes);
-    // Pages that nobody writes take no memory, such as most of the room for events
+    // calloc(), since pages that are never written take no memory, such as most of the room for events
     allocation_ = std::calloc(1, used_bytes + alignment_bytes);
     if (!allocation_) throw std::bad_alloc();
     void* start = allocation_;
     size_t room_bytes = used_bytes + alignment_bytes;
     bytes_ = static_cast<std::byte*>(std::align(alignment_bytes, used_bytes, start, room_bytes));
     if (alignment_bytes < kHugePage_bytes) return;
-    // Fewer TLB misses when rows and matrices of a crowd are walked; only a hint. Written here, so that the first
-    // update does not wait for its pages
+    // Huge pages cause fewer TLB misses when updates walk the rows and matrices of a crowd; only a hint. Written here,
+    // so that the first update does not wait for page faults
     madvise(bytes_, used_bytes, MADV_HUGEPAGE);
     std::memset(bytes_, 0, used_bytes);
 }

@@ -17,18 +17,18 @@ class NativeDevice {
 public:
     static constexpr uint32_t kMostThreads = 1024;
 
-    // As DeviceSettings has them.
+    // Uses `threads` and `jobs` of the settings.
     explicit NativeDevice(const DeviceSettings& settings);
 
     static DeviceInfo info(uint32_t index);
     static uint64_t memory_bytes();  // of this machine
     static VkPhysicalDeviceProperties properties();
 
-    JobSystem& jobs() const;  // made at the first call, where they are the device's own
-    // All workgroups, on as many threads as are worth it; returns when they are done.
+    JobSystem& jobs() const;  // the application's; else a thread pool, made at the first call
+    // Runs all workgroups, on as many threads as pay off; returns when they are done.
     void run(const NativeKernel& kernel, const NativeDispatch& dispatch, uint32_t workgroup_count) const;
-    // Calls body(first, end) for parts of 0..count - 1 of at least `least` each, which begin at multiples of it, on as
-    // many threads as are worth it; returns when all have returned.
+    // Calls body(first, end) for parts of 0..count - 1, on as many threads as pay off; returns when all calls have
+    // returned. Each part begins at a multiple of `least`, and has at least `least` items unless it is the last one.
     template <class Body>
     void for_parts(uint32_t count, uint32_t least, const Body& body) const {
         const uint64_t units = (uint64_t{count} + least - 1) / least;
@@ -65,7 +65,7 @@ public:
 
 private:
     void* allocation_ = nullptr;
-    std::byte* bytes_ = nullptr;  // within it
+    std::byte* bytes_ = nullptr;  // within allocation_, aligned
 };
 
 }  // namespace throng

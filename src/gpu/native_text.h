@@ -1,6 +1,6 @@
-// A kernel's text as C++: CMake includes it into a class `Text` that derives from NativeText, and each invocation has a
-// Text object of its own. Included by the sources that cmake/shaders.cmake makes, and by those of src/draw that compute
-// with the text of shaders.
+// A kernel's text as C++: CMake includes it into a class `Text` that derives from NativeText, and each invocation has
+// its own Text object. This header is included by the sources that cmake/shaders.cmake makes, and by those of src/draw
+// that compute with the text of shaders.
 #pragma once
 
 #include "gpu/glsl.h"
@@ -26,7 +26,7 @@
     head_type& head = head_of<head_type>(number);             \
     type* const name = array<type>(number, sizeof(head_type))
 #define precise
-#define shared  // of workgroups whose first invocation does all
+#define shared  // used only in workgroups whose first invocation does all the work
 
 namespace throng::io {
 
@@ -85,8 +85,8 @@ inline uint atomicCompSwap(uint& word, uint expected, uint then) {
 
 namespace {
 
-// Texts may include these again. Included here, their constants belong to the namespace, so that no Text object has
-// them.
+// Texts may include these again, without effect. Included here, their constants belong to the namespace, and not to
+// every Text object.
 using Real = float;
 #include "gpu/angles.glsl"
 #include "gpu/stored.glsl"

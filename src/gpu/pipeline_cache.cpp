@@ -17,7 +17,7 @@ namespace throng {
 namespace {
 
 constexpr uint64_t kMagic = 0x3145504950524854;        // "THRPIPE1"
-constexpr uint64_t kMost_bytes = uint64_t{256} << 20;  // a file that has grown beyond is begun anew
+constexpr uint64_t kMost_bytes = uint64_t{256} << 20;  // a larger file is discarded and started anew
 constexpr size_t kDriverHead_bytes = sizeof(VkPipelineCacheHeaderVersionOne);
 static_assert(kDriverHead_bytes == 16 + VK_UUID_SIZE);
 
@@ -27,7 +27,7 @@ struct FileHead {
     uint64_t checksum = 0;  // crc64() of the data
 };
 
-// Empty where there is none that can be read.
+// Empty if the file cannot be read.
 std::vector<std::byte> bytes_of(const std::filesystem::path& file) {
     try {
         return read_file(file, kMost_bytes, file.string());
@@ -73,12 +73,12 @@ std::vector<std::byte> pipeline_cache_data(std::span<const std::byte> file, cons
 }
 
 PipelineCache::PipelineCache(const Gpu& gpu, std::filesystem::path file) : gpu_(gpu), file_(std::move(file)) {
-    // Without it, all is compiled
+    // If loading fails, everything is compiled
     Result<std::vector<std::byte>> loaded = as_result(
         [&] { return pipeline_cache_data(bytes_of(file_), gpu.properties); });
     if (loaded) loaded_ = std::move(*loaded);
     if (!create() && !loaded_.empty()) {
-        loaded_.clear();  // the driver rejects it: begins anew and replaces it
+        loaded_.clear();  // the driver rejects the data: starts empty, and replaces the file
         create();
     }
 }
@@ -93,7 +93,7 @@ bool PipelineCache::create() {
 }
 
 PipelineCache::~PipelineCache() {
-    // There is nobody to report a failure to
+    // A destructor cannot report a failure
     const Result<void> saved = as_result([this] { save(); });
     static_cast<void>(saved);
     gpu_.vk.vkDestroyPipelineCache(gpu_.device, cache_, nullptr);

@@ -1,4 +1,4 @@
-// What the driver remembers of the pipelines that it compiled, kept in a file from one start to the next.
+// The driver's cache of compiled pipelines, kept in a file from one start to the next.
 #pragma once
 
 #include "gpu/vulkan.h"
@@ -13,12 +13,12 @@ namespace throng {
 
 class Gpu;
 
-// No failure of it is an error of throng: if the file is missing, damaged or another driver's, the cache begins empty,
-// and if it cannot be written, it is not kept.
+// Its failures are never errors of throng: if the file is missing, damaged or another driver's, the cache begins empty,
+// and if the file cannot be written, the cache is not kept.
 class PipelineCache {
 public:
     PipelineCache(const Gpu& gpu, std::filesystem::path file);
-    // Writes the file as a whole, if the driver remembers something that the file did not hold.
+    // Replaces the file if the driver's data differ from what was loaded.
     ~PipelineCache();
     PipelineCache(const PipelineCache&) = delete;
     PipelineCache& operator=(const PipelineCache&) = delete;

@@ -114,7 +114,7 @@ Bindings::Bindings(const std::shared_ptr<const Gpu>& gpu, std::string_view what,
                                                .pSetLayouts = &layout};
     check(gpu->vk.vkAllocateDescriptorSets(gpu->device, &allocate, &set_), "vkAllocateDescriptorSets");
 
-    // Deques, since writes point to what is in them.
+    // Deques, since `writes` points to their elements.
     std::deque<VkDescriptorBufferInfo> infos;
     std::deque<VkBufferView> views;
     std::vector<VkWriteDescriptorSet> writes;
@@ -150,7 +150,7 @@ Bindings::Bindings(const std::shared_ptr<const Gpu>& gpu, std::string_view what,
     gpu->vk.vkUpdateDescriptorSets(gpu->device, static_cast<uint32_t>(writes.size()), writes.data(), 0, nullptr);
 }
 
-// If a buffer is missing, a text may still read the stand-in for a table and throw the value away.
+// If a buffer is missing, its stand-in for tables is used: a text may still read it and discard the value.
 void Bindings::add_native(const BufferTable& buffers) {
     std::array<std::byte*, io::kBufferCount> bytes;
     for (uint32_t number = 0; number < io::kBufferCount; ++number) bytes[number] = buffers.table(number).bytes();

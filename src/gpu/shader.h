@@ -1,4 +1,4 @@
-// Shaders as pipelines take them: the layouts that their SPIR-V asks for, their constants, and what is bound to them.
+// What pipelines need of shaders: the layouts that their SPIR-V asks for, their constants, and what is bound to them.
 #pragma once
 
 #include "gpu/buffer_table.h"
@@ -66,7 +66,7 @@ public:
     Bindings(const std::shared_ptr<const Gpu>& gpu, std::string_view what, const ShaderLayout::Set& set,
              const BufferTable& buffers, std::span<const VkDescriptorImageInfo> images = {});
 
-    // For a kernel that Gpu::processor runs.
+    // Adds what Gpu::processor needs to run the kernel.
     void add_native(const BufferTable& buffers);
 
     VkDescriptorSet set() const { return set_; }

@@ -16,7 +16,7 @@
 #define THRONG_IO_FLOAT const float
 #define INOUT(type) inout type
 #include "gpu/declare.glsl"
-// Names for texts that C++ computes in other types, some of many lanes (gpu/glsl.h)
+// Type names for texts that C++ also compiles with other types, some of several lanes (gpu/glsl.h)
 #define Real float
 #define Whole int
 #define Mask bool

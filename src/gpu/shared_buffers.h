@@ -22,7 +22,8 @@ public:
 
     // Empty if there is none.
     Buffer find(const Key& key);
-    // The buffer's contents must be there, so that anyone can read them without waiting. The buffer is not kept alive.
+    // The buffer's contents must already be uploaded, so that they can be read without waiting. The buffer is not kept
+    // alive.
     void add(const Key& key, const Buffer& buffer);
 
 private:

@@ -26,7 +26,7 @@ public:
     };
     using Shared = std::shared_ptr<const CompiledKernel>;
 
-    // How many pipelines are kept after their last user is gone, so that a crowd that is made anew, a little changed,
+    // How many pipelines are kept after their last user is gone, so that making a crowd again, with small changes,
     // compiles little.
     static constexpr size_t kKept = 256;
     // `kept` is 0 for devices of the application, which it may destroy before this object.
@@ -34,9 +34,9 @@ public:
 
     // Null where there is none.
     Shared find(const Key& key);
-    // Returns the one to use: that of another thread if it was faster.
+    // Returns the kernel to use: another thread's if that was added first.
     Shared add(Key key, const Shared& made);
-    // Without those that are only kept.
+    // Without those that are only kept for reuse.
     std::vector<Shared> in_use();
     void clear();
 

@@ -31,7 +31,7 @@ public:
         const auto found = by_key_.find(key);
         return found == by_key_.end() ? nullptr : std::static_pointer_cast<const T>(found->second.lock());
     }
-    // Returns the one to use: that of another thread if it was faster. It is not kept alive.
+    // Returns the value to use: another thread's if that was added first. It is not kept alive.
     template <class T>
     std::shared_ptr<const T> add(Key key, std::shared_ptr<const T> made) {
         const std::lock_guard lock(mutex_);

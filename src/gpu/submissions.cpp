@@ -4,7 +4,7 @@
 
 namespace throng {
 
-// Each has its own of everything, so that threads share nothing.
+// Each has its own command pool, command buffer and fence, so that threads share nothing.
 struct Submissions::Submission {
     explicit Submission(const Gpu& gpu) {
         const VkCommandPoolCreateInfo pool_create{.sType = VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO,

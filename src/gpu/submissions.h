@@ -14,14 +14,14 @@ class Gpu;
 
 class Submissions {
 public:
-    // `keeps_idle`: command pools and fences are kept for reuse, as many as there are submissions at a time. NVIDIA's
-    // driver takes longer to make a pool than an H100 takes for a small update.
+    // `keeps_idle`: command pools and fences are kept for reuse, as many as there have been submissions at the same
+    // time. NVIDIA's driver takes longer to make a pool than an H100 takes for a small update.
     Submissions(const Gpu& gpu, bool keeps_idle);
     ~Submissions();
 
     // Submits what `body` records to the device's queue, and waits for it. It sees all work submitted before.
     void run(const std::function<void(VkCommandBuffer)>& body);
-    // Lets go of what is kept; nothing is under way.
+    // Frees what is kept; no submission may be running.
     void clear();
 
 private:

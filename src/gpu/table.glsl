@@ -1,6 +1,6 @@
 // Read-only tables. GPUs, and C++, read them as storage buffers. A software device (GPU_SOFTWARE) reads them as uniform
-// texel buffers: lavapipe checks and branches for every lane and word of a storage buffer and gathers texels without,
-// which is 10 to 30 times as fast (docs/performance.md). On the host they are made by upload_table().
+// texel buffers: lavapipe checks bounds and branches for every lane and word of a storage buffer, but not when it
+// gathers texels, which is 10 to 30 times as fast (docs/performance.md). On the host they are made by upload_table().
 #ifndef THRONG_GPU_TABLE_GLSL
 #define THRONG_GPU_TABLE_GLSL
 

@@ -26,7 +26,7 @@ Timestamps::Timestamps(std::shared_ptr<Gpu> gpu, uint32_t stamps_per_frame)
             slot.queries = OwnedQueryPool(gpu_, gpu_->vk.vkCreateQueryPool, queries, "vkCreateQueryPool");
         const VkDeviceSize size_bytes = (1 + VkDeviceSize{stamps_per_frame_}) * sizeof(uint64_t);
         slot.copy = Buffer(gpu_, "timestamps", size_bytes, VK_BUFFER_USAGE_TRANSFER_DST_BIT, MemoryKind::kReadback);
-        std::memset(slot.copy.mapped(), 0, sizeof(uint64_t));  // no publication's number
+        std::memset(slot.copy.mapped(), 0, sizeof(uint64_t));  // no publication has the number 0
     }
 }
 

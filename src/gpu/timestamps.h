@@ -1,6 +1,7 @@
-// Timestamps of a few frames in turn. The GPU copies them to memory that the CPU sees, then a number that tells the CPU
-// that they are there and whose they are, so reading never waits; on lavapipe vkGetQueryPoolResults() waits until the
-// queue is idle. An event would not do: setting it again would need a barrier after all commands.
+// Timestamps of the last few frames. The GPU copies them to memory that the CPU sees, then writes a number there that
+// tells the CPU that the stamps are complete and to which frame they belong. So reading never waits, while on lavapipe
+// vkGetQueryPoolResults() waits until the queue is idle. An event would not do: setting it again would need a barrier
+// after all commands.
 #pragma once
 
 #include "gpu/buffer.h"
@@ -21,8 +22,8 @@ public:
     Timestamps(std::shared_ptr<Gpu> gpu, uint32_t stamps_per_frame);
 
     // begin() once a frame, write() at each point of interest, publish() after the last one; all outside of render
-    // passes. A frame may go on after publish() and publish again. One whose commands are never submitted is never
-    // read, and hinders no other.
+    // passes. A frame may go on after publish() and publish again. A frame whose commands are never submitted is never
+    // read, and does not disturb the others.
     void begin(VkCommandBuffer commands);
     void write(VkCommandBuffer commands);
     void publish(VkCommandBuffer commands);
@@ -40,7 +41,7 @@ private:
         OwnedQueryPool queries;
         Buffer copy;                // uint64_t[1 + stamps_per_frame]: which publication this is, then the stamps
         uint64_t frame_number = 0;  // 0: none
-        uint64_t publication = 0;   // that the frame has recorded last
+        uint64_t publication = 0;   // of the frame's last publish(); 0: none yet
         uint32_t stamp_count = 0, published_count = 0;
     };
     bool is_finished(const Slot& slot) const;

@@ -1,4 +1,4 @@
-// Uploads the contents of new buffers together, in one submission or in commands of the application's.
+// Uploads the contents of new buffers together, in one submission or in the application's commands.
 #pragma once
 
 #include "gpu/shared_buffers.h"
@@ -15,10 +15,10 @@ namespace throng {
 // submitted. On a native device they are there at once. Not thread-safe.
 class Uploads {
 public:
-    // The most staging memory in use: before an upload would exceed it, those added so far are submitted. A single
+    // The limit of staging memory in use: an upload that would exceed it first submits those added so far. A single
     // larger upload gets as much as it needs.
     static constexpr VkDeviceSize kMostStaged_bytes = VkDeviceSize{64} << 20;
-    // Nothing is submitted before finish().
+    // No limit: nothing is submitted before finish().
     static constexpr VkDeviceSize kUnlimited_bytes = std::numeric_limits<VkDeviceSize>::max();
 
     explicit Uploads(std::shared_ptr<Gpu> gpu, VkDeviceSize most_staged_bytes = kMostStaged_bytes)
@@ -32,12 +32,12 @@ public:
     void add(const Buffer& target, std::span<const std::byte> data, uint64_t count = 1);
     // `record` is called when all is submitted, with the data in staging memory, at a multiple of 16 bytes.
     void add(std::span<const std::byte> data, std::function<void(VkCommandBuffer, const BufferRange&)> record);
-    // Submits what has been added so far if this much more would exceed the limit. add() does so too, but a caller that
-    // wants to know whether its own upload failed calls this first: what fails here are the uploads of others.
+    // Submits what has been added so far if `size_bytes` more would exceed the limit. add() does so too. A caller that
+    // must know whether its own upload failed calls this first, so that failures of earlier uploads show here.
     void make_room(VkDeviceSize size_bytes);
 
     // Whether upload() and upload_table() may return an existing buffer with the same contents, of these uploads or of
-    // others on the device. For contents that nobody changes.
+    // others on the device. Only for contents that do not change.
     bool shares = false;
     // Returns an existing buffer, or `make`s one.
     Buffer share(const SharedBuffers::Key& key, const std::function<Buffer()>& make);
@@ -47,7 +47,7 @@ public:
     // Records into commands that come before all others that use the buffers, on any queue that can copy. Can be called
     // again while nothing else has written to the buffers.
     void record(VkCommandBuffer commands) const;
-    // Called when what has been recorded has run: frees the staging memory and lets others share the buffers.
+    // Call it when the recorded commands have run: frees the staging memory and lets others share the buffers.
     void complete();
 
 private:
@@ -60,16 +60,16 @@ private:
     std::shared_ptr<Gpu> gpu_;
     VkDeviceSize most_staged_bytes_;
     std::vector<Buffer> staging_;
-    VkDeviceSize used_bytes_ = 0;    // of the last one
-    VkDeviceSize staged_bytes_ = 0;  // of all
+    VkDeviceSize used_bytes_ = 0;    // of the last staging buffer
+    VkDeviceSize staged_bytes_ = 0;  // of all staging buffers
     std::vector<Pending> pending_;
-    std::map<SharedBuffers::Key, Buffer> shared_;  // among those that are pending
+    std::map<SharedBuffers::Key, Buffer> shared_;  // buffers of pending uploads
 };
 
 constexpr VkDeviceSize kSmallestBuffer_bytes = 16;
 
-// A device buffer that holds `data`; empty data gives a buffer of 16 zero bytes, since Vulkan has no empty ones.
-// Shaders read it by gpu/table.glsl where it has texels, of 4 or 16 bytes.
+// A device buffer that holds `data`; empty data gives a buffer of 16 zero bytes, since Vulkan has no empty ones. If
+// `texel_bytes` is 4 or 16, shaders can read it by gpu/table.glsl.
 Buffer upload_bytes(Uploads& uploads, std::string_view what, std::span<const std::byte> data, VkBufferUsageFlags usage,
                     uint32_t texel_bytes = 0);
 

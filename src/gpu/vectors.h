@@ -20,7 +20,7 @@ struct Swizzle {
 #pragma clang diagnostic ignored "-Wnested-anon-types"
 #endif
 
-// What all vectors V of T have. Friends, so that swizzles and numbers are converted to what they take.
+// The operators of all vectors V of T. They are friends, so that swizzles and numbers convert to the parameter types.
 template <class V, class T>
 struct VectorOperators {
     using Number = T;

@@ -96,7 +96,7 @@ AccessorFormat Accessors::format(const JsonView& user, std::string_view key) con
 
 AccessorView Accessors::open(const AccessorFormat& format, Missing missing) {
     const JsonView json = accessors_[format.index];
-    // By the specification an accessor without a view is all zeros: one element, seen at stride 0.
+    // By the specification, an accessor without a view is all zeros: here one element, read with a stride of 0.
     AccessorView out{.format = format, .data = kZeros.data()};
     if (json.has("bufferView")) out = in_view(json, format, missing);
     if (const auto sparse = json.optional_object("sparse")) {
@@ -107,7 +107,7 @@ AccessorView Accessors::open(const AccessorFormat& format, Missing missing) {
     return out;
 }
 
-// Exporters count a little too far now and then, so a tenth of all elements may be missing.
+// Exporters sometimes declare slightly too many elements, so a tenth of all may be missing.
 AccessorView Accessors::in_view(const JsonView& json, const AccessorFormat& format, Missing missing) {
     const Buffers::View view = buffers_.view_of(json);
     const uint64_t element_bytes = format.element_bytes(), count = format.count;

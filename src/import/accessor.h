@@ -69,8 +69,8 @@ private:
     }
 };
 
-// What becomes of elements that an accessor counts beyond its buffer view. Either way a warning counts them; where they
-// are more than a tenth of all, the accessor is refused.
+// What happens to elements that an accessor declares but that lie beyond its buffer view. Either way a warning gives
+// their number. If they are more than a tenth of all, the accessor is refused.
 enum class Missing : uint8_t { kAreZero, kAreLeftOut };
 
 class Accessors {
@@ -78,8 +78,8 @@ public:
     Accessors(JsonView root, Buffers& buffers, Budget& budget, Warnings& warnings)
         : accessors_(root.optional_array("accessors")), buffers_(buffers), budget_(budget), warnings_(warnings) {}
 
-    // The accessor whose index is `user`'s member `key`. Fails at `user.key` for an index out of range, and at the
-    // accessor, or its buffer view, for what is wrong there.
+    // The accessor whose index is `user`'s member `key`. Failures name `user.key` for an index out of range, and
+    // otherwise the accessor or its buffer view.
     AccessorFormat format(const JsonView& user, std::string_view key) const;
     AccessorView open(const JsonView& user, std::string_view key, Missing missing = Missing::kAreZero) {
         return open(format(user, key), missing);

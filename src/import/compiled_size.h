@@ -1,4 +1,4 @@
-// What meshes take in a compiled character. A mesh counts for each node that shows it.
+// The size of meshes in a compiled character. A mesh counts once for each node that shows it.
 #pragma once
 
 #include <throng/asset.h>

@@ -82,7 +82,7 @@ Container open_container(std::span<const std::byte> file, Warnings& warnings) {
     if (file.empty()) fail("the file is empty");
     if (file.size() >= 4 && word_at(file, 0) == kGlbMagic) return open_glb(file, warnings);
     const std::string_view text = as_text(file);
-    const size_t first = text.find_first_not_of(" \t\r\n\xEF\xBB\xBF");  // byte order mark: forbidden, but met
+    const size_t first = text.find_first_not_of(" \t\r\n\xEF\xBB\xBF");  // byte order mark: forbidden, but it occurs
     if (first == text.npos || text[first] != '{') fail("neither a GLB file nor the JSON of a glTF file");
     return Container{text, {}};
 }
@@ -119,7 +119,7 @@ Buffers::View Buffers::view_of(const JsonView& user) {
 std::span<const std::byte> Buffers::range(const JsonView& json) {
     const auto bytes = buffer(json.required_index("buffer", buffers_.size(), "buffers"));
     const uint64_t offset = json.optional_uint("byteOffset", 0), size_bytes = json.required_uint("byteLength");
-    // Both are below 2^53.
+    // Both are below 2^53, so the sum cannot overflow.
     if (offset + size_bytes > bytes.size())
         json.fail("ends at byte ", offset + size_bytes, ", but its buffer has ", bytes.size());
     return bytes.subspan(offset, size_bytes);

@@ -1,4 +1,4 @@
-// The outside of a glTF file: GLB chunks, and the buffers that the JSON names.
+// The container of a glTF file: GLB chunks, and the buffers that the JSON names.
 #pragma once
 
 #include "import/limits.h"
@@ -26,7 +26,7 @@ struct Container {
 // 1 (glTF 1.0).
 Container open_container(std::span<const std::byte> file, Warnings& warnings);
 
-// Where side files are: in a folder, or where the application has them.
+// Where side files come from: a folder, or the application.
 using SideFiles = std::variant<std::filesystem::path, AssetResolver>;
 
 // Buffers and buffer views, read at first use: a buffer that nothing needs (the fallback of EXT_meshopt_compression,

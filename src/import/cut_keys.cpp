@@ -14,7 +14,7 @@ struct Interval {
     std::span<float> earlier;
     std::span<const float> later;
     double duration_s;
-    double fraction;  // of it, until time 0
+    double fraction;  // of the duration: where time 0 lies
 };
 
 // Each of these functions turns the earlier key into the one at time 0.

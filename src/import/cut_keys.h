@@ -15,7 +15,7 @@ struct CurveKeys {
     std::vector<float>& values;
 };
 
-// Drops what lies before time 0: the curve's value there becomes its first key, and from 0 on it stays as it was.
+// Drops what lies before time 0. The curve's value at 0 becomes its first key; after 0 the curve stays as it is.
 void cut_before_zero(const CurveKeys& curve);
 
 }  // namespace throng::gltf

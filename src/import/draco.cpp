@@ -8,9 +8,9 @@
 namespace throng::gltf {
 namespace {
 
-// libdraco allocates what the stream claims. These decoders look at the claims at the two places where all of them are
-// known, and charge them before libdraco goes on: to `of_mesh` what the mesh holds, to `working` what ends with the
-// decoder. Failures are kept, not thrown through libdraco.
+// libdraco allocates the sizes that the stream claims. These decoders read the claims at the two places where all of
+// them are known, and charge them before libdraco goes on: to `of_mesh` what the mesh keeps, to `working` what is freed
+// with the decoder. Failures are stored, not thrown through libdraco.
 template <class Base>
 class Guarded final : public Base {
 public:
@@ -30,8 +30,8 @@ protected:
                    ahead.Decode(&seam_count);
         else
             read = draco::DecodeVarint(&face_count, &ahead) && draco::DecodeVarint(&vertex_count, &ahead);
-        // A corner table has two 32-bit numbers for each of a face's three corners; as much again is needed on the way
-        // there, and for the faces of the mesh.
+        // A corner table has two 32-bit numbers for each of a face's three corners. Building it takes as much again,
+        // the faces of the mesh included.
         return read && charge(of_mesh_, face_count, 12) &&
                charge(working_, face_count, 36 + 48 * uint64_t(seam_count)) && charge(working_, vertex_count, 32) &&
                Base::DecodeConnectivity();
@@ -115,7 +115,7 @@ DracoMesh::DracoMesh(const JsonView& json, Buffers& buffers, Budget& budget)
     } catch (const Failure&) {
         throw;
     } catch (const std::exception& error) {
-        // Broken data lead libdraco to sizes that the standard library refuses.
+        // Broken data can make libdraco request sizes that the standard library refuses by an exception.
         json.fail("the compressed data are broken (libdraco: ", printable(error.what(), 100), ")");
     }
 }

@@ -16,13 +16,13 @@ namespace throng::gltf {
 class DracoMesh {
 public:
     // Decompresses `json`, the extension object of a primitive. Fails with kInvalidFile, or kLimit. The memory is
-    // charged for as long as the mesh is there.
+    // charged for as long as this object exists.
     DracoMesh(const JsonView& json, Buffers& buffers, Budget& budget);
     ~DracoMesh();
 
     // The primitive's attribute `name`, in its accessor's format; no value where it is not among the compressed ones.
     std::optional<AccessorView> attribute(std::string_view name, const AccessorFormat& format) const;
-    // Three per triangle, not yet checked against the vertices. Charged for good.
+    // Three per triangle, not yet checked against the vertices. Charged for the whole import.
     std::vector<uint32_t> indices() const;
 
 private:

@@ -1,6 +1,6 @@
 // The limits of the importer, and how much of them a read has used. A hostile file of a few kilobytes can claim
 // gigabytes (accessors without data, many accessors over one buffer, compressed views), so whatever is decoded is
-// charged here before it is allocated. Most of what is freed while the file is still read is given back.
+// charged here before it is allocated. Most charges are given back if the memory is freed while the file is still read.
 #pragma once
 
 #include "base/failure.h"
@@ -16,19 +16,19 @@
 namespace throng::gltf {
 
 inline constexpr uint64_t kFileLimitBytes = uint64_t(2) << 30;  // a file, and all side files of a file together
-// The memory that a file's content may take at one time, JSON as read and everything decoded: 384 MiB, or twelve times
-// the size of the file and its side files, whichever is more. Twelve, because JSON takes up to that many times its
-// text.
+// The memory that a file's content may take at one time, parsed JSON and everything decoded: 384 MiB, or twelve times
+// the size of the file and its side files, whichever is more. Twelve, because parsed JSON takes up to twelve times the
+// size of its text.
 inline constexpr uint64_t kMemoryLimitBytes = uint64_t(384) << 20, kMemoryOfFile = 12;
-// What the meshes may take once compiled: as much as the content, and at least so much.
+// What the meshes may take once compiled: as much as the content, but at least this much.
 inline constexpr uint64_t kCompiledFloor_bytes = uint64_t(1) << 30;
-// All that is ever decoded, also what is given back, may be this many times that: decoding takes time, and a file can
-// name the same data again and again.
+// Everything that is decoded in the whole read, even if it is freed again, may be this many times the memory limit.
+// Decoding takes time, and a file can refer to the same data again and again.
 inline constexpr uint64_t kDecodedOfMemory = 16;
 inline constexpr uint64_t kJsonLimitBytes = uint64_t(256) << 20;  // JSON text, data: URIs included
 inline constexpr uint32_t kWarningLimit = 100;
 
-// All work on a file's content is charged here, so this is also where it polls whether it should go on.
+// All work on a file's content is charged here, so this is also where cancellation is polled.
 class Budget {
 public:
     explicit Budget(uint64_t file_bytes, const Progress& progress = {}) : progress_(progress.between(0, 0)) {
@@ -82,7 +82,7 @@ private:
     uint64_t file_bytes_ = 0, limit_bytes_ = 0, used_bytes_ = 0, decoded_bytes_ = 0;
 };
 
-// The charge for what is in memory for a while only: given back when this ends.
+// A charge for memory that is needed for a while only. The destructor gives it back.
 class TemporaryCharge {
 public:
     explicit TemporaryCharge(Budget& budget) : budget_(budget) {}
@@ -101,7 +101,7 @@ private:
     uint64_t size_bytes_ = 0;
 };
 
-// Zeros for `count` elements of `element_bytes` each, charged for as long as somebody holds them.
+// Zeros for `count` elements of `element_bytes` each. They are charged until the last copy of the pointer is gone.
 inline std::shared_ptr<std::vector<std::byte>> charged_bytes(Budget& budget, uint64_t count, uint64_t element_bytes,
                                                              const std::string& place) {
     struct Charged {

@@ -13,7 +13,7 @@ std::shared_ptr<const std::vector<std::byte>> decode_meshopt(const JsonView& jso
     const std::string filter = named_filter ? *named_filter : "NONE";
     const uint64_t count = json.required_uint("count"), stride_bytes = json.required_uint("byteStride");
 
-    // meshoptimizer asserts what it expects, so everything is looked at before.
+    // meshoptimizer asserts its preconditions, so all of them are checked before.
     const bool attributes = mode == "ATTRIBUTES", triangles = mode == "TRIANGLES";
     if (!attributes && !triangles && mode != "INDICES") json.fail("mode '", printable(mode), "' is unknown");
     if (attributes ? stride_bytes == 0 || stride_bytes % 4 != 0 || stride_bytes > 256
@@ -35,8 +35,8 @@ std::shared_ptr<const std::vector<std::byte>> decode_meshopt(const JsonView& jso
     if ((octahedral && stride_bytes != 4 && stride_bytes != 8) || (quaternion && stride_bytes != 8))
         json.fail("byteStride ", stride_bytes, " is not allowed with filter ", filter);
 
-    // The least that each codec needs: two bits for 16 equal bytes, a byte for a triangle or an index. Looked at here,
-    // so that a few bytes which claim gigabytes are refused before there is memory for them.
+    // The least that each codec needs: two bits for 16 equal bytes, a byte for a triangle or an index. Checked here, so
+    // that a few bytes that claim gigabytes are refused before memory is allocated for them.
     const uint64_t least_bytes = attributes ? count * stride_bytes / 64 : triangles ? count / 3 : count;
     if (least_bytes > compressed.size()) json.fail(compressed.size(), " bytes are too few for a count of ", count);
     const auto decoded = charged_bytes(budget, count, stride_bytes, json.place());

@@ -1,5 +1,5 @@
-// EXT_meshopt_compression, and KHR_meshopt_compression as far as it is the same: without its newer codec of attributes
-// and its filter of colours, which the meshoptimizer of our packages (0.18) does not have.
+// EXT_meshopt_compression, and KHR_meshopt_compression where it is the same: without its newer attribute codec and its
+// colour filter, which the meshoptimizer of our packages (0.18) does not have.
 // Source: "EXT_meshopt_compression", glTF extension by Arseny Kapoulkine, decoded by his meshoptimizer.
 #pragma once
 
@@ -12,8 +12,8 @@
 
 namespace throng::gltf {
 
-// Decompresses a buffer view: `json` is its extension object, `compressed` the bytes that it names. What is returned is
-// charged for as long as somebody holds it.
+// Decompresses a buffer view: `json` is its extension object, `compressed` the bytes that it names. The result is
+// charged until the last copy of the pointer is gone.
 std::shared_ptr<const std::vector<std::byte>> decode_meshopt(const JsonView& json,
                                                              std::span<const std::byte> compressed, Budget& budget);
 

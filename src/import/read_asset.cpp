@@ -9,7 +9,7 @@
 namespace throng::gltf {
 namespace {
 
-// Roughly how much of the work is done once a file is read, and, of the work on its content, once each part is.
+// Rough share of the work that is done when the file is read; then, of the work on its content, after each part.
 constexpr double kFileRead = 0.3, kParsed = 0.2, kClipsRead = 0.5, kMaterialsRead = 0.6;
 
 // "2.0": two numbers of up to five digits.
@@ -24,7 +24,7 @@ bool is_version(std::string_view text) {
 void check_version(const JsonView& root) {
     const JsonView asset = root.required_object("asset");
     constexpr const char* kOnly = " is not supported, only 2.0; tools such as Blender read it and write 2.0";
-    // The first files of 1.0 have a number there.
+    // Early files of glTF 1.0 have a number there.
     if (const JsonView version = asset.required("version"); version.is_number() && version.as_number() < 2)
         throw Failure(ErrorCode::kUnsupported, version.place(), "glTF 1.0", kOnly);
     asset.required_string("version");
@@ -82,7 +82,7 @@ bool check_extensions(const JsonView& root) {
 }
 
 // The memory that the text will take once parsed: nlohmann's values are 16 bytes, and each member of an object has its
-// key beside it. Measured: never below what is really taken, at most twice it.
+// key beside it. By measurement, the result is never below the real size and at most twice as large.
 uint64_t parsed_bytes(std::string_view text, const Budget& budget) {
     uint64_t size_bytes = text.size();
     bool in_string = false;

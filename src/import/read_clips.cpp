@@ -67,11 +67,12 @@ Sampler open_sampler(Reading& reading, const JsonView& json, const Animated& ani
     return out;
 }
 
-// glTF 2.0, 3.11, wants times that increase strictly. Keys that go back in time are sorted, as Filament (gltfio,
-// Animator.cpp: a std::map) and Blender (FCurve.update() after the import) do; three.js (Interpolant.js) and Khronos'
+// glTF 2.0, 3.11, wants times that increase strictly. Keys that go back in time are sorted, as in Filament (gltfio,
+// Animator.cpp: a std::map) and Blender (FCurve.update() after the import). three.js (Interpolant.js) and Khronos'
 // viewer (interpolator.js) search them as if they were sorted, and what they find depends on the time shown before.
-// Where several keys have one time, the value arrives at the first and goes on from the last, as in three.js and
-// Khronos' viewer. Times before 0 stay here: what lies there is cut off with the values.
+//
+// If several keys have one time, the value arrives at the first and goes on from the last, as in three.js and Khronos'
+// viewer. Times before 0 stay here: they are cut off later, together with their values.
 Keys read_times(Reading& reading, const Sampler& sampler, TemporaryCharge& of_kept) {
     const std::string place = sampler.json.place_of("input");
     reading.budget.charge(sampler.key_count, sizeof(float), place);
@@ -103,8 +104,8 @@ Keys read_times(Reading& reading, const Sampler& sampler, TemporaryCharge& of_ke
         const float time_s = time_of(first);
         for (end = begin + 1; end < out.kept.size() && time_of(out.kept[end]) == time_s; ++end) ++out.doubled_count;
         const uint32_t last = out.kept[end - 1];
-        // The first of several goes to the float before, so that times still differ. It is left out where nothing would
-        // show it (steps; at 0), and where the difference is no normal float, which a device may take for 0.
+        // The first of several keys moves to the next float below, so that times still differ. It is left out if
+        // nothing would show it (steps; at 0), or if the difference is a denormal float, which a device may take for 0.
         const float before_s = std::nextafter(time_s, -std::numeric_limits<float>::infinity());
         const bool has_room = out.times_s.empty() || out.times_s.back() < before_s;
         const bool steps = sampler.interpolation == Interpolation::kStep;
@@ -216,7 +217,7 @@ private:
         tracks[known->second] = std::move(track);
     }
 
-    // Cubic tracks can exceed floats between their keys, and so at time 0.
+    // Between its keys, and so at time 0, a cubic track can exceed the range of floats.
     template <class Track>
     void cut(Track& track, const JsonView& sampler_json, const Animated& animated) const {
         cut_before_zero({track.interpolation, animated.is_rotation(), track.times_s, track.values});
@@ -237,7 +238,7 @@ private:
         return keys;
     }
 
-    // One line a clip, at the first of the samplers: exporters that break times do so in all of them.
+    // One warning per clip, at the first such sampler: exporters that break times do so in all samplers.
     void warn_of_times(uint64_t count, const char* what) {
         if (count == 0) return;
         reading_.warnings.add(first_mended_, count, " of the clip's ", key_count_, " keys ", what);

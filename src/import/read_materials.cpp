@@ -38,7 +38,7 @@ public:
         return known->second;
     }
 
-    // Only warns if the sampler is wrong: a character whose texture is read in another way is still a character.
+    // Only warns if the sampler is wrong: the character is usable without it.
     void read_sampler(const JsonView& texture_info, AssetMaterial& material) {
         try {
             read_sampler_of(texture_info, material);
@@ -105,7 +105,7 @@ private:
                 image.encoded = *content;
             }
         } catch (const Failure& failure) {
-            // A character without its texture is still a character.
+            // A character is usable without its texture.
             if (failure.error.code != ErrorCode::kFile && failure.error.code != ErrorCode::kInvalidFile) throw;
             reading_.warnings.add(failure.error.place, failure.error.message, ": the texture is left out");
         }

@@ -12,8 +12,8 @@ bool is_hidden(const JsonView& node) {
     return visibility && !visibility->optional_bool("visible", true);
 }
 
-// Which nodes are shown: those that the default scene names and all below them, but no hidden node, and none below one.
-// Where there are no scenes, all roots are in one.
+// Which nodes are shown: the nodes of the default scene and all below them, except hidden nodes and all below those. If
+// there are no scenes, all roots are shown.
 std::vector<uint8_t> shown_nodes(Reading& reading, const Asset& asset) {
     const JsonView scenes = reading.root.optional_array("scenes"), nodes = reading.root.optional_array("nodes");
     const uint32_t scene_index = reading.root.optional_index("scene", scenes.size(), "scenes");
@@ -26,8 +26,8 @@ std::vector<uint8_t> shown_nodes(Reading& reading, const Asset& asset) {
         }
     for (uint32_t node = 0; node < asset.nodes.size(); ++node)
         if (is_hidden(nodes[node])) state[node] = kHidden;
-    // Goes up to the first node that is known, or to the root: each node is passed once. No recursion: chains can be
-    // deep.
+    // Goes up to the first node whose state is known, or to the root, so each node is passed once. Not recursive, since
+    // chains can be deep.
     std::vector<uint32_t> way;
     for (uint32_t start = 0; start < asset.nodes.size(); ++start) {
         way.clear();
@@ -39,7 +39,8 @@ std::vector<uint8_t> shown_nodes(Reading& reading, const Asset& asset) {
     return state;
 }
 
-// Joints of weight 0 do not count: they are 0, or the first of a vertex without weight (compile/mesh/mesh.cpp).
+// Joints of weight 0 do not count: read_primitive() has set them to 0, except for the first joint of a vertex without
+// weight, which compile/mesh/mesh.cpp handles.
 void check_joints(const NeededJoints& needed, const Asset& asset, uint32_t skin) {
     const size_t joint_count = asset.skins[skin].joints.size();
     if (needed.count > joint_count)

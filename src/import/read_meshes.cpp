@@ -3,7 +3,7 @@
 namespace throng::gltf {
 namespace {
 
-// mesh.extras.targetNames: a convention of exporters, so what does not fit is no error.
+// mesh.extras.targetNames: only a convention of exporters, so names that do not fit are no error.
 std::vector<std::string> read_target_names(Reading& reading, const JsonView& mesh, uint32_t target_count) {
     const auto extras = mesh.find("extras");
     if (!extras || !extras->is_object()) return {};
@@ -18,7 +18,7 @@ std::vector<std::string> read_target_names(Reading& reading, const JsonView& mes
     return {};
 }
 
-// One line for all of a kind: exporters that write such attributes write many.
+// One warning for each kind: exporters that write such attributes write many.
 void warn_of(Reading& reading, const AttributeNotes& notes, const AttributeNotes::Repair& repair, const char* what) {
     if (repair.count > 0)
         reading.warnings.add(repair.first_place, repair.count, " of ", notes.count,

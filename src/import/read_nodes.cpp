@@ -40,7 +40,7 @@ Trs<double> read_transform(Reading& reading, const JsonView& json) {
     return {normalized(q), {translation[0], translation[1], translation[2]}, {scale[0], scale[1], scale[2]}};
 }
 
-// By now every node has one parent at most, so a way up that does not end at a root goes in a circle.
+// Every node has one parent at most here, so a way up that does not end at a root is a cycle.
 void refuse_cycles(const JsonView& nodes, const std::vector<AssetNode>& list) {
     std::vector<uint8_t> seen(list.size(), 0);  // 1: on the present way up; 2: known to end at a root
     std::vector<uint32_t> way;

@@ -84,8 +84,8 @@ private:
                                reading_.quantized ? "" : " without KHR_mesh_quantization");
     }
 
-    // As require(), but takes integers that glTF does not allow there as normalised, where they can only be meant so:
-    // tinygltf could not write "normalized" before 2019.
+    // Like require(), but takes integers that glTF does not allow there as normalised if they can only be meant that
+    // way: tinygltf could not write "normalized" before 2019.
     AccessorFormat repaired(const std::string& name, AccessorFormat format, Types types, bool integers) {
         const bool as_normalised = is_short(format) && (format.is_unsigned() || name == "NORMAL");
         require(*attributes_, name, format, types, integers || as_normalised);
@@ -153,7 +153,7 @@ private:
         if (mended) reading_.warnings.add(place_of(name), "has values that are not finite: they are set to 0");
     }
 
-    // Normals of another format are left out, since they can be made.
+    // Normals of another format are left out, since make_normals() can replace them.
     void read_normals() {
         const AccessorFormat format = format_of("NORMAL");
         if (format.type != "VEC3" || (!format.is_float() && (!is_short(format) || format.is_unsigned())))
@@ -295,8 +295,8 @@ private:
         if (count > 0) reading_.warnings.add(place_of(name), count, " of ", kept_.count(), " vertices ", what);
     }
 
-    // A joint of weight 0 means nothing, and files have anything there, so it becomes 0. But a vertex without any
-    // weight follows its first joint (compile/mesh/mesh.cpp), which stays.
+    // A joint of weight 0 has no meaning, and files have anything there, so it is set to 0. But a vertex without any
+    // weight follows its first joint (compile/mesh/mesh.cpp), so that one is kept.
     void forget_unused_joints() {
         const size_t count = out_.influence_count;
         for (size_t v = 0; v < out_.influence_weights.size(); v += count) {

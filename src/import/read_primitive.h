@@ -5,9 +5,9 @@
 
 namespace throng::gltf {
 
-// What the warnings at the end of all meshes say of their attributes.
+// What is counted about attributes, for the warnings after the last mesh.
 struct AttributeNotes {
-    // What was repaired, for one warning.
+    // One kind of repair, for one warning.
     struct Repair {
         void add(const std::string& place) {
             if (count++ == 0) first_place = place;

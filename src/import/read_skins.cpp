@@ -42,7 +42,7 @@ void read_skins(Reading& reading, Asset& asset) {
                 reading.warnings.add(joint.place(), "nodes[", node, "] is a joint of this skin twice");
             skin.joints.push_back(node);
         }
-        json.optional_index("skeleton", asset.nodes.size(), "nodes");  // not used, but must not lie
+        json.optional_index("skeleton", asset.nodes.size(), "nodes");  // not used, but must be valid
         skin.inverse_binds = read_inverse_binds(reading, json, joints.size());
         asset.skins.push_back(std::move(skin));
     }

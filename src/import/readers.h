@@ -41,7 +41,7 @@ struct TextureCoordinates {
 // How many joints the skins of a mesh must have.
 struct NeededJoints {
     uint32_t count = 0;   // one more than the largest joint that has weight
-    uint32_t vertex = 0;  // of the file, which follows that joint
+    uint32_t vertex = 0;  // of the file: one that follows that joint
     std::string place{};  // of the JOINTS_n that say so
 };
 

@@ -87,7 +87,7 @@ std::string with_slashes(std::string path) {
     std::ranges::replace(path, '\\', '/');
     return path;
 }
-// Whether a normal path begins with '..', the only place where that has one.
+// Whether a normal path begins with '..'. It can have none elsewhere.
 bool leads_up(std::string_view path) { return path == ".." || path.starts_with("../"); }
 
 [[noreturn]] void refuse(ErrorCode code, std::string_view uri, const std::string& place, const char* why) {
@@ -102,7 +102,7 @@ struct RelativePath {
 RelativePath relative_path(std::string_view uri, const std::string& place) {
     const auto fail = [&](const char* why) { refuse(ErrorCode::kInvalidFile, uri, place, why); };
     if (has_scheme(uri)) fail("is not a relative path: only data: URIs and files beside the glTF file are read");
-    // Some exporters do not escape names, and `%` is a part of them.
+    // Some exporters do not escape names, so a `%` can be a part of a name.
     const std::string path = percent_decoded(uri, [] {});
     std::string name = normal_path(with_slashes(path));
     if (path.empty() || path.find('\0') != path.npos || name == ".") fail("is not a file name");

@@ -17,13 +17,13 @@ bool is_data_uri(std::string_view uri);
 // `place`.
 std::vector<std::byte> decode_data_uri(std::string_view uri, Budget& budget, const std::string& place);
 
-// The path that a relative URI names: percent-decoded, `/` for `\`, without `.` and `..`, except for each `..` at its
-// beginning that leads out of the folder. Fails with kInvalidFile at `place` if the URI is no relative path.
+// The path that a relative URI names: percent-decoded, with `/` in place of `\`, and without `.` and `..`, except for
+// `..` at its beginning that lead out of the folder. Fails with kInvalidFile at `place` if the URI is no relative path.
 std::string side_file_name(std::string_view uri, const std::string& place);
 
-// The regular file of that name, in `folder` or below it, links resolved; or the one whose name has the `\` in it.
-// Fails as side_file_name() does, with kInvalidFile too if the path or a link leads out of the folder, and with kFile
-// if there is no such file.
+// The regular file of that name, in `folder` or below it, with links resolved. A file whose name contains the `\`
+// itself comes first. Fails as side_file_name() does, also with kInvalidFile if the path or a link leads out of the
+// folder, and with kFile if there is no such file.
 std::filesystem::path resolve_side_file(std::string_view uri, const std::filesystem::path& folder,
                                         const std::string& place);
 

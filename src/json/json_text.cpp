@@ -13,8 +13,8 @@ namespace {
 
 std::string at_line(const std::string& file, uint32_t line) { return joined(file, ":", line); }
 
-// nlohmann's parser counts lines, but tells them only in its own errors. So it reads through this iterator, which
-// counts lines too, and reports progress.
+// nlohmann's parser counts lines, but exposes them only in its own error messages. So it reads the text through this
+// iterator, which counts lines too, and reports progress.
 class LineCounter {
 public:
     using iterator_category = std::input_iterator_tag;
@@ -23,13 +23,13 @@ public:
     using pointer = const char*;
     using reference = const char&;
 
-    // Only the begin has `line` and `progress`; the end has none.
+    // Only the begin iterator needs `line` and `progress`.
     LineCounter(std::string_view text, size_t at, uint32_t* line = nullptr, const Progress* progress = nullptr)
         : text_(text), at_(text.data() + at), line_(line), progress_(progress) {}
     const char& operator*() const { return *at_; }
     LineCounter& operator++() {
-        // A number is read up to the character behind it, which can end the line, so a line ends only with the next
-        // step
+        // The parser reads one character past a number. If that is the newline, the number is still on the old line, so
+        // the line is counted one step later
         *line_ += std::exchange(ends_line_, *at_ == '\n');
         ++at_;
         if (const auto read = static_cast<size_t>(at_ - text_.data()); read % kCharactersBetweenReports == 0)
@@ -43,21 +43,21 @@ private:
 
     std::string_view text_;
     const char* at_;
-    uint32_t* line_;  // of the last character that was read
+    uint32_t* line_;  // line of the last character read
     const Progress* progress_;
     bool ends_line_ = false;
 };
 
-// Empties containers from the innermost to the outermost: then no destructor has to allocate.
+// Empties containers from the innermost outwards, so that no destructor has to allocate.
 void take_down(Json& json) {
     if (!json.is_structured()) return;
     for (Json& child : json) take_down(child);
     json.clear();
 }
 
-// Does what nlohmann's own builder does, but also keeps lines and enforces limits, and does not search an object for
-// each of its keys. Members are collected aside until their object ends, since an object of nlohmann's copies them
-// whenever it grows.
+// Like nlohmann's own builder, but also records lines, enforces limits, and does not search the object for each new
+// key. Members are collected separately until their object ends, since nlohmann's object copies its members whenever it
+// grows.
 class TreeBuilder final : public nlohmann::json_sax<Json> {
 public:
     TreeBuilder(JsonAuthor author, const std::string& file, const uint32_t& line, Json& root,
@@ -97,11 +97,11 @@ public:
         return true;
     }
     bool parse_error(std::size_t, const std::string&, const nlohmann::detail::exception& error) override {
-        // "[json.exception.parse_error.101] parse error at line 3, column 5: …"; the place has the line already
+        // "[json.exception.parse_error.101] parse error at line 3, column 5: …"; the error's place already has the line
         std::string what = error.what();
         what.erase(0, what.find("] ") + 2);
         if (const size_t column = what.find("column "); by_person_ && column != what.npos) what.erase(0, column);
-        // The message has bytes of the file in it, which may not be UTF-8.
+        // The message quotes bytes of the file, which may not be UTF-8.
         std::replace_if(
             what.begin(), what.end(), [](char c) { return static_cast<unsigned char>(c) >= 0x80; }, '?');
         fail(ErrorCode::kInvalidFile, by_person_ ? "not JSON: " : "the JSON cannot be read: ", printable(what, 200));
@@ -118,9 +118,9 @@ private:
         }
 
         Json value;
-        std::string key;  // in the object around it
+        std::string key;  // in the enclosing object
         std::vector<Member> members{};
-        std::map<std::string, uint32_t> key_lines{};  // of what people write
+        std::map<std::string, uint32_t> key_lines{};  // only for text that a person wrote
     };
 
     template <class... Parts>
@@ -128,7 +128,7 @@ private:
         throw Failure(code, by_person_ ? at_line(file_, line_) : "", message...);
     }
 
-    // For JsonView::member(). Of several members with one key the last counts.
+    // For JsonView::member(). Of several members with the same key, keeps the last.
     static void sort_by_key(std::vector<Member>& members) {
         std::ranges::stable_sort(members, {}, &Member::first);
         const auto end = std::unique(members.rbegin(), members.rend(),
@@ -197,7 +197,7 @@ std::string JsonText::located(const std::string& file, const std::string& place)
         return place.starts_with(there) &&
                (place.size() == there.size() || place[there.size()] == '.' || place[there.size()] == '[');
     };
-    size_t index = 0;  // of the innermost value so far
+    size_t index = 0;  // in lines_, of the innermost value found so far
     for (std::optional<JsonView> inner = view(); inner;) {
         const JsonView around = *std::exchange(inner, std::nullopt);
         size_t next = index + 1;

@@ -1,4 +1,4 @@
-// JSON with its place: every reader looks at its file through this, so that each message says where.
+// JSON values that know their place in the file. All readers use this, so that each error message names the place.
 #pragma once
 
 #include "base/failure.h"
@@ -14,23 +14,23 @@ namespace throng {
 
 using Json = nlohmann::ordered_json;  // members in the order of the text
 
-// Who wrote a file of JSON. Messages give a person the number of the line. A program's file, such as glTF, is often a
-// single line, so there they quote the wrong value.
+// Who wrote a JSON file. For a person's file, error messages give the line number. A program's file, such as glTF, is
+// often a single line, so for it they quote the wrong value instead.
 enum class JsonAuthor : uint8_t { kProgram, kPerson };
 
 // The place of a member or an element of `place`: `layers`, `layers[0].states.move`, `masks["left arm"]`.
 std::string place_of(const std::string& place, std::string_view key);
 std::string place_of(const std::string& place, size_t index);
 
-// The place of something further below: several keys or indices, from the outside in.
+// The place of a nested value: several keys or indices, outermost first.
 template <class Key, class... Keys>
 requires(sizeof...(Keys) > 0) std::string place_of(const std::string& place, const Key& key, const Keys&... below) {
     return place_of(place_of(place, key), below...);
 }
 
 // A value of the file and its place, such as `animations[2].channels[5]`. The Json must outlive the view.
-// The getters fail with kInvalidFile at the value's place; an `optional_` getter only where the value is there but
-// wrong.
+// The getters fail with kInvalidFile at the value's place; an `optional_` getter fails only if the value is present but
+// invalid.
 class JsonView {
 public:
     JsonView(const Json& json, JsonAuthor author, std::string place = {})
@@ -42,7 +42,7 @@ public:
     [[noreturn]] void fail(const Parts&... message) const {
         throw Failure(ErrorCode::kInvalidFile, place_, message...);
     }
-    // At the place of a member.
+    // Like fail(), at the place of a member.
     template <class... Parts>
     [[noreturn]] void fail_at(std::string_view key, const Parts&... message) const {
         throw Failure(ErrorCode::kInvalidFile, place_of(key), message...);
@@ -54,26 +54,26 @@ public:
     JsonView required(std::string_view key) const;
     std::optional<JsonView> optional_object(std::string_view key) const;
     JsonView required_object(std::string_view key) const { return required(key).as_object(); }
-    JsonView optional_array(std::string_view key) const;    // empty where absent
-    JsonView optional_members(std::string_view key) const;  // an object, empty where absent
+    JsonView optional_array(std::string_view key) const;    // empty if absent
+    JsonView optional_members(std::string_view key) const;  // an object; empty if absent
     JsonView required_array(std::string_view key) const { return required(key).as_array(); }
     uint64_t required_uint(std::string_view key) const { return required(key).as_uint(); }
     uint64_t optional_uint(std::string_view key, uint64_t otherwise) const;
-    // An index into the file's array `of`, which has `count` entries.
+    // An index into the file's array named `of`, which has `count` entries.
     uint32_t required_index(std::string_view key, size_t count, const char* of) const;
-    uint32_t optional_index(std::string_view key, size_t count, const char* of) const;  // kNone where absent
+    uint32_t optional_index(std::string_view key, size_t count, const char* of) const;  // kNone if absent
     double optional_number(std::string_view key, double otherwise) const;
     float optional_float(std::string_view key, float otherwise) const;
-    bool optional_numbers(std::string_view key, std::span<double> out) const;  // false where absent
+    bool optional_numbers(std::string_view key, std::span<double> out) const;  // false if absent
     bool optional_bool(std::string_view key, bool otherwise) const;
     const std::string& required_string(std::string_view key) const { return required(key).as_string(); }
     const std::string* optional_string(std::string_view key) const;
     // `extensions.<name>` of this object.
     std::optional<JsonView> extension(std::string_view name) const;
-    // Refuses members of any other name.
+    // Fails if the object has a member that `keys` does not list.
     void allow(std::initializer_list<std::string_view> keys) const;
 
-    // For arrays and objects: `for (const JsonView child : view)`. Other values have none.
+    // For arrays and objects: `for (const JsonView child : view)`. Other values have no children.
     size_t size() const;
     JsonView operator[](size_t index) const;
     struct Iterator {
@@ -87,8 +87,8 @@ public:
     Iterator begin() const { return {this, 0}; }
     Iterator end() const { return {this, size()}; }
 
-    // The value itself. Numbers fit a float, integers are below 2^53.
-    const std::string& key() const { return *key_; }  // of a member of an object that was iterated over
+    // The value itself. Fails for numbers that do not fit a float, and integers of 2^53 and above.
+    const std::string& key() const { return *key_; }  // only for members that come from iterating over an object
     bool is_null() const;
     bool is_bool() const;
     bool is_number() const;

@@ -12,7 +12,7 @@
 namespace throng {
 namespace {
 
-bool is_same_letter(char a, char b) {  // case does not count
+bool is_same_letter(char a, char b) {  // ignores case
     return ascii_lower(a) == ascii_lower(b);
 }
 
@@ -20,10 +20,10 @@ bool contains(std::string_view whole, std::string_view part) {
     return !std::ranges::search(whole, part, is_same_letter).empty();
 }
 
-// The number of letters to insert, to remove or to replace, and of neighbours to swap (F. Damerau, 1964; each place
-// changed once).
+// The number of insertions, deletions, replacements and swaps of neighbours that turn `a` into `b` (F. Damerau, 1964;
+// no letter is changed twice).
 size_t edit_distance(std::string_view a, std::string_view b) {
-    // row[j]: from the first i letters of a to the first j of b
+    // row[j]: distance from the first i letters of a to the first j of b
     std::vector<size_t> row(b.size() + 1), above(b.size() + 1), above_that(b.size() + 1);
     std::iota(row.begin(), row.end(), size_t{0});
     for (size_t i = 1; i <= a.size(); ++i) {
@@ -60,7 +60,7 @@ uint32_t KnownNames::require(std::string_view name, const std::string& place) co
 
 std::string_view KnownNames::nearest(std::string_view name) const {
     std::string_view best;
-    size_t least = std::max<size_t>(name.size() / 3, 1) + 1;  // further away is another word
+    size_t least = std::max<size_t>(name.size() / 3, 1) + 1;  // names further away are other words
     if (name.size() > kNameLimit) return best;
     for (const std::string_view known : names_) {
         if (known.size() > name.size() + least || name.size() > known.size() + least) continue;
@@ -73,7 +73,7 @@ std::string_view KnownNames::nearest(std::string_view name) const {
 }
 
 std::string KnownNames::unknown(std::string_view name) const {
-    constexpr size_t kShown = 12, kWord = 3;  // letters; a shorter word can be part of a name by chance
+    constexpr size_t kShown = 12, kWord = 3;  // kWord in letters: shorter words can be part of a name by chance
     std::string text = "there is no " + kind_ + " '" + printable(name) + "'";
     if (names_.empty()) return text + ", nor any other";
     std::vector<std::string_view> listed = names_;

@@ -19,17 +19,17 @@ class KnownNames {
 public:
     explicit KnownNames(std::string kind) : kind_(std::move(kind)) {}
 
-    // The name's index is the number of names added before. If it was added already, it keeps its index, and false is
-    // returned. The string must outlive this.
+    // The name's index is the number of names added before. Returns false if it was added already; it then keeps its
+    // index. The string must outlive this object.
     bool add(std::string_view name);
 
     // Index, or kNone.
     uint32_t find(std::string_view name) const;
 
-    // The name's index. Throws at `place`, with unknown() as the message, if there is none.
+    // The name's index. If the name is unknown, throws at `place` with unknown() as the message.
     uint32_t require(std::string_view name, const std::string& place) const;
 
-    // "there is no state 'mvoe'; did you mean 'move'? There are: idle, move, jump". If there are many, it lists some;
+    // "there is no state 'mvoe'; did you mean 'move'? There are: idle, move, jump". If there are many, lists some;
     // if none is spelled much like the name, those that contain it come first.
     std::string unknown(std::string_view name) const;
 
@@ -42,7 +42,7 @@ private:
     std::unordered_map<std::string_view, uint32_t> indices_;
 };
 
-// The index of the first item that has this name, or is it. Errors: kInvalidArgument (unknown()).
+// The index of the first item with this name; items may be the names themselves. Errors: kInvalidArgument (unknown()).
 template <class T>
 Result<uint32_t> index_named(const std::string& place, const char* kind, const std::vector<T>& items,
                              std::string_view name) {

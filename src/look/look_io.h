@@ -12,9 +12,9 @@ struct InstanceLook {
 
 // A section in an outfit.
 struct SectionLook {
-    float red, green, blue;  // times the base colour
-    float tint;              // how much of the instance's tint colours it, 0..1
-    uint material;           // of Group::materials, or their count: the default one; kNone: it is not shown
+    float red, green, blue;  // factor of the base colour
+    float tint;              // how strongly the instance's tint applies, 0..1
+    uint material;           // index in Group::materials; their count: the default one; kNone: not shown
 };
 
 THRONG_IO_END

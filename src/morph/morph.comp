@@ -1,6 +1,6 @@
 // morph: computes the weights of each instance's morphs from the clips that it plays, and keeps those that are not 0;
-// if there is a limit, the largest by magnitude. One invocation per instance. Cost: for each clip (of layers: and each
-// four morphs) a binary search among the rows of weights, and for each four morphs 4 to 8 words.
+// if there are more than the limit, the largest by magnitude. One invocation per instance. Cost: a binary search among
+// the rows of weights for each clip (with layers, for each clip and quad of morphs), and 4 to 8 words for each quad.
 #include "gpu/buffers_io.h"
 #include "gpu/table.glsl"
 #include "control/control_io.h"

@@ -16,7 +16,7 @@ static_assert(sizeof(io::ActiveMorph) == 8);
 uint32_t up_to_four(size_t count) { return static_cast<uint32_t>((count + 3) / 4 * 4); }
 
 std::vector<uint32_t> timelines_of(const Character& character) {
-    // Stands in for rows if all weights that the clip animates are constant
+    // For clips without rows, whose weights are all constant
     constexpr io::ClipTimeline kNoRows{
         .first_time = 0, .row_count = 1, .row_stride = 0, .first_row = 0, .duration_s = 0};
     std::vector<io::ClipTimeline> timelines;
@@ -31,7 +31,7 @@ std::vector<uint32_t> timelines_of(const Character& character) {
     return as_words(timelines);
 }
 
-// Rows of four words, whose positions count from the beginning of values_of(), where the default weights come first.
+// Rows of four words. Positions count from the beginning of values_of(), which begins with the default weights.
 std::vector<std::array<uint32_t, 4>> tracks_of(const Character& character) {
     const size_t morph_count = character.morphs.size(), quad_count = up_to_four(morph_count) / 4;
     std::vector<std::array<uint32_t, 4>> quads((character.clips.size() + 1) * quad_count, {kNone, kNone, kNone, kNone});

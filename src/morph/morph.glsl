@@ -1,4 +1,4 @@
-// Clips and their times -> weights of morphs -> those that are shown; defined by morph_reference.h. The includer
+// Clips and their times -> weights of morphs -> active morphs; defined by morph_reference.h. The includer
 // declares `ActiveMorph active_morphs[]` ([instance][push.active_morph_limit]), the tables `timelines`, `times`,
 // `tracks` (rows: four morphs each, [clip][quad]) and `values` (the default weights first), and for layers
 // `active_clips` and `active_clip_times` ([instance][push.active_clip_limit]). Morphs are handled in quads of four;
@@ -36,7 +36,7 @@ uvec4 quad_tracks_of(uint clip, uint quad) { return ROW_AT(tracks, clip * quad_c
 
 // ---- Two clips
 
-// The rows of both clips; those of the second are meaningless if it is not seen.
+// The rows of both clips. If the second clip has no weight, its rows are meaningless.
 struct RowsOfTwo {
     ClipCursor first, second;
 };
@@ -88,8 +88,8 @@ vec4 weights_of_active_clips(uint instance, uint quad) {
 
 // ---- Active morphs
 
-// Adds one to an instance's active morphs, `count` so far, and returns the new count. Morphs come in the order of their
-// indices. If not all can be shown, they are sorted, the largest first.
+// Adds a morph to the `count` active morphs of an instance and returns the new count. Call it in the order of morph
+// indices. Active morphs stay in that order if all fit; otherwise they are sorted by magnitude, the largest first.
 uint with_active(uint first, uint count, ActiveMorph added) {
     const float size = abs(added.weight);
     if (!(size > uintBitsToFloat(kLeastMorphWeightBits))) return count;

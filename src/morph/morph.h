@@ -1,4 +1,4 @@
-// The morph stage: what instances play -> their active morphs, which the skin stage and the draw apply.
+// The morph stage: the clips that instances play -> their active morphs, which the skin stage and the draw apply.
 #pragma once
 
 #include "control/control_io.h"
@@ -11,18 +11,18 @@
 
 namespace throng {
 
-// The character must have at least one morph. Rows of tracks and values are rounded up to fours.
+// For characters with at least one morph. Rows of tracks and values are padded to multiples of four.
 struct MorphTables {
     std::vector<uint32_t> timelines;              // words of io::ClipTimeline
     std::vector<std::array<uint32_t, 4>> tracks;  // [clip][quad]
-    std::vector<float> values;                    // the default weights first
+    std::vector<float> values;                    // begin with the default weights
 };
 MorphTables make_morph_tables(const Character& character);
 
 // Fills kMorphTimelineBuffer, kMorphTimesBuffer, kMorphTracksBuffer, kMorphValuesBuffer and kMorphDeltasBuffer.
 void upload_morph_tables(Uploads& uploads, const Character& character, Buffers& buffers);
 
-// Dispatched with io::MorphPush, an invocation per instance; `layered`: of active clips, else of two clips.
+// Dispatched with io::MorphPush, an invocation per instance. `layered`: instances play active clips, not two clips.
 Kernel morph_kernel(const std::shared_ptr<Gpu>& gpu, bool layered);
 
 }  // namespace throng

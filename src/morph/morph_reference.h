@@ -13,7 +13,7 @@ namespace throng {
 struct MorphActiveClip {
     uint32_t clip = 0;  // clip_count: the rest pose
     double time_s = 0;
-    double weight = 1;  // those of a layer sum to 1
+    double weight = 1;  // the weights of a layer sum to 1
 };
 
 struct MorphLayer {
@@ -22,27 +22,26 @@ struct MorphLayer {
     std::vector<MorphActiveClip> active_clips;
 };
 
-// The weight that a clip gives a morph; none where it does not animate it. Before the first row and after the last,
-// that row's.
+// The weight that a clip gives a morph; none if it does not animate it. Times outside the rows get the first or last
+// row's weight.
 std::optional<double> morph_weight_reference(const Character& character, uint32_t clip, uint32_t morph, double time_s);
 
-// The weight of every morph, [morph]. Layers lie on the default weights, the lowest first. A clip that does not animate
-// a morph counts with its default weight. An override layer goes from what lies below to the weighted sum of its
-// active clips, by its weight; morphs that none of its active clips animates keep what lies below. An additive layer
-// adds, by its weight, the weighted sum of the differences from the clips' first rows.
+// The weight of every morph, [morph]. Layers are applied over the default weights, the lowest first. A clip that does
+// not animate a morph contributes the morph's default weight. An override layer blends, by its weight, from the result
+// of the layers below to the weighted sum of its active clips; morphs that none of them animates stay as they were. An
+// additive layer adds, by its weight, the weighted sum of the differences from the clips' first rows.
 std::vector<double> morphs_reference(const Character& character, std::span<const MorphLayer> layers);
 
-// A morph with its weight.
 struct WeightedMorph {
     uint32_t morph = 0;
     double weight = 0;
 };
 
-// The `limit` largest by magnitude of all weights, [morph], largest first, equals by index; only those above
-// kLeastMorphWeight.
+// The up to `limit` morphs of largest magnitude, largest first, ties by index. Leaves out magnitudes up to
+// kLeastMorphWeight. `weights`: [morph].
 std::vector<WeightedMorph> active_morphs_reference(std::span<const double> weights, size_t limit = SIZE_MAX);
 
-// position + sum of weight * difference, in bind space. `morphs`: the active ones.
+// position + sum of weight * difference, in bind space. `morphs`: the active morphs.
 Vec3<double> morphed_position_reference(const Character& character, const MeshSection& section, uint32_t vertex,
                                         std::span<const WeightedMorph> morphs);
 

@@ -1,4 +1,4 @@
-// Memory that begins where a line of the cache does.
+// Memory that is aligned to cache lines.
 #pragma once
 
 #include <cstddef>

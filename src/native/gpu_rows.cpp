@@ -15,10 +15,11 @@ using namespace native;
 // Parts of the character's size, as in rows.cpp
 constexpr double kGpuStill = 1e-7;
 constexpr double kGpuFineError = 1e-6;      // half of what is allowed there: a further column costs little
-constexpr double kFiner = 65536;            // a finer word counts parts of a word
-constexpr double kLeastStep = 1.0 / 16384;  // of a rotation's range, the least normal half float
+constexpr double kFiner = 65536;            // steps of a finer word in one step of a word
+constexpr double kLeastStep = 1.0 / 16384;  // of a rotation's range: the least normal half float
 
-// The least half that is not below value, at least kLeastStep: a range of that size holds all that it must.
+// The smallest half float that is at least `value` and at least kLeastStep, so that a range of this size holds all its
+// values.
 uint32_t half_up(double value) {
     uint32_t half = 0x0400;  // kLeastStep
     for (uint32_t bit = 0x4000; bit >= 1; bit /= 2) {
@@ -111,7 +112,7 @@ private:
             columns.is_fine_motion = std::max(moves.error(0, 3), moves.error(3, 4) * joint.reach) >
                                      kGpuFineError * size;
         }
-        // Finer ones first, so that their columns need no numbers of their own
+        // Those with finer columns come first, so that a finer column has the same number as its motion
         for (const bool fine : {true, false})
             for (Columns& columns : columns_)
                 if (columns.motion != kNoIndex && columns.is_fine_motion == fine) {

@@ -1,5 +1,6 @@
-// The rows of a character as GPUs read them: lane beside lane, and no floats. They hold the same values as the native
-// engine's (rows.h), in the same spaces. Where the error of 16 bits would be visible, another column has the next 16.
+// The rows of a character as GPUs read them: 16-bit words only, and the columns of all joints side by side
+// (fused/rows_io.h). They hold the same values as the rows of the native engine (rows.h), in the same spaces. If the
+// error of 16 bits would be visible, another column has the next 16.
 #pragma once
 
 #include "native/row_spaces.h"

@@ -23,7 +23,7 @@ public:
                 ErrorCode::kInvalidArgument, "joint sampler",
                 std::to_string(model_from_joint.size()) + " results for " + std::to_string(joint_count_) + " joints");
         check_playback(playback, static_cast<uint32_t>(clips_.size()), "joint sampler");
-        const DefaultFloats floats;  // the cursor decides on the result too
+        const DefaultFloats floats;  // for the cursor too, on which the result depends
         const auto cursor_of = [&](const ClipPlayback& one) {
             return cursor_reference(one, clips_, times_s_, rig_joint_count_);
         };

@@ -1,7 +1,9 @@
-// Samples, blends, scans and binds as many characters as there are lanes, in one pass over the joints of the walk, 16
-// at a time. They are decoded with joints as lanes, which then share a character's clips; transposed; and walked with
-// characters as lanes, which then share parents and constants. Include a <native/lanes_*.h> first. With two clips, each
-// joint of a character reads four rows of 8 bytes, from the caches, and writes 48 bytes, past them.
+// Samples, blends, scans and binds as many characters as there are lanes, in one pass over the joints of the walk, in
+// blocks of 16 joints. A block is decoded with joints as lanes, which share a character's clips. Then it is transposed,
+// and walked with characters as lanes, which share parents and constants. With two clips, each joint of a character
+// reads four rows of 8 bytes from the caches, and writes 48 bytes by streaming stores.
+//
+// Include a native/lanes_*.h first.
 #pragma once
 
 #include "native/kernel_emit.h"
@@ -128,8 +130,8 @@ void update_packet(const KernelRig& rig, const KernelUpdate& update, const uint3
         }
         const Quad q{Lanes::load(rotations.of[0][at]), Lanes::load(rotations.of[1][at]),
                      Lanes::load(rotations.of[2][at]), Lanes::load(rotations.of[3][at])};
-        // The matrix goes from joint to joint in memory, where a product reads it: registers would be spilled around
-        // calls
+        // The matrix is passed from joint to joint in memory, where product() reads it: registers would be spilled
+        // around the calls anyway
         const float* parent = step.parent == kLast ? last : slot_of(step.parent);
         float* own = slot_of(step.keep == kNoIndex ? rig.slot_count : step.keep);
         const Matrix s = product(load_matrix(parent), matrix_of(q, scale, centre, step.pivot, !rig.three_scales));
@@ -164,7 +166,7 @@ void decode_all(const KernelRig& rig, const KernelUpdate& update, const uint32_t
                 decode<Decoded::kMotions>(rig, update, packet, block, transposed);
             else
                 decode<Decoded::kScales>(rig, update, packet, block, transposed);
-            asm volatile("" : : "m"(transposed));  // used, as far as the compiler knows
+            asm volatile("" : : "m"(transposed));  // so that the compiler does not remove the decoding
         }
     }
 }

@@ -8,7 +8,7 @@
 namespace throng::native {
 
 inline constexpr uint32_t kBlockJoints = 16;    // joints of a block, whose rows lie together
-inline constexpr uint32_t kInertiaFloats = 14;  // kept for each place of a joint, from update to update
+inline constexpr uint32_t kInertiaFloats = 14;  // of state for each place of a joint, kept between updates
 inline constexpr uint32_t kNoIndex = 0xFFFFFFFFu;
 
 // The rows between two keys of a clip, evenly spaced.
@@ -19,29 +19,30 @@ struct RowSpan {
 
 struct RowClip {
     const RowSpan* spans = nullptr;  // [rows of keys]
-    uint32_t first_key = 0;          // as cursors count (control_io.h): Clip::first_row
+    uint32_t first_key = 0;          // in the unit of cursors (control_io.h): Clip::first_row
     double span_from_key = 0;        // 1 / Clip::row_stride
 };
 
-// Four components of 16 joints, at the same offset in each row. 16 bits: x of four joints, then their y, x of the next
-// four, …; then z and w likewise; so that the interleaved words of two rows are pairs of one component. Floats: 16 x,
-// 16 y, ….
+// Four components of 16 joints, at the same offset in each row. As 16-bit words: x of four joints, then their y, x of
+// the next four, …; then z and w in the same order. So interleaving the words of two rows gives pairs of one component.
+// As floats: 16 x, 16 y, ….
 struct RowBlock {
     uint32_t offset = 0;  // bytes, from where a row begins
     bool is_float = false;
 };
 
-// Where a step finds the matrix that it begins with, and where it keeps its joint's matrix.
+// Special values of WalkStep::parent and Emission::source, which otherwise are slots. kLast: the matrix of the joint
+// walked last.
 inline constexpr uint32_t kRoot = 0;  // slot 0 has the identity
 inline constexpr uint32_t kLast = kNoIndex;
 
 // A joint of the walk: L' = linear * (p - pivot) + centre, in the spaces that its rows have been brought into
 // (native_rig.h).
 struct WalkStep {
-    float centre[3] = {}, pivot[3] = {}, scale[3] = {1, 1, 1};  // centre and scale: if they stand still
-    uint32_t parent = kLast, keep = kNoIndex;                   // slots
-    uint32_t motion = kNoIndex;                                 // place among the joints that do not only turn
-    uint32_t scales = kNoIndex;                                 // place among the joints whose three scales change
+    float centre[3] = {}, pivot[3] = {}, scale[3] = {1, 1, 1};  // centre and scale: if no rows have them
+    uint32_t parent = kLast, keep = kNoIndex;                   // slots: its parent's matrix, and where to keep its own
+    uint32_t motion = kNoIndex;                                 // place among the joints with rows of motion
+    uint32_t scales = kNoIndex;                                 // place among the joints with rows of three scales
     uint32_t emission_count = 0;
 };
 

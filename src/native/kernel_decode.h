@@ -1,4 +1,4 @@
-// Lanes are joints: rows of a character's clips -> one block of rotations, or of what else moves.
+// Lanes are joints: rows of a character's clips -> one block of rotations, motions or scales.
 #pragma once
 
 #include "native/kernel_lanes.h"
@@ -9,14 +9,14 @@ namespace {
 using namespace throng::native;
 using namespace throng;
 
-// A place in a clip.
+// A time in a clip: two neighbouring rows, and the place between them.
 struct RowPair {
     const std::byte *earlier, *later;
     float fraction;
     int weights;  // for 16-bit words: two of 15 bits that sum to 32767, the later row's in the high half
 };
 
-// The two places that one character plays, and their blend weight.
+// The times in two clips that one character plays, and their blend weight.
 struct Played {
     RowPair first, second;
     float weight;

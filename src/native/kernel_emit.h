@@ -7,7 +7,7 @@
 
 namespace {
 
-inline constexpr uint32_t kLine = 16;  // words of a line of the cache, which is written at once
+inline constexpr uint32_t kLine = 16;  // words of a cache line, which is written as a whole
 inline constexpr uint32_t kBatch = 3 * kLine;
 inline constexpr uint32_t kRing = 4 * kLine;  // a batch, and the words of the next one that are already there
 
@@ -16,16 +16,16 @@ struct alignas(64) Ring {
     float of[kRing][Lanes::kCount];
 };
 
-// Where skin matrices go. Those of all characters begin equally far into a cache line, so that each line is complete
-// for all characters at the same time.
+// Where skin matrices go. Those of all characters begin at the same offset in a cache line, so that each line is
+// complete for all characters at the same time.
 struct SkinTarget {
     std::byte* line[Lanes::kCount];  // the one in which the character's first matrix begins
-    uint32_t begin;                  // words, from there
+    uint32_t begin;                  // words from there to the matrix
     uint32_t written, position;      // words: end of the written batches, place of the next matrix
     uint32_t count;                  // of characters
 };
 
-inline constexpr uint32_t kOfLine = kLine / Lanes::kCount;  // vectors
+inline constexpr uint32_t kOfLine = kLine / Lanes::kCount;  // vectors of a cache line
 
 // Transposes a line of four characters, from c on: [vector of the line][character].
 INLINE void transpose_line(const Ring& ring, uint32_t word, uint32_t c, V (&r)[kOfLine][4]) {
@@ -37,7 +37,7 @@ INLINE void transpose_line(const Ring& ring, uint32_t word, uint32_t c, V (&r)[k
     }
 }
 
-// Writes parts of lines, at both ends of a character's matrices, and all lines if there are fewer characters than
+// Writes parts of lines: at both ends of a character's matrices, and everywhere if there are fewer characters than
 // lanes. Words come at least in pairs.
 [[gnu::noinline]] void flush_part(const Ring& ring, const SkinTarget& target, uint32_t from, uint32_t to) {
     for (uint32_t line = from / kLine * kLine; line < to; line += kLine) {
@@ -55,7 +55,7 @@ INLINE void transpose_line(const Ring& ring, uint32_t word, uint32_t c, V (&r)[k
     }
 }
 
-// Writes whole lines, past the caches.
+// Writes whole lines by streaming stores.
 INLINE void flush_lines(const Ring& ring, const SkinTarget& target, uint32_t from, uint32_t to) {
     for (uint32_t c = 0; c < Lanes::kCount; c += 4)
         for (uint32_t line = from; line < to; line += kLine) {
@@ -77,7 +77,7 @@ INLINE void flush_batch(const Ring& ring, SkinTarget& target) {
     flush_lines(ring, target, kLine, to);
 }
 
-// kUnit: words that lie together in the ring wherever a matrix begins, since matrices begin at multiples of kUnit.
+// Groups of kUnit words do not wrap around the end of the ring, since matrices begin at multiples of kUnit.
 template <uint32_t kWords, uint32_t kUnit>
 INLINE void put_words(Ring& ring, SkinTarget& target, const V* words) {
     for (uint32_t i = 0; i < kWords; i += kUnit)
@@ -132,7 +132,8 @@ struct Outputs {
     SkinTarget target;
 };
 
-// Writes any matrix except a plain skin matrix of 48 bytes in its turn, for which put_affine() is enough.
+// Writes any matrix. The common one, a skin matrix of 48 bytes in palette order that needs no constant, goes to
+// put_affine() instead.
 [[gnu::noinline]] void emit(const KernelRig& rig, const KernelUpdate& update, const Emission& emission,
                             const float* source, const Played* all, Outputs& out) {
     Matrix m = load_matrix(source);

@@ -1,13 +1,14 @@
-// Lanes are joints: applies the offsets that inertial transitions left, and pose overrides, to what the clips give. As
-// blend/inertia.glsl and blend/inertial.glsl, but lanes select where a shader thread branches. In the spaces of the
-// rows, turns have the same angles and lengths the same ratios, so offsets decay as those of poses do.
+// Lanes are joints: applies the offsets of inertial transitions, and pose overrides, to the poses of the clips. Does
+// the same as blend/inertia.glsl and blend/inertial.glsl, but lanes select where a shader thread branches. The spaces
+// of the rows keep the angles of rotations and the ratios of lengths, so offsets decay there as those of local poses
+// do.
 #pragma once
 
 #include "native/kernel_layers.h"
 
 namespace {
 
-// What a block of joints keeps from update to update: [number][joint of the block].
+// Where the values begin in the state that a block keeps between updates: [float][joint of the block].
 inline constexpr uint32_t kShown = 0, kShownBefore = 4, kOffset = 8;
 
 INLINE V min(V a, V b) { return Lanes::select(Lanes::less(b, a), b, a); }
@@ -115,7 +116,7 @@ INLINE Quad inertial(const io::InstanceInertia& inertia, const Quad& target, flo
             const Three direction{divided(way.x, size), divided(way.y, size), divided(way.z, size)};
             const V along = dot(Three{offset_before.x, offset_before.y, offset_before.z}, direction);
             save(kOffset, {way.x, way.y, way.z, min((size - along) / step_s, zero)});
-            const V scale = Lanes::flip_where_negative(offset.w, offset.w);  // its size
+            const V scale = Lanes::flip_where_negative(offset.w, offset.w);  // its absolute value
             const V scale_before = Lanes::flip_where_negative(offset_before.w, offset.w);
             Lanes::store(state + (kOffset + 4) * kStride, offset.w);
             Lanes::store(state + (kOffset + 5) * kStride, min((scale - scale_before) / step_s, zero));
@@ -147,7 +148,7 @@ INLINE Quad inertial(const io::InstanceInertia& inertia, const Quad& target, flo
     return pose;
 }
 
-// A pose from outside, of weight > 0, over the animated one: blend/pose_override.glsl.
+// Blends a pose override of weight > 0 over the animated pose: blend/pose_override.glsl.
 template <Decoded kWhat>
 INLINE Quad overridden(const float* set_pose, const Quad& animated, float weight) {
     const Quad pose{Lanes::load(set_pose), Lanes::load(set_pose + kBlockJoints),

@@ -52,7 +52,8 @@ INLINE Matrix splat(const float* affine) {
     return m;
 }
 
-// The rotation of a quaternion of any length, its columns scaled, about a pivot, then moved.
+// The matrix that rotates by a quaternion of any length about `pivot`, with scaled columns, and moves the pivot to
+// `centre`.
 INLINE Matrix matrix_of(const Quad& q, const V (&scale)[3], const V (&centre)[3], const float* pivot, bool uniform) {
     const V twice = Lanes::set(2) * Lanes::inverse(dot(q, q));
     Matrix m;

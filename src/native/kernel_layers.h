@@ -1,6 +1,6 @@
-// Lanes are joints: the active clips of a character, in layers -> one block. As blend/active_clips.glsl, but all lanes
-// take the same branch where a shader thread takes its own; masks are weights, not branches. Works in the spaces of the
-// rows, in which differences and their products are those of poses.
+// Lanes are joints: the active clips of a character, in layers -> one block. Does the same as blend/active_clips.glsl,
+// but all lanes take the same branch where each shader thread takes its own, and masks are weights, not branches. Works
+// in the spaces of the rows, where differences of poses, and products with them, give the same results (native_rig.h).
 #pragma once
 
 #include "native/kernel_decode.h"
@@ -50,7 +50,7 @@ INLINE V ratio(V to, V from) {
     return Lanes::select(has_none, one, to / Lanes::select(has_none, one, from));
 }
 
-// For rotations, the result has both lengths as a factor.
+// For rotations, the length of the result is the product of both lengths.
 template <Decoded kWhat>
 INLINE Quad difference(const Quad& to, const Quad& from) {
     if (kWhat == Decoded::kRotations) {
@@ -61,7 +61,7 @@ INLINE Quad difference(const Quad& to, const Quad& from) {
     return {ratio(to.x, from.x), ratio(to.y, from.y), ratio(to.z, from.z), ratio(to.w, from.w)};
 }
 
-// `layer` on `below`.
+// Applies `layer` on top of `below`.
 template <Decoded kWhat>
 INLINE Quad apply_layer(const Quad& layer, const Quad& below, V weight, bool is_additive) {
     if (kWhat == Decoded::kRotations) {
@@ -92,7 +92,7 @@ INLINE Quad load_quad(const float* of_first, size_t stride) {
             Lanes::load(of_first + 3 * stride)};
 }
 
-// Goes clip by clip, so that a clip's branches are taken once a block.
+// The outer loop goes over the clips, so that a clip's branches are taken once per block.
 template <Decoded kWhat>
 INLINE void mix_active_clips(const KernelRig& rig, const ActiveClipRows* active_clips, uint32_t count,
                              uint32_t block_index, DecodedBlock& out, uint32_t character) {

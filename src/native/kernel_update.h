@@ -28,14 +28,14 @@ struct KernelUpdate {
 struct Kernel {
     uint32_t lane_count;
     size_t (*scratch_bytes)(const KernelRig& rig, const KernelUpdate& update);
-    // Walks instances [count] in groups of as many as there are lanes. Their skin matrices must all begin equally far
-    // into a cache line.
+    // Walks instances [count] in groups of as many as there are lanes. The skin matrices of all must begin at the same
+    // offset in a cache line.
     void (*update)(const KernelRig& rig, const KernelUpdate& update, const uint32_t* instances, uint32_t count);
     // Only what comes before the walk, for benchmarks.
     void (*decode)(const KernelRig& rig, const KernelUpdate& update, const uint32_t* instances, uint32_t count);
     // Streams `size` bytes, a multiple of 64, to a multiple of 64: what memory alone costs.
     void (*fill)(std::byte* to, size_t size);
-    void (*fence)();  // makes what was streamed visible to others
+    void (*fence)();  // makes streamed data visible to other threads
 };
 
 }  // namespace throng::native

@@ -32,7 +32,8 @@ struct Lanes {
     static bool any(Mask m) { return _mm256_movemask_ps(m) != 0; }
     static V select(Mask m, V yes, V no) { return _mm256_blendv_ps(no, yes, m); }
 
-    // 16-bit words of two rows, each pair times a pair of weights.
+    // Interpolates 16-bit words of two rows: multiplies each pair of words by the pair of weights, and adds the
+    // products.
     static I splat(int pair) { return _mm256_set1_epi32(pair); }
     static V lerp_low(I a, I b, I weights) {
         return _mm256_cvtepi32_ps(_mm256_madd_epi16(_mm256_unpacklo_epi16(a, b), weights));
@@ -45,7 +46,7 @@ struct Lanes {
     static V fours(const float* p, size_t stride) {
         return _mm256_insertf128_ps(_mm256_castps128_ps256(_mm_load_ps(p)), _mm_load_ps(p + stride), 1);
     }
-    // In each 128 bits.
+    // Within each 128 bits.
     static void transpose(V& a, V& b, V& c, V& d) {
         const __m256d ab0 = _mm256_castps_pd(_mm256_unpacklo_ps(a, b)),
                       ab1 = _mm256_castps_pd(_mm256_unpackhi_ps(a, b));
@@ -95,7 +96,7 @@ struct Lanes {
         x = _mm256_shuffle_ps(first, second, _MM_SHUFFLE(2, 0, 2, 0));
         y = _mm256_shuffle_ps(first, second, _MM_SHUFFLE(3, 1, 3, 1));
     }
-    // Four floats from each lane's place on, the first of each in a.
+    // Loads four floats from each lane's index on. `a` gets the first of each.
     static void gather_fours(const float* p, Words at, V& a, V& b, V& c, V& d) {
         alignas(64) int32_t i[kCount];
         __builtin_memcpy(i, &at, sizeof i);

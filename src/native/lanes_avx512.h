@@ -37,7 +37,8 @@ struct Lanes {
     static bool any(Mask m) { return m != 0; }
     static V select(Mask m, V yes, V no) { return _mm512_mask_blend_ps(m, no, yes); }
 
-    // 16-bit words of two rows, each pair times a pair of weights.
+    // Interpolates 16-bit words of two rows: multiplies each pair of words by the pair of weights, and adds the
+    // products.
     static I splat(int pair) { return _mm512_set1_epi32(pair); }
     static V lerp_low(I a, I b, I weights) {
         return _mm512_cvtepi32_ps(_mm512_madd_epi16(_mm512_unpacklo_epi16(a, b), weights));
@@ -53,7 +54,7 @@ struct Lanes {
         v = _mm512_insertf32x4(v, _mm_load_ps(p + 2 * stride), 2);
         return _mm512_insertf32x4(v, _mm_load_ps(p + 3 * stride), 3);
     }
-    // In each 128 bits.
+    // Within each 128 bits.
     static void transpose(V& a, V& b, V& c, V& d) {
         const __m512d ab0 = _mm512_castps_pd(_mm512_unpacklo_ps(a, b)),
                       ab1 = _mm512_castps_pd(_mm512_unpackhi_ps(a, b));
@@ -105,7 +106,7 @@ struct Lanes {
         x = _mm512_permutex2var_ps(first, even, second);
         y = _mm512_permutex2var_ps(first, odd, second);
     }
-    // Four floats from each lane's place on, the first of each in a.
+    // Loads four floats from each lane's index on. `a` gets the first of each.
     static void gather_fours(const float* p, Words at, V& a, V& b, V& c, V& d) {
         alignas(64) int32_t i[kCount];
         __builtin_memcpy(i, &at, sizeof i);

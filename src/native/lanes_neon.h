@@ -36,7 +36,8 @@ struct Lanes {
     static bool any(Mask m) { return vmaxvq_u32(m) != 0; }
     static V select(Mask m, V yes, V no) { return vbslq_f32(m, yes, no); }
 
-    // 16-bit words of two rows, each pair times a pair of weights.
+    // Interpolates 16-bit words of two rows: multiplies each pair of words by the pair of weights, and adds the
+    // products.
     static I splat(int pair) { return vreinterpretq_s16_s32(vdupq_n_s32(pair)); }
     static V lerp_low(I a, I b, I weights) {
         const int16x4_t w = vget_low_s16(weights);
@@ -83,7 +84,7 @@ struct Lanes {
         x = vuzp1q_f32(first, second);
         y = vuzp2q_f32(first, second);
     }
-    // Four floats from each lane's place on, the first of each in a.
+    // Loads four floats from each lane's index on. `a` gets the first of each.
     static void gather_fours(const float* p, Words at, V& a, V& b, V& c, V& d) {
         alignas(64) int32_t i[kCount];
         __builtin_memcpy(i, &at, sizeof i);

@@ -32,7 +32,8 @@ struct Lanes {
     static bool any(Mask m) { return _mm_movemask_ps(m) != 0; }
     static V select(Mask m, V yes, V no) { return _mm_or_ps(_mm_and_ps(m, yes), _mm_andnot_ps(m, no)); }
 
-    // 16-bit words of two rows, each pair times a pair of weights.
+    // Interpolates 16-bit words of two rows: multiplies each pair of words by the pair of weights, and adds the
+    // products.
     static I splat(int pair) { return _mm_set1_epi32(pair); }
     static V lerp_low(I a, I b, I weights) {
         return _mm_cvtepi32_ps(_mm_madd_epi16(_mm_unpacklo_epi16(a, b), weights));
@@ -46,7 +47,7 @@ struct Lanes {
 
     // Half floats of both, `low` in the low 16 bits; to the nearest, ties to even. Source: F. Giesen,
     // float_to_half_fast3_rtne, https://gist.github.com/rygorous/2156668: small ones are rounded by adding a number
-    // whose last bit is a half's.
+    // whose last bit has the value of a half's last bit.
     static I half(V v) {
         const I sign = _mm_and_si128(_mm_castps_si128(v), _mm_set1_epi32(static_cast<int>(0x80000000u)));
         const V magnitude = _mm_xor_ps(v, _mm_castsi128_ps(sign));
@@ -98,7 +99,7 @@ struct Lanes {
         x = _mm_shuffle_ps(first, second, _MM_SHUFFLE(2, 0, 2, 0));
         y = _mm_shuffle_ps(first, second, _MM_SHUFFLE(3, 1, 3, 1));
     }
-    // Four floats from each lane's place on, the first of each in a.
+    // Loads four floats from each lane's index on. `a` gets the first of each.
     static void gather_fours(const float* p, Words at, V& a, V& b, V& c, V& d) {
         alignas(64) int32_t i[kCount];
         __builtin_memcpy(i, &at, sizeof i);

@@ -46,7 +46,7 @@ std::vector<NativeIsa> find_isas() {
 #endif
 }
 
-// How many different offsets into a line of the cache the matrices of instances begin at.
+// How many different offsets in a cache line the matrices of instances begin at.
 uint32_t class_count_of(uint32_t palette_count, SkinFormat skin_format) {
     return 64 / std::gcd(palette_count * skin_format_bytes(skin_format), 64u);
 }
@@ -66,7 +66,7 @@ std::byte* scratch(size_t size) {
 template <class Run>
 void for_instances(const NativeRig& rig, const NativeUpdate& update, uint32_t first, uint32_t end,
                    const native::Kernel& kernel, const Run& run_kernel) {
-    const DefaultFloats floats;  // also outside of jobs: joint samplers, and poses that are made with a crowd
+    const DefaultFloats floats;  // updates also run outside jobs: joint samplers, poses made with a crowd
     const native::KernelRig& of = rig.kernel();
     native::KernelUpdate buffers{.cursors = update.cursors,
                                  .active_clips = update.active_clips,
@@ -82,7 +82,7 @@ void for_instances(const NativeRig& rig, const NativeUpdate& update, uint32_t fi
                                  .model = reinterpret_cast<float*>(update.model),
                                  .sockets = reinterpret_cast<float*>(update.sockets)};
     buffers.scratch = scratch(kernel.scratch_bytes(of, buffers));
-    // Instances whose matrices begin equally far into a line of the cache go together
+    // Groups instances whose matrices begin at the same offset in a cache line
     const uint32_t class_count = class_count_of(of.palette_count, update.skin_format);
     std::array<std::array<uint32_t, kClassSize>, kMostClasses> classes;
     std::array<uint32_t, kMostClasses> counts{};

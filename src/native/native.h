@@ -24,7 +24,7 @@ std::string native_unsupported_reason(const Character& character, SkinFormat ski
 // Where an update reads and writes. docs/buffers.md describes the buffers; as there, cursors and active clips are those
 // of the control stage. Masks, inertia states and set poses begin at a multiple of 64 bytes.
 struct NativeUpdate {
-    const io::InstanceCursor* cursors = nullptr;   // two clips each; or else
+    const io::InstanceCursor* cursors = nullptr;   // two clips each; not used with active_clips
     const io::ActiveClip* active_clips = nullptr;  // in layers; the lowest covers all (docs/controller.md, step 9)
     uint32_t active_clip_limit = 0;
     const float* masks = nullptr;                   // NativeRig::masks_in_order()
@@ -42,15 +42,15 @@ struct NativeUpdate {
 
 // Updates instances first..end - 1, or those at these places of `listed`. Threads may update different instances of the
 // same buffers at the same time. An instance's result does not depend on which others are updated with it. Allocates
-// only in a thread's first updates: the scratch memory that the largest rig's walk needs.
+// only in a thread's first updates: scratch memory, as much as its largest rig needs.
 void update(const NativeRig& rig, const NativeUpdate& update, uint32_t first, uint32_t end, NativeIsa isa);
 void update(const NativeRig& rig, const NativeUpdate& update, uint32_t first, uint32_t end);
 
-// How many consecutive instances update() needs to fill its lanes: it computes those side by side whose matrices begin
-// equally far into a line of the cache.
+// How many consecutive instances update() needs to fill its lanes. It computes instances side by side if their matrices
+// begin at the same offset in a cache line.
 uint32_t least_part(const NativeRig& rig, SkinFormat skin_format);
 
-// What an update is compared with (bench/cpu_bench.h): its first half alone, and the least time that writing memory
+// For comparison with an update (bench/cpu_bench.h): its first half alone, and the least time that writing memory
 // takes. `bytes` begin and end at a multiple of 64.
 void decode_only(const NativeRig& rig, const NativeUpdate& update, uint32_t first, uint32_t end, NativeIsa isa);
 void stream_fill(std::span<std::byte> bytes, NativeIsa isa);

@@ -8,7 +8,7 @@
 namespace throng {
 namespace {
 
-constexpr size_t kSecondCache = 1 << 20;  // bytes, of most cores
+constexpr size_t kSecondCache = 1 << 20;  // bytes of the second-level cache of most cores
 
 template <class T>
 void put(float (&to)[3], const Vec3<T>& v) {
@@ -33,7 +33,7 @@ NativeRig::NativeRig(const Character& character, const NativeRigSettings& settin
                                            .keeps_model = settings.keeps_model && !settings.sockets_only,
                                            .sockets = settings.sockets});
     native::check_key_rows(character, walk.joints.size());
-    // Poses from outside may have any scale
+    // Pose overrides may have any scale
     const native::RowSpaces spaces(character, settings.all_move);
     const bool uniform_scale = spaces.uniform_scale;
     for (const uint32_t joint : walk.joints) joints_.push_back(spaces.of_joints[joint]);

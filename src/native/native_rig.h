@@ -1,11 +1,13 @@
 // A character as the native engine walks it.
 //
-// With B the bind pose of a joint (model_from_bind joint, a similarity), S = M B^-1 obeys S = S_parent L', where L' =
-// B_parent L B^-1: the walk then yields skin matrices with one product a joint. As conjugating by constants is linear,
-// interpolating and blending commute with it, and so do hemispheres and differences of poses: the rows are conjugated
-// once, here. A joint that is not bound, or not by a similarity, uses another space as B. Model matrices, sockets, and
-// those skin matrices that differ from S are S times a constant. If joints are scaled differently along x, y and z,
-// every B is the identity.
+// Of a joint, let L be the local matrix, M the model matrix, and B the bind pose (model_from_joint, a similarity). Then
+// S = M B^-1 obeys S = S_parent L', where L' = B_parent L B^-1, and the walk yields skin matrices with one product per
+// joint. Conjugating by constants is linear, so interpolating and blending commute with it, and so do hemispheres and
+// differences of poses. That is why the rows can be conjugated once, here.
+//
+// A joint that is not bound, or not by a similarity, uses another space as B. Model matrices, sockets, and those skin
+// matrices that differ from S are S times a constant. If joints are scaled differently along x, y and z, every B is the
+// identity.
 #pragma once
 
 #include "native/aligned.h"
@@ -36,9 +38,10 @@ public:
 
     uint64_t size_bytes() const;
     uint64_t row_bytes() const { return rows_.size_bytes(); }
-    // Returns masks[mask][joint of the rig], 0..1, in the order in which updates read them; made once for all updates.
+    // Returns `masks`, [mask][joint of the rig], 0..1, in the order in which updates read them. Made once for all
+    // updates.
     native::AlignedBytes masks_in_order(std::span<const float> masks) const;
-    // Likewise for a pose from outside. The rig must have been made with all_move.
+    // put_pose() does the same for a pose override, which has pose_floats(). The rig must have been made with all_move.
     size_t pose_floats() const { return size_t{kernel_.place_count} * 4; }
     void put_pose(std::span<const Trs<float>> parent_from_joint, std::span<float> pose) const;
     size_t inertia_floats() const { return size_t{kernel_.place_count} * native::kInertiaFloats; }

@@ -12,8 +12,8 @@ constexpr uint32_t kMostPieces = 256;
 
 // How the joints go from one row of keys to the next.
 struct Interval {
-    double pieces = 1;     // into which the longest arc must be cut; whole
-    bool is_left = false;  // a track steps: it does not end where the next interval begins
+    double pieces = 1;     // into which the longest arc is cut; a whole number
+    bool is_left = false;  // a track steps: its end differs from the start of the next interval
 
     uint32_t row_count() const { return static_cast<uint32_t>(pieces) + (is_left ? 1 : 0); }
 };
@@ -27,8 +27,8 @@ bool differ(TrackTarget target, const TrackValue& a, const TrackValue& b) {
     return (target == TrackTarget::kRotation ? std::min(straight, opposite) : straight) > 1e-9;
 }
 
-// Quaternions `angle` apart, interpolated along their chord, are off by up to sqrt(3) / 216 * angle^3 (the cubic term
-// of atan(w tan(angle)) - w angle), a point at a distance of 1 by twice that.
+// Quaternions that are `angle` apart and interpolated along their chord are off by up to sqrt(3) / 216 * angle^3 (the
+// cubic term of atan(w tan(angle)) - w angle). A point at a distance of 1 is off by twice that.
 double pieces_for(double angle, double reach, double size) {
     const double most = std::cbrt(kArcError * size / (2 * std::sqrt(3.0) / 216 * std::max(reach, 1e-12 * size)));
     return std::clamp(std::ceil(angle / most), 1.0, double{kMostPieces});

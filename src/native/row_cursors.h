@@ -13,8 +13,8 @@ struct ClipRowCursors {
     std::vector<RowSpan> spans;   // [keys]; rows count from the clip's first
 };
 
-// [clip_count + 1]; the last is the rest pose. Nothing if there would be more than `most_rows` in all, which are
-// counted before they are listed: a file of a few megabytes can ask for gigabytes.
+// [clip_count + 1]; the last is the rest pose. Returns nothing if there would be more than `most_rows` rows in all.
+// Rows are counted before they are listed, since a file of a few megabytes can ask for gigabytes.
 std::optional<std::vector<ClipRowCursors>> row_cursors(const Character& character, std::span<const RowJoint> joints,
                                                        uint64_t most_rows);
 

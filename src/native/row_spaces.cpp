@@ -8,8 +8,8 @@ namespace throng::native {
 namespace {
 
 // Parts of the character's size
-constexpr double kIdentityError = 5e-7;  // below it a constant is the identity
-constexpr double kUneven = 3e-6;         // below it the scales along x, y and z are one
+constexpr double kIdentityError = 5e-7;  // below it a matrix counts as the identity
+constexpr double kUneven = 3e-6;         // below it scales count as uniform
 
 // How far apart the scales of a joint along x, y and z are at most, as a part of the largest: files say 0.999999 for 1.
 double unevenness(const Character& character, size_t joint) {
@@ -63,7 +63,7 @@ std::vector<Similarity> joint_spaces(const Character& character, const std::vect
             is_bound[entry.joint] = true;
         }
     }
-    // A joint that is small at rest may be large in a clip: divided by the small scale, its digits would be lost.
+    // A joint that is small at rest may be large in a clip. Dividing by its small scale would lose digits.
     for (size_t joint = 0; joint < spaces.size(); ++joint) {
         const uint32_t parent = character.rig.parents[joint];
         const double least = std::abs(parent == kNone ? 1 : spaces[parent].scale);
@@ -75,7 +75,7 @@ std::vector<Similarity> joint_spaces(const Character& character, const std::vect
 // How far from a joint anything that moves with it may be in any pose: the bones on the way, and the vertices at the
 // end.
 std::vector<double> reaches(const Character& character, const std::vector<Similarity>& rest) {
-    std::vector<double> reach(rest.size(), 0.1 * character.size);  // if nothing hangs on it: an attachment
+    std::vector<double> reach(rest.size(), 0.1 * character.size);  // at least: room for an attachment
     for (const MeshSection& section : character.sections)
         for (uint32_t v = 0; v < section.vertex_count; ++v)
             for (uint32_t set = 0; set < section.influence_sets; ++set) {

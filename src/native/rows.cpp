@@ -10,9 +10,9 @@
 namespace throng::native {
 namespace {
 
-constexpr double kStill = 1e-7;          // parts of the character's size below which nothing moves
-constexpr double kFineError = 2e-6;      // and above which a joint's words are floats
-constexpr double kPart = 1 / kMostWord;  // a fraction between two rows is off by half of it
+constexpr double kStill = 1e-7;          // of the character's size; less counts as no movement
+constexpr double kFineError = 2e-6;      // of the character's size; above it, a joint gets floats
+constexpr double kPart = 1 / kMostWord;  // the step of a fraction between two rows, off by half of it
 
 constexpr size_t kLimit_bytes = size_t{1} << 30;  // of rows
 
@@ -22,7 +22,7 @@ constexpr size_t kLimit_bytes = size_t{1} << 30;  // of rows
                       " MiB of rows of its clips: UpdatePath::kStaged does without");
 }
 
-// How many rows the rotations of so many joints leave room for.
+// How many rows fit into the limit with the rotations of this number of joints.
 uint64_t row_limit(size_t joint_count) {
     return kLimit_bytes / (std::max(Rows::rounded_up(joint_count), kBlockJoints) * 4 * sizeof(int16_t));
 }
@@ -83,7 +83,7 @@ private:
         }
     }
 
-    // Which joints only turn, the range of each, and whether it must be floats.
+    // Finds which joints only turn, the range of each, and whether it must be floats.
     void measure() {
         const double size = character_.size;
         std::vector<RowRange> rotations, motions, scales;
@@ -146,7 +146,7 @@ private:
         if (size > kLimit_bytes) refuse_rows(character_);
         rows_.bytes = aligned_bytes(size);
         std::memset(rows_.bytes.get(), 0, size);
-        // Places without a joint turn nothing: words of 0 are the middle
+        // Places without a joint hold the identity: words of 0 are the middle of a range
         for (uint32_t place = 0; place < rows_.place_count(); ++place)
             for (size_t row = 0; rows_.blocks[place / kBlockJoints].is_float && row < rows_.row_count; ++row)
                 put(row, place, ranges_[place].middle);

@@ -27,8 +27,9 @@ struct JointLayout {
     uint32_t motion = kNoIndex, scales = kNoIndex;  // if it moves: its place among those that do
 };
 
-// Rows lie at the character's rows of keys, so that a cursor (control_io.h) finds its place in them. There are more
-// rows between two keys if an arc differs from its chord, and an extra row ends a span of keys in which a track steps.
+// There is a row for each of the character's rows of keys, so that a cursor (control_io.h) finds its place. There are
+// more rows between two keys if an arc differs from its chord, and an extra row ends a span of keys in which a track
+// steps.
 struct Rows {
     AlignedBytes bytes;  // [row_count][row_bytes]
     size_t row_bytes = 0;
@@ -58,8 +59,9 @@ struct RowSettings {
     bool uniform_scale = false;  // one scale a joint: the mean of x, y and z, which are nearly the same
     bool all_move = false;       // as if no joint stood still
 };
-// Throws kLimit where the clips have more rows of keys than make_rows() may make for so many joints; it never makes
-// fewer. To be called before anything looks at every row: in a character made by hand all may be the same one.
+// Throws kLimit if the clips have more rows of keys than make_rows() may make for this number of joints; it never makes
+// fewer. Call it before anything loops over all rows: in a character made by hand, any number of them can lie at one
+// place.
 void check_key_rows(const Character& character, size_t joint_count);
 // Makes rows of the joints given, in their order. Throws kLimit.
 Rows make_rows(const Character& character, std::span<const RowJoint> joints, const RowSettings& settings);

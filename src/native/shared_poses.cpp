@@ -15,7 +15,7 @@
 namespace throng {
 namespace {
 
-// At most 2^32 - 1, so that the sum over all clips cannot overflow: a file may say that a clip lasts for aeons.
+// At most 2^32 - 1, so that the sum over all clips cannot overflow: a file can claim any duration.
 uint64_t interval_count(const Clip& clip, float poses_per_s) {
     constexpr double kMost = std::numeric_limits<uint32_t>::max();
     return static_cast<uint64_t>(std::min(std::ceil(double{clip.duration_s} * poses_per_s), kMost));
@@ -57,7 +57,7 @@ double largest_displacement(const std::vector<Affine>& a, const std::vector<Affi
     return most;
 }
 
-// How far the corners of boxes go, which bounds how far their content goes.
+// How far the corners of boxes move, which bounds how far their content moves.
 class Spread {
 public:
     explicit Spread(const std::vector<Box>& boxes) : boxes_(boxes), places_(boxes.size()) {}

@@ -1,5 +1,6 @@
-// Poses that distant characters may share, as skin matrices: each clip sampled at equal intervals of time, and how far
-// off the nearest sample is. This is baked animation, but chosen by how much of the difference a picture shows.
+// Poses that distant characters may share, as skin matrices: each clip sampled at equal intervals of time, and the
+// error of showing the nearest sample. This is baked animation, but it is used only where the view does not see the
+// difference.
 #pragma once
 
 #include "cull/cull_io.h"
@@ -12,7 +13,7 @@ namespace throng {
 struct SharedPoses {
     std::vector<io::SharedClip> clips;  // [clip_count + 1]; the last is the rest pose
     uint32_t row_count = 0;
-    // Model space: how far a vertex is at most from where it is in another of these poses, and a tenth more, since
+    // Model space: the largest distance between the places of a vertex in two of these poses, and a tenth more, since
     // blends go a little beyond them (as boxes for culling assume).
     float spread = 0;
     std::vector<std::byte> skin;  // [row_count][palette_count], in the format that was asked for

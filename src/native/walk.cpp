@@ -60,7 +60,7 @@ private:
         return action.walks ? request_.parents[action.joint] : action.joint;
     }
 
-    // Linear scan: a slot is free again after the last use of what it has.
+    // Linear-scan allocation: a slot is free again after the last use of its matrix.
     void keep_slots() {
         std::vector<size_t> last_use(request_.parents.size());
         uint32_t last = throng::kNone;

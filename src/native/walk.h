@@ -12,7 +12,7 @@ namespace throng::native {
 
 struct WalkRequest {
     std::span<const uint32_t> parents;  // of the rig
-    std::vector<bool> moves;            // [joint]: those that are walked; a parent's before its child
+    std::vector<bool> moves;            // [joint]: whether it moves; then its parent does too
     std::span<const PaletteEntry> palette;
     bool keeps_model = false;
     std::span<const uint32_t> sockets;

@@ -1,6 +1,6 @@
 // Look-at and two-bone inverse kinematics: docs/procedural.md.
 
-// How much of a rule's aim a target gets: none if it is no valid place, since shaders may have written anything.
+// The weight with which a rule follows a target; 0 if the target's place is invalid, since shaders may write anything.
 Real weight_of(vec4 target, Real weight) {
     const bool is_place = abs(target.x) <= kFarthest && abs(target.y) <= kFarthest && abs(target.z) <= kFarthest;
     return is_place && target.w > 0 ? weight * min(target.w, 1) : 0;
@@ -46,8 +46,8 @@ void reach(ProceduralChain chain) {
     const Real reached = clamp(wanted, near, far);
     const vec4 swing = arc((c - a) / straight, to_goal);
 
-    // Heron's formula: exactly straight if the limb is stretched. The middle joint lies `along` towards the goal and
-    // `aside` from it, on the same side as in the pose.
+    // Heron's formula, which gives an exactly straight limb if it is stretched. The middle joint lies `along` in the
+    // direction of the goal and `aside` perpendicular to it, on the same side as in the pose.
     const vec3 upper_bone = quaternion_rotate(swing, b - a),
                pole = affine_vector(world_from_parent, vec3(settings.pole_x, settings.pole_y, settings.pole_z));
     vec3 side = upper_bone - to_goal * dot(upper_bone, to_goal);

@@ -1,11 +1,11 @@
-// Where joints are in the world, and how they are turned there. "World" here has the world's axes, but its origin is
-// the instance's: floats keep their digits far from the middle of the world, where springs would otherwise shiver. C++
-// too (gpu/glsl.h). The includer declares what gpu/angles.glsl does, parent_of(joint), load_local(joint), placement()
-// of the instance, and store_turned(joint, turn, turned).
+// Transforms of joints in the world, and turns of joints there. "World" here has the world's axes, but the instance's
+// origin, so that floats keep their precision far from the world's origin, where springs would otherwise jitter. Also
+// compiled as C++ (gpu/glsl.h). The includer declares what gpu/angles.glsl does, parent_of(joint), load_local(joint),
+// placement() of the instance, and store_turned(joint, turn, turned).
 #include "gpu/affine.glsl"
 #include "gpu/quaternion.glsl"
 
-const Real kParallel = 1e-6;  // sine of an angle below which two directions span no plane
+const Real kParallel = 1e-6;  // if the sine of the angle between two directions is smaller, they span no plane
 
 vec3 origin_of(Affine m) { return vec3(m.row0.w, m.row1.w, m.row2.w); }
 
@@ -24,8 +24,8 @@ Affine world_from_parent_of(uint joint) {
 
 Affine world_from_joint_of(uint joint) { return affine_multiply(world_from_parent_of(joint), load_local(joint)); }
 
-// A turn in world space, expressed in a space that is itself turned: its axis as seen from there. Skewed axes are made
-// orthogonal, x first; a flat space has no turns.
+// Converts a turn from world space to another space, whose axes rotate the turn's axis. Skewed axes are orthogonalized,
+// x first. A space without volume has no turns.
 vec4 turn_within(Affine world_from_space, vec4 turn) {
     const vec3 a = affine_column(world_from_space, 0), b = affine_column(world_from_space, 1),
                c = affine_column(world_from_space, 2);
@@ -36,7 +36,7 @@ vec4 turn_within(Affine world_from_space, vec4 turn) {
     return vec4(dot(x, turn.xyz) * side, dot(y, turn.xyz) * side, dot(z, turn.xyz), turn.w);
 }
 
-// Turns a joint about its origin, in world space; stores and returns its new parent_from_joint.
+// Turns a joint about its origin by a world-space turn; stores and returns its new parent_from_joint.
 Affine turn_joint(uint joint, Affine world_from_parent, Affine parent_from_joint, vec4 turn) {
     const vec4 q = turn_within(world_from_parent, turn);
     const Affine rotation = affine_from_trs(q, vec3(0), vec3(1)), m = parent_from_joint;

@@ -1,6 +1,7 @@
 // procedural: rules that move joints after the blend and before the scan; defined in docs/procedural.md.
-// One invocation per instance and chain; the chains of a dispatch are independent of each other. Reads 48 bytes a joint
-// of the chain and of all above it, writes 48 a joint (32 each as similarities), and reads and writes 48 a spring.
+// One invocation per instance and chain; the chains of a dispatch are independent of each other. Reads 48 bytes for
+// each joint of the chain and each of its ancestors, writes 48 for each joint of the chain (32 as similarities), and
+// reads and writes 48 for each spring.
 #include "gpu/buffers_io.h"
 #include "control/births.glsl"
 #include "gpu/stored.glsl"
@@ -17,12 +18,12 @@ BUFFER(kSpringsBuffer, StoredRow, springs);
 // [instance][joint], parent_from_joint
 BUFFER(kLocalBuffer, StoredRow, local);
 CONSTANT(1, bool, kSimilarity, false);
-CONSTANT(2, uint, kKind, 0);  // of the chains: else a software device would run the code of all kinds
+CONSTANT(2, uint, kKind, 0);  // of all chains; a constant, since a software device would run the code of all kinds
 PUSH(ProceduralPush);
 
 uint instance;
 
-// ---- What the rules read and write
+// ---- Loads and stores of the rules
 
 WindSettings load_wind(uint word) { return WIND_SETTINGS_AT(tables, word); }
 SpringSettings load_spring(uint word) { return SPRING_SETTINGS_AT(tables, word); }
@@ -45,7 +46,7 @@ Affine load_local(uint joint) {
     return Affine(unpack(local[3 * index]), unpack(local[3 * index + 1]), unpack(local[3 * index + 2]));
 }
 
-// `turned`: the joint's transform after `turn`, in its parent's space.
+// `turned`: parent_from_joint after `turn`.
 void store_turned(uint joint, vec4 turn, Affine turned) {
     const uint index = instance * push.joint_count + joint;
     if (kSimilarity) {

@@ -6,8 +6,7 @@
 
 namespace throng {
 
-// Dispatched with io::ProceduralPush, push.workgroups workgroups for each chain.
-// For chains of one kind.
+// The kernel for chains of one kind. Dispatched with io::ProceduralPush, push.workgroups workgroups for each chain.
 Kernel procedural_kernel(const std::shared_ptr<Gpu>& gpu, uint32_t kind, bool similarities);
 
 }  // namespace throng

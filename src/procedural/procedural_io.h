@@ -1,7 +1,7 @@
 // What the procedural stage reads and writes. Shared by C++ and GLSL.
 //
-// Tables of a group, in one buffer of words (gpu/table.glsl): the joints' parents, chains in the order of their ranks,
-// and what these refer to by the word at which it begins.
+// The tables of a group, in one buffer of words (gpu/table.glsl): the joints' parents, then chains in the order of
+// their ranks and the structs that these refer to. References are the index of a struct's first word.
 #ifndef THRONG_PROCEDURAL_IO_H
 #define THRONG_PROCEDURAL_IO_H
 #include "gpu/shader_types.h"
@@ -9,16 +9,16 @@ THRONG_IO_BEGIN
 
 THRONG_IO_CONSTANT kProceduralWorkgroupSize = 64;
 THRONG_IO_CONSTANT kColliderLimit = 16;  // of a spring rule
-// How large a number of a rule or a target may be: its square, and the square's products, must fit a float
+// Largest magnitude of a number in a rule or a target: squares, and their products with other numbers, must fit a float
 THRONG_IO_FLOAT kFarthest = 1e15f;
 
-// Joints each of which is the parent of the next, moved by one rule.
+// Joints moved by one rule; each one is the parent of the next.
 struct ProceduralChain {
-    uint rule;         // word
-    uint first_joint;  // word, of a ProceduralJoint
+    uint rule;         // word of its settings
+    uint first_joint;  // word of its first ProceduralJoint
     uint joint_count;
-    uint first_generation;  // below the rule's joint
-    uint first_spring;      // of an instance's SpringStates
+    uint first_generation;  // generations from the rule's joint to first_joint
+    uint first_spring;      // index in an instance's SpringStates
 };
 THRONG_IO_CONSTANT kChainWind = 0;
 THRONG_IO_CONSTANT kChainSpring = 1;
@@ -28,7 +28,7 @@ THRONG_IO_CONSTANT kChainKindCount = 4;
 
 struct ProceduralJoint {
     uint joint;
-    float bone_x, bone_y, bone_z;  // space of the joint; 0 where it has none
+    float bone_x, bone_y, bone_z;  // in joint space; 0 if it has no bone
 };
 
 struct WindSettings {
@@ -64,20 +64,20 @@ struct ReachSettings {
     uint target;
 };
 
-// A bone's end from update to update, along the world's axes.
+// State of a bone's end between updates, along the world's axes.
 struct SpringState {
-    vec4 place;     // from the instance's origin
+    vec4 place;     // relative to the instance's origin
     vec4 velocity;  // per second
-    vec4 origin;    // the instance's, in the last update; w: 1, or 0 before the first one
+    vec4 origin;    // the instance's origin in the last update; w: 1, or 0 before the first update
 };
 
 struct ProceduralPush {
     uint instance_count;
-    uint first_instance;  // of the crowd
+    uint first_instance;  // index in the crowd
     uint joint_count;
     uint spring_count;  // SpringStates of an instance
     uint target_count;
-    uint first_chain;  // word of the first of this dispatch
+    uint first_chain;  // word of the first chain of this dispatch
     uint workgroups;   // for each chain
     float time_step_s;
     float sway_time_s;  // 0..64, for frequencies that are multiples of 1/64

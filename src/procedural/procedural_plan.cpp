@@ -12,7 +12,7 @@
 namespace throng {
 namespace {
 
-// Looks at one rule after the other and cuts what it moves into chains.
+// Processes the rules in order, and cuts the joints that each one moves into chains.
 class Planner {
 public:
     Planner(const ProceduralRules& rules, const Character& character)
@@ -27,7 +27,8 @@ public:
             const double largest = std::max({std::abs(scale.x), std::abs(scale.y), std::abs(scale.z)});
             scales_.push_back(largest * (rig_.parents[joint] == kNone ? 1 : scales_[rig_.parents[joint]]));
         }
-        // The longest way down, so that few chains have to climb far to find where they hang.
+        // A chain goes on with the child that has the tallest subtree. An invocation first walks from its chain up to
+        // the root, so few chains should begin far down.
         std::vector<uint32_t> heights(rig_.joint_count());
         for (uint32_t joint = rig_.joint_count(); joint-- > 0;) {
             const uint32_t parent = rig_.parents[joint];
@@ -133,8 +134,8 @@ private:
         add_chain({rig_.parents[parent], parent, joint}, 0, {});
     }
 
-    // A joint and all below it: from each joint the longest way down is one chain, and the other ways begin chains of
-    // their own.
+    // Adds chains for a joint and all its descendants: a chain follows the longest path down, and each other child
+    // begins a chain of its own.
     void add_below(uint32_t top, const std::vector<uint32_t>& read) {
         std::vector<uint32_t> generations(rig_.joint_count(), kNone);
         for (uint32_t joint = top; joint < rig_.joint_count(); ++joint) {  // parents come first
@@ -172,7 +173,8 @@ private:
         plan_.chains.push_back(std::move(chain));
     }
 
-    // Zero if it is so short that only rounding, or what an exporter made of a zero length, decides where it points.
+    // Zero if the bone is so short that its direction comes only from rounding, or from how an exporter wrote a zero
+    // length.
     Vec3<float> bone_of(const PlannedChain& chain, size_t k) const {
         constexpr double kShortest = 1e-5;  // of the character's size
         const Vec3<float> bone = any_bone_of(chain, k);
@@ -180,7 +182,7 @@ private:
         return size > kShortest * double{character_.size} ? bone : Vec3<float>();
     }
 
-    // To the next joint; if there is none, onwards in the direction of the bone before.
+    // From the joint to the next one; for the last joint, the bone before it continued.
     Vec3<float> any_bone_of(const PlannedChain& chain, size_t k) const {
         if (k + 1 < chain.joints.size()) return rig_.rest[chain.joints[k + 1]].translation;
         const Trs<float>& rest = rig_.rest[chain.joints[k]];
@@ -192,9 +194,9 @@ private:
     const Character& character_;
     const Rig& rig_;
     uint32_t rule_ = 0;
-    std::vector<double> scales_;            // [joint], the largest of its space in the rest pose
+    std::vector<double> scales_;            // [joint], largest scale of its model-space axes in the rest pose
     std::vector<uint32_t> read_, written_;  // [joint], 1 + the last rank that reads or writes it
-    std::vector<uint32_t> chain_below_;     // [joint], the child that its chain goes on with
+    std::vector<uint32_t> chain_below_;     // [joint], the child that continues its chain
     ProceduralPlan plan_;
 };
 

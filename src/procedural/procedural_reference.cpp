@@ -11,7 +11,7 @@ namespace throng {
 namespace io {
 namespace {
 
-// The kernel's own source, for one instance.
+// The kernel's GLSL source, compiled as C++ for one instance.
 struct ProceduralText {
     using Real = double;
     using vec3 = Vector3<Real>;

@@ -9,7 +9,7 @@
 
 namespace throng {
 
-// The joints of one instance.
+// Moves the joints of one instance.
 class ProceduralReference {
 public:
     struct Target {
@@ -17,21 +17,21 @@ public:
         double weight = 0;   // clamped to 0..1
     };
 
-    // Refers to the character. Throws what plan_procedural() does.
+    // Keeps a reference to the character. Throws what plan_procedural() throws.
     ProceduralReference(const ProceduralRules& rules, const Character& character);
 
-    std::vector<Target> targets;  // as ProceduralRules::targets
+    std::vector<Target> targets;  // in the order of ProceduralRules::targets
 
     struct Moment {
         AffineT<double> world_from_model;
         WindClock::Moment wind;
-        uint32_t instance = 0;  // of the crowd
+        uint32_t instance = 0;  // index in the crowd
         double time_step_s = 0;
     };
-    // parent_from_joint[joint_count], as the blend stage left it.
+    // `parent_from_joint`: [joint_count], as the blend stage left it; moved in place.
     void update(std::span<Trs<double>> parent_from_joint, const Moment& moment);
 
-    // As io::SpringState
+    // Like io::SpringState
     struct SpringState {
         io::Vector4<double> place, velocity, origin;
     };

@@ -13,7 +13,7 @@ namespace {
 
 class Words {
 public:
-    // The word at which it begins.
+    // Returns the index of its first word.
     template <class T>
     uint32_t add(const T& item) {
         const auto words = std::bit_cast<std::array<uint32_t, sizeof(T) / sizeof(uint32_t)>>(item);

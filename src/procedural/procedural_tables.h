@@ -1,4 +1,4 @@
-// A plan as the kernel reads it (procedural_io.h).
+// A plan in the form that the kernel reads (procedural_io.h).
 #pragma once
 
 #include "procedural/procedural_plan.h"
@@ -15,11 +15,11 @@ struct ProceduralTables {
     };
     std::vector<uint32_t> words;
     std::vector<Dispatch> dispatches;
-    uint32_t spring_count = 0, target_count = 0;  // of an instance
-    uint64_t most_steps = 0;                      // rounds of loops, of the chain that has the most
+    uint32_t spring_count = 0, target_count = 0;  // per instance
+    uint64_t most_steps = 0;                      // loop iterations of the chain that has the most
 };
 
-// Throws what plan_procedural() does.
+// Throws what plan_procedural() throws.
 ProceduralTables make_procedural_tables(const ProceduralRules& rules, const Character& character);
 
 }  // namespace throng

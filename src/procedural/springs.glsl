@@ -1,6 +1,6 @@
 // Spring chains: docs/procedural.md. Source of bones as springs with colliders: VRM Consortium, VRMC_springBone 1.0.
-// Difference from it: the step is the backward Euler of a damped oscillator, which no time step makes unstable, and its
-// numbers do not depend on the frame rate.
+// Difference from it: integrates a damped oscillator by backward Euler, which is stable for any time step, and whose
+// parameters do not depend on the frame rate.
 
 // A capsule in the world; its radius includes the springs' own.
 struct Capsule {
@@ -29,7 +29,7 @@ vec3 pushed_out(vec3 place, Capsule capsule) {
 
 Capsule capsules[kColliderLimit];
 
-// The direction of a bone after the step; `rest` is where the pose has its end.
+// Advances the spring and returns the bone's new direction. `rest`: where the bone ends in the pose.
 vec3 step_spring(INOUT(SpringState) spring, SpringSettings settings, vec3 joint, vec3 rest) {
     const Real step_s = max(push.time_step_s, 0), size = distance(joint, rest);
     const vec4 origin = vec4(instance_origin(), 1);
@@ -66,7 +66,7 @@ void swing(ProceduralChain chain) {
                    rest = affine_point(world_from_joint, vec3(joint.bone_x, joint.bone_y, joint.bone_z));
         const Real size = distance(from, rest);
         if (size == 0) {
-            forget_spring(chain.first_spring + k);  // hidden
+            forget_spring(chain.first_spring + k);  // the joint has no bone, or is scaled to zero
         } else {
             SpringState spring = load_spring_state(chain.first_spring + k);
             const vec3 towards = step_spring(spring, settings, from, rest);

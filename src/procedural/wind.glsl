@@ -1,6 +1,6 @@
 // Wind: docs/procedural.md.
 
-// A wave of period 1 within -1..1, made of parabolas.
+// A periodic wave, period 1, range -1..1, made of parabolas.
 Real wave(Real cycles) {
     const Real x = 2 * fract(cycles) - 1;
     return 4 * x * (1 - abs(x));
@@ -14,7 +14,7 @@ Real wind_at(vec3 place) {
                              0.2 * wave(push.gust_phase2 - 7.1 * along)));
 }
 
-// Multiples of the golden ratio's fraction, so that no two instances sway alike.
+// Multiples of the golden ratio modulo 1, so that no two instances sway in phase.
 Real sway_phase() { return Real((push.first_instance + instance) * 2654435769u) * (1.0 / 4294967296.0); }
 
 void bend_in_wind(ProceduralChain chain) {

@@ -7,7 +7,7 @@
 namespace throng {
 namespace {
 
-constexpr std::array kGustRates{1.0, 2.7, 7.1};  // of the three waves of which gusts are made (wind.glsl)
+constexpr std::array kGustRates{1.0, 2.7, 7.1};  // of the three waves that gusts consist of (wind.glsl)
 double wrapped(double value, double period) { return value - std::floor(value / period) * period; }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// The wind of a crowd as time goes on.
+// The state of a crowd's wind over time.
 #pragma once
 
 #include "procedural/procedural_io.h"
@@ -10,14 +10,14 @@
 
 namespace throng {
 
-// Rules sway at multiples of 1 / this, so that floats keep their digits at any time
+// Sway frequencies are multiples of 1 / kSwayPeriod_s, so that the time can wrap and floats keep their precision
 inline constexpr double kSwayPeriod_s = 64;
 inline double rounded_sway_hz(double sway_hz) { return std::round(sway_hz * kSwayPeriod_s) / kSwayPeriod_s; }
 
 class WindClock {
 public:
-    // Throws kInvalidArgument for numbers that are not finite or out of range. Gusts continue from where they are,
-    // unless direction or wavelength change.
+    // Throws kInvalidArgument for numbers that are not finite or out of range. Gusts keep their phases unless direction
+    // or wavelength change.
     void set(const Wind& wind);
     void advance(double time_step_s);
     // Undoes the last advance().
@@ -35,7 +35,7 @@ public:
     };
     const Moment& moment() const { return moment_; }
 
-    // Writes or reads the state that it continues from.
+    // Saves or restores the state.
     template <class Archive>
     void exchange(Archive& archive) {
         archive.value(moment_);

@@ -5,10 +5,11 @@
 
 namespace throng::raster {
 
-// Each box changes four numbers, whose sums over what is above and to the left are the counts.
+// Each box changes the counts only at its four corners. Prefix sums along rows and columns then give the counts of all
+// cells.
 void count_casters(const Frame& frame, std::vector<uint32_t>& counts) {
     const uint32_t side = cells_of_map(frame.map_size);
-    constexpr float kFilter = 4;  // texels that are read to the right and below, and one for rounding
+    constexpr float kFilter = 4;  // texels that the filter reads to the right and below, and one for rounding
     const auto cell = [&](float texel) {
         const float at = std::floor(texel / (1u << kCellShift));
         return static_cast<uint32_t>(std::clamp(at, 0.0f, static_cast<float>(side)));

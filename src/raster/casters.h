@@ -1,5 +1,5 @@
-// Which parts of the shadow map hold anything, so that light far from everything that throws shadows is computed
-// without reading it.
+// Which parts of the shadow map are not empty, so that places far from everything that casts shadows are lit without
+// reading the map.
 #pragma once
 
 #include "raster/frame.h"
@@ -8,8 +8,8 @@
 
 namespace throng::raster {
 
-// Counts, for each cell of the map (Frame::casters), the draws that may reach into it or the texels just beyond, by the
-// boxes that skin has written to the draws.
+// Counts, for each cell of the map (Frame::casters), the draws whose map_box, as written by skin, reaches into the cell
+// or the texels just right of it or below it.
 void count_casters(const Frame& frame, std::vector<uint32_t>& counts);
 
 }  // namespace throng::raster

@@ -1,4 +1,4 @@
-// Triangles that reach in front of the near plane, or too far beside the picture: clipped to polygons.
+// Triangles that reach in front of the near plane, or too far outside of the picture: clipped to polygons.
 #pragma once
 
 #include "raster/fill.h"
@@ -11,12 +11,12 @@ namespace {
 struct ClipVertex {
     double x, y, w;
     double height;  // in a map
-    // Where the vertex itself lies on the screen, as in triangles that are not clipped; kFarAway if it does not
+    // The screen position that the vertex has in triangles that are not clipped; kFarAway if it has none
     float screen_x = kFarAway, screen_y = kFarAway;
 };
 
-// Each of five planes adds a corner at most. Where coordinates are so far apart that rounding makes the polygon concave
-// it could be more; those are left out.
+// Each of the five planes adds at most one corner. If rounding makes the polygon concave, because coordinates are very
+// far apart, there could be more; add() drops those.
 struct ClipPolygon {
     static constexpr uint32_t kMost = 3 + 5;
     ClipVertex of[kMost];
@@ -34,7 +34,7 @@ void clip(ClipPolygon& polygon, const Distance& distance) {
         const double from = distance(a), to = distance(b);
         if (from >= 0) inside.add(a);
         if ((from >= 0) == (to >= 0)) continue;
-        // From the same end whichever way the edge is walked, so that neighbours meet
+        // Always interpolates from the inner end, whichever way the edge is walked, so that neighbours meet exactly
         const bool turns = from < 0;
         const ClipVertex &p = turns ? b : a, &q = turns ? a : b;
         const double part = (turns ? to : from) / ((turns ? to : from) - (turns ? from : to));
@@ -44,13 +44,13 @@ void clip(ClipPolygon& polygon, const Distance& distance) {
     polygon = inside;
 }
 
-// Subpixels as an integer, clamped to the guard whatever the number is.
+// Subpixels as an integer, clamped to the guard band; NaN gives its lower end.
 INLINE int32_t guarded(double subpixels) {
     constexpr double kMost = double{kGuard};
     return static_cast<int32_t>(subpixels > kMost ? kMost : subpixels >= -kMost ? subpixels : -kMost);
 }
 
-// Calls draw(ScreenTriangle) for each part that is left of a triangle; never if a corner is not finite.
+// Calls draw(ScreenTriangle) for each triangle of the clipped polygon; never if a corner is not finite.
 template <Into kInto, class Draw>
 void clip_triangle(const Frame& frame, const ClipVertex (&corners)[3], const Draw& draw) {
     const double half_width = (kInto == Into::kMap ? frame.map_size : frame.width) * 128.0,
@@ -62,7 +62,7 @@ void clip_triangle(const Frame& frame, const ClipVertex (&corners)[3], const Dra
         polygon.add(corner);
     }
     if constexpr (kInto != Into::kMap) clip(polygon, [near](const ClipVertex& v) { return v.w - near; });
-    // Within half the guard, so that what is rounded stays within it.
+    // Clips to half the guard band, so that rounded coordinates stay within it.
     const double right = 0.5 * double{kGuard} / half_width - 1, bottom = 0.5 * double{kGuard} / half_height - 1;
     clip(polygon, [right](const ClipVertex& v) { return right * v.w - v.x; });
     clip(polygon, [right](const ClipVertex& v) { return right * v.w + v.x; });

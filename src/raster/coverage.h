@@ -1,4 +1,4 @@
-// Alpha to coverage: the shaders' source.
+// Alpha to coverage: the shaders' source, compiled as C++.
 #pragma once
 
 #include <cstdint>

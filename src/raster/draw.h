@@ -167,11 +167,11 @@ private:
         }
     }
 
-    // Writes triangles of one sample, whose depths are computed in lanes. `samples`: their bits, in blocks of pixels
-    // with one sample each.
+    // Writes triangles that cover a single sample; their depths are computed in lanes. `samples`: the bit of that
+    // sample in the block, whose pixels have one sample each.
     INLINE void write_singles(uint32_t first, Whole samples, const PixelBox& box, const Plane<Real>& planes,
                               Mask live) {
-        const Whole place = (bits_of(Real(samples)) >> 23) - 127;  // the bit's number, by its exponent
+        const Whole place = (bits_of(Real(samples)) >> 23) - 127;  // the number of the bit, from the float's exponent
         const Real x = box.x0 + Real(place & 3), y = box.y0 + Real(place >> 2);
         alignas(64) float depths[Lanes::kCount];
         store(depths, planes.at(x * kSubpixels + Of::kX[0], y * kSubpixels + Of::kY[0]));
@@ -196,7 +196,7 @@ private:
         }
     }
 
-    // Any triangle.
+    // Draws one triangle of any size, clipped if necessary.
     void draw_one(uint32_t triangle) {
         const uint32_t vertices[3]{section_.corners[0][triangle], section_.corners[1][triangle],
                                    section_.corners[2][triangle]};
@@ -276,7 +276,7 @@ INLINE void clear(Item* items, uint32_t columns, uint32_t items_of_pixel, const 
                          (tile.x1 - tile.x0) * items_of_pixel * sizeof(Item));
 }
 
-// Returns whether there is anything to draw.
+// Returns whether any draw lies in the tile.
 template <Into kInto>
 bool draw_tile(const Frame& frame, const Tile& tile, std::byte* scratch) {
     const Screen screen = screen_in(scratch, frame);

@@ -13,7 +13,7 @@ struct ScreenTriangle {
     float z[3];
 };
 
-// Greater than 0 where the triangle shows its front: what winds that way in a picture whose y goes down.
+// Greater than 0 where the triangle shows its front, in a picture whose y points down.
 INLINE int64_t doubled_area(const ScreenTriangle& t) {
     return int64_t{t.x[2] - t.x[0]} * (t.y[1] - t.y[0]) - int64_t{t.x[1] - t.x[0]} * (t.y[2] - t.y[0]);
 }
@@ -26,9 +26,9 @@ INLINE Plane<float> plane_of(const ScreenTriangle& t, int64_t doubled_area) {
                            -1 / static_cast<float>(doubled_area));
 }
 
-// An edge function at the pixels of a block. Samples lie at multiples of 32 subpixels, so the whole 32s of its value
-// are enough. Differences within a block then fit into 31 bits (edges span up to 2^24 + 2^24 subpixels, a block 28 + 28
-// steps of 32).
+// An edge function at the samples of a block. Samples lie at multiples of 32 subpixels, so its values divided by 32,
+// rounded down, are enough. Differences within a block then fit into 31 bits (edges span up to 2^24 + 2^24 subpixels, a
+// block 28 + 28 steps of 32).
 struct Edge {
     int64_t per_x, per_y;  // the change when x, or y, grows by 32 subpixels, divided by 32
     int64_t at_origin;     // of the picture
@@ -40,7 +40,7 @@ struct Edge {
         at_origin = (-per_x * t.x[from] - per_y * t.y[from] - (is_top_or_left ? 0 : 1)) >> 5;
     }
     INLINE int64_t at_pixel(int x, int y) const { return at_origin + 8 * (per_x * x + per_y * y); }
-    // The greatest value in a square of pixels that begins there.
+    // The greatest value in a square of `side` pixels each way that begins at x, y.
     INLINE int64_t greatest(int x, int y, int side) const {
         return at_pixel(x, y) + 8 * side * ((per_x > 0 ? per_x : 0) + (per_y > 0 ? per_y : 0));
     }

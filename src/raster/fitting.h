@@ -25,7 +25,7 @@ struct LaneEdge {
     INLINE Real operator()(float x, float y) const { return at + (per_x * x + per_y * y); }
 };
 
-// Bits of the samples of the block at each box's first pixel that lie in the triangle and the tile.
+// In each lane, the samples of the block at the box's first pixel that lie in the triangle and in the tile, as bits.
 template <Into kInto>
 INLINE Whole samples_of_block(const LaneEdge (&edges)[3], const PixelBox& box, const Tile& tile, Mask live) {
     using Of = Pattern<kInto>;
@@ -56,8 +56,8 @@ INLINE Whole samples_of_block(const LaneEdge (&edges)[3], const PixelBox& box, c
 
 class FittingTriangles {
 public:
-    // Keeps all numbers of edges exact, even in a block that reaches 3 pixels beyond the box: the sum of two products
-    // of at most 9 and 12 times 256 is below 2^24.
+    // Keeps the values of edge functions exact in floats, even in a block that reaches 3 pixels beyond the box: the sum
+    // of two products of at most 9 and 12 times 256 is below 2^24.
     static constexpr int kMostPixels = 8;
 
     INLINE void set_planes(const Plane<Real>& of) {

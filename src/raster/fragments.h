@@ -1,4 +1,4 @@
-// Pixels of triangles that are masked or blended, collected until there are as many as lanes; then their alpha decides.
+// Collects pixels of masked or blended triangles until they fill the lanes, then tests their alpha.
 #pragma once
 
 #include "raster/coverage.h"

@@ -1,9 +1,9 @@
-// A picture, as the kernels of all instruction sets take it: plain numbers and pointers, so that no function of a
-// header is compiled for an instruction set that a machine may not have.
+// A picture, as the kernels of all instruction sets take it. It consists of plain numbers and pointers, so that no
+// function of a header is compiled for an instruction set that a machine may not have.
 //
-// skin brings the vertices of each draw into world space; draw_map and draw_picture find, tile by tile, the height
-// towards the sun at each texel of the shadow map and the triangle that each sample of the picture shows; resolve
-// lights those.
+// skin brings the vertices of each draw into world space. draw_map and draw_picture work tile by tile: they find the
+// height towards the sun at each texel of the shadow map, and the triangle that each sample of the picture shows.
+// resolve lights those samples.
 #pragma once
 
 #include <cstddef>
@@ -48,10 +48,10 @@ struct Material {
     float metallic = 0, roughness = 1;
     float normal_scale = 0, occlusion_strength = 0;  // 0: no such map
     float alpha_cutoff = 0;                          // of masks
-    bool is_masked = false;                          // alpha leaves out some of it
-    bool is_blended = false;                         // is_masked too: it covers some of a pixel's samples, by its alpha
+    bool is_masked = false;                          // its alpha may leave out pixels
+    bool is_blended = false;                         // implies is_masked: alpha is the part of samples covered
     bool is_double_sided = false;
-    bool has_maps = false;  // more textures than that of the base colour
+    bool has_maps = false;  // other textures than the base colour's
     Sampling sampling{};    // of all maps
     // Null: white
     const Texture* base_color_map = nullptr;
@@ -79,7 +79,7 @@ struct Draw {
     const Material* material = nullptr;
     float* vertices = nullptr;  // [block of vertices][kBlockFloats], at a multiple of 64 bytes
     // Number of the draw's first triangle, a multiple of kIdBlock. Numbers grow in drawing order: of two triangles at
-    // the same depth the lower one is seen
+    // the same depth, the one with the lower number is seen
     uint32_t first_id = 0;
     uint32_t layer = 0;          // coverage_layer() of draw/coverage.glsl
     bool is_mirrored = false;    // by its placement: front faces wind the other way
@@ -91,7 +91,7 @@ struct Draw {
     float nearest = 0;  // the greatest depth of a vertex; 1 if one is nearer than the near plane
 };
 
-// Draws get numbers for their triangles in blocks of this many.
+// A draw's triangles get numbers in blocks of this many.
 inline constexpr uint32_t kIdBlock = 64;
 
 // A line of some width, as two triangles in clip coordinates: corners 0 1 2 and 2 1 3.
@@ -110,30 +110,30 @@ struct Scene {
 struct Frame {
     Scene scene{};
     uint32_t width = 0, height = 0;
-    uint32_t sample_count = 4;  // of a pixel: 1 or 4, where Vulkan has them
+    uint32_t sample_count = 4;  // of a pixel: 1 or 4, at the same positions as in Vulkan
     uint32_t map_size = 0;      // texels of the shadow map, each way
 
     Draw* draws = nullptr;  // in the order of their ids
     uint32_t draw_count = 0;
-    bool has_colors = false;                  // those of some draws are not 1
+    bool has_colors = false;                  // `color` of some draws is not 1
     uint32_t most_vertices = 0;               // of a draw
     const uint32_t* nearest_first = nullptr;  // [draw_count], draws
     const uint32_t* draw_of_ids = nullptr;    // [id / kIdBlock]
-    // Drawn after the draws, with ids of their own from first_line_id on, two a line. The first depth_tested_count are
-    // hidden by what is in front of them. The rest cover everything, and each covers those after it
+    // Drawn after the draws. Each line has two ids, from first_line_id on. The first depth_tested_count lines are
+    // hidden by what is in front of them. The rest cover everything, and each of them covers those after it
     const Line* lines = nullptr;
     uint32_t line_count = 0, depth_tested_count = 0;
     uint32_t first_line_id = 0;
 
-    // [map_size][map_size], greatest height (0: none); map_from_world
+    // [map_size][map_size], the greatest height by map_from_world (0: none)
     float* map = nullptr;
     // [row of cells][column]: 0 only where the map is empty in the cell's texels and 3 more to the right and below.
     // Null: not known
     const uint32_t* casters = nullptr;
-    // [height][width][sample_count]: depth (its bits; 0: nothing) in the high half, ~id in the low half: the greatest
-    // is seen
+    // [height][width][sample_count]: the bits of the depth (0: nothing) in the high half, ~id in the low half. The
+    // greatest value is seen
     uint64_t* samples = nullptr;
-    const uint32_t* srgb = nullptr;  // [kSrgbSteps + 1], 0..255, of a linear number
+    const uint32_t* srgb = nullptr;  // [kSrgbSteps + 1]: 0..255, for linear values from 0 to 1
     uint8_t* pixels = nullptr;       // [height][width][4], what resolve writes: red, green, blue, 255
     bool blue_first = false;         // of pixels: blue, green, red, 255
 };
@@ -141,14 +141,14 @@ inline constexpr uint32_t kSrgbSteps = 1 << 14;
 // Depth of a line that covers everything; those of triangles are at most 1
 inline constexpr float kOverEverything = 2;
 
-// Pixels of the picture, or texels of the map; x1, y1: the ends.
+// Pixels of the picture, or texels of the map; x1, y1: one past the last.
 struct Tile {
     uint32_t x0 = 0, y0 = 0, x1 = 0, y1 = 0;
 };
 
 struct Kernel {
-    // Columns of placement * skin, world_from_bind: columns [count][16], four floats a column; skin [count][12], rows
-    // of four, as Affine.
+    // Computes placement * skin, the matrices world_from_bind. `columns`: [count][16], four floats a column; `skin`:
+    // [count][12], rows of four as in Affine.
     void (*place)(const float* placement, const float* skin, uint32_t count, float* columns);
     // Fills draw.vertices, and the draw's boxes and nearest depth. `bind`: as Section::bind, and used in its place if
     // not null (morphed).
@@ -156,7 +156,7 @@ struct Kernel {
     // As skin, for vertices that have been skinned already: world space, [vertex_count, to a whole block][8] as
     // Section::bind.
     void (*keep)(const Frame& frame, const float* world, Draw& draw);
-    // What a thread needs for one of the following calls.
+    // Scratch memory that a thread needs for one of the following calls.
     size_t (*scratch_bytes)(const Frame& frame);
     // Clears the tile of the map, or of the picture, unless `is_clear`, then draws what lies in it. Returns whether the
     // tile is clear afterwards. `scratch`: at a multiple of 64.

@@ -1,4 +1,4 @@
-// What triangles have at a point of the picture or the shadow map.
+// Interpolates a triangle's attributes at a point of the picture or of the shadow map.
 #pragma once
 
 #include "raster/frame.h"
@@ -65,7 +65,7 @@ private:
         return steps;
     }
 
-    ClipPoint corners_[3];  // from the point
+    ClipPoint corners_[3];  // relative to the point
     Real weights_[3];
     Real area_, per_area_;
 };

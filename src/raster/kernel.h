@@ -1,4 +1,4 @@
-// All that a kernel does, for any instruction set. Include a native/lanes_*.h, which defines Lanes, first.
+// The whole kernel, for any instruction set. Include a native/lanes_*.h, which defines Lanes, first.
 #pragma once
 
 #include "raster/draw.h"

@@ -67,8 +67,8 @@ INLINE Real operator-(Real a) { return Real(-a.v); }
 INLINE Real& operator+=(Real& a, Real b) { return a = a + b; }
 INLINE Real& operator-=(Real& a, Real b) { return a = a - b; }
 INLINE Real& operator*=(Real& a, Real b) { return a = a * b; }
-// a * b + c, rounded once on processors that can. Which products are fused is otherwise the compiler's choice, which
-// may differ wherever it inlines the same code.
+// a * b + c, rounded once on processors that can. In plain expressions the compiler chooses which products to fuse, and
+// may choose differently wherever it inlines the same code.
 INLINE Real multiply_add(Real a, Real b, Real c) { return Real(Lanes::multiply_add(a.v, b.v, c.v)); }
 INLINE float multiply_add(float a, float b, float c) { return Lanes::multiply_add(a, b, c); }
 INLINE Mask operator<(Real a, Real b) { return {Lanes::less(a.v, b.v)}; }
@@ -126,7 +126,8 @@ INLINE void store_any(float* p, Real a) { Lanes::store_any(p, a.v); }
 INLINE void store_any(uint32_t* p, Whole a) { store_any(reinterpret_cast<float*>(p), from_bits(a)); }
 INLINE Real gather(const float* p, Whole i) { return Real(Lanes::gather(p, i.v)); }
 INLINE Whole gather(const uint32_t* p, Whole i) { return bits_of(gather(reinterpret_cast<const float*>(p), i)); }
-// Four floats from each lane's place on, the first ones in a. Places may be anywhere. Made of loads, not gathers.
+// Loads four consecutive floats at each lane's index, the first ones into a. Indices need no alignment. Uses loads, not
+// gathers.
 INLINE void gather_fours(const float* p, Whole i, Real& a, Real& b, Real& c, Real& d) {
     Lanes::gather_fours(p, i.v, a.v, b.v, c.v, d.v);
 }
@@ -148,7 +149,8 @@ INLINE float least(Real a) {
 }
 INLINE float greatest(Real a) { return -least(-a); }
 
-// Four floats from each of as many places as fill the lanes, `stride` floats apart, each at a multiple of 16 bytes.
+// Loads four floats from each of as many addresses as fill the lanes: `stride` floats apart, each a multiple of 16
+// bytes.
 INLINE Real load_fours(const float* p, size_t stride) { return Real(Lanes::fours(p, stride)); }
 INLINE void store_fours(float* p, size_t stride, Real a) { Lanes::store_fours(p, stride, a.v); }
 

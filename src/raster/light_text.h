@@ -43,7 +43,7 @@ struct LightText {
     INLINE vec4 heights_at(Whole column, Whole row) const {
         const auto size = static_cast<int32_t>(scene.shadow.x);
         const Whole first = row * size;
-        // Columns farther outside are lit whatever is read (sun_at)
+        // For columns farther outside, sun_at() ignores what is read
         const Mask at_edge = ((column > -4) & (column < 0)) | ((column > size - 4) & (column < size));
         Real of[4];
         if (!any(at_edge))

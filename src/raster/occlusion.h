@@ -1,6 +1,6 @@
-// What the nearer draws of a tile hide: the farthest depth that each cell of its pixels shows. Exact: a draw is left
-// out only where each of its samples would lie behind what is there, so that the picture is the same. The idea: N.
-// Greene, M. Kass and G. Miller, Hierarchical Z-Buffer Visibility, SIGGRAPH 1993.
+// Skips draws that nearer draws of the tile hide, by the farthest depth in each cell of pixels. Exact: a draw is left
+// out only where all its samples would lie behind what is there, so that the picture is the same. The idea: N. Greene,
+// M. Kass and G. Miller, Hierarchical Z-Buffer Visibility, SIGGRAPH 1993.
 #pragma once
 
 #include "raster/frame.h"
@@ -22,7 +22,7 @@ public:
     }
 
     enum class Hides { kNothing, kSome, kAll };
-    // Of a draw that lies in the tile.
+    // How much of a draw that lies in the tile is hidden.
     Hides hides(const Draw& draw) {
         uint32_t hidden = 0, count = 0;
         for_cells(cells_of(draw), [&](float& farthest, uint32_t x, uint32_t y) {
@@ -33,7 +33,7 @@ public:
         });
         return hidden == 0 ? Hides::kNothing : hidden < count ? Hides::kSome : Hides::kAll;
     }
-    // Whether all of a box of the draw's pixels is hidden; some lie in the tile. To be called after hides(draw).
+    // Whether a box of the draw's pixels, some of them in the tile, is hidden entirely. Call it after hides(draw).
     bool hides(const Draw& draw, float x0, float y0, float x1, float y1) const {
         bool hides_all = true;
         for_cells(cells_of(x0, y0, x1, y1), [&](float farthest, uint32_t, uint32_t) {

@@ -11,7 +11,8 @@ namespace {
 
 // As on Vulkan devices, places are rounded to 1/256 of a pixel.
 constexpr float kSubpixels = 256;
-// Beyond it, of either sign, subpixels are not exact as floats: what reaches there is clipped first.
+// The guard band: subpixels of greater magnitude are not exact as floats, so triangles that reach there are clipped
+// first.
 constexpr float kGuard = 0x1p23f;
 constexpr float kFarAway = 0x1p24f;
 

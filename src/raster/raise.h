@@ -1,4 +1,4 @@
-// Raises samples and heights that lie side by side to what is greater: the nearest triangle, the highest point.
+// Raises adjacent samples or heights to greater values: the nearest triangle, the highest point.
 #pragma once
 
 #include "raster/lane_types.h"

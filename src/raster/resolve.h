@@ -9,7 +9,7 @@ namespace {
 // Pixels of a row that are resolved together: the triangles in them are shaded material by material.
 constexpr uint32_t kSpan = 1024;
 constexpr uint32_t kMostSamples = 4;
-constexpr uint32_t kAhead = 1024;  // samples: another page, which processors do not fetch by themselves
+constexpr uint32_t kAhead = 1024;  // samples: another page, which processors do not prefetch by themselves
 constexpr uint32_t kMostMaterials = 64;
 constexpr uint32_t kNone = 0xFFFFFFFF;
 

@@ -61,10 +61,10 @@ INLINE Whole size_of_mip(uint32_t size, Whole mip) {
     return max(Whole(Whole(static_cast<int32_t>(size)).v >> mip.v), Whole(1));
 }
 
-// The nearer of two neighbours in place of a mixture.
+// Picks the nearer of two neighbours instead of mixing them.
 INLINE Real rounded(Real part) { return choose(part < 0.5f, Real(0), Real(1)); }
 
-// Between four texels of a mip; 0..65535. `is_magnified`: a texel is larger than a pixel.
+// Mixes four texels of a mip; 0..65535. `is_magnified`: a texel is larger than a pixel.
 INLINE vec4 bilinear(const Texture& texture, const Sampling& sampling, vec2 texcoord, Whole mip, Mask is_magnified) {
     const Whole width = size_of_mip(texture.width, mip);
     Neighbours column = neighbours(texcoord.x, width, sampling.wrap_u),

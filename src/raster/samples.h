@@ -10,7 +10,7 @@ namespace {
 
 enum class Into { kMap, kPicture1, kPicture4 };
 
-// Where the samples of a pixel lie, in subpixels: Vulkan's standard places.
+// Where the samples of a pixel lie, in subpixels: Vulkan's standard sample locations.
 template <Into kInto>
 struct Pattern {
     static constexpr int kCount = 1, kFirst = 128, kLast = 128;  // the least and the greatest of them
@@ -22,7 +22,7 @@ struct Pattern<Into::kPicture4> {
     static constexpr float kX[4]{96, 224, 32, 160}, kY[4]{32, 96, 160, 224};
 };
 
-// A block of 16 samples that are tested at a time: 4 x 4 pixels of one sample, or 2 x 2 of four, row by row.
+// A block of 16 samples that are tested together: 4 x 4 pixels of one sample, or 2 x 2 of four, row by row.
 template <Into kInto>
 struct SampleBlock {
     static constexpr int kSide = kInto == Into::kPicture4 ? 2 : 4;  // pixels
@@ -61,8 +61,8 @@ INLINE Real greater(Real a, Real b) { return max(a, b); }
 INLINE float magnitude(float a) { return __builtin_fabsf(a); }
 INLINE Real magnitude(Real a) { return abs(a); }
 
-// The depths, or heights, of a triangle, or of as many as there are lanes. These are the only expressions for them, and
-// leave the compiler no choice, so that a sample's depth depends on no tile, block or material.
+// The depths, or heights, of one triangle, or of one triangle in each lane. All depths come from these expressions,
+// whose rounding is not left to the compiler. So a sample's depth does not depend on its tile, block or material.
 template <class Number>
 struct Plane {
     // Depths are at least this: 0 means empty, and bits of numbers below 0 do not compare as integers.

@@ -48,7 +48,7 @@ struct ShadeInput {
         green[lane] = draw.color[1];
         blue[lane] = draw.color[2];
     }
-    // A lane without an item repeats another one.
+    // Copies a lane: a lane without an item repeats another one.
     INLINE void copy(uint32_t lane, uint32_t from) {
         for (Corner& of : corners) {
             of.x[lane] = of.x[from];

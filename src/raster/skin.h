@@ -38,7 +38,7 @@ void place(const float* placement, const float* skin, uint32_t count, float* col
     }
 }
 
-// Weighted sum of matrices, and what it makes of a vertex.
+// A weighted sum of matrices, and the vertex that it transforms.
 #if defined(__AVX512F__)
 
 struct Blended {
@@ -49,7 +49,7 @@ struct Blended {
         for (uint32_t i = 1; i < count; ++i)
             columns = _mm512_fmadd_ps(_mm512_set1_ps(weights[i]), _mm512_load_ps(from + 16 * entries[i]), columns);
     }
-    // Four each of x, y, z, w.
+    // Four copies each of x, y, z, w.
     static INLINE __m512 spread(const float* p) {
         const __m512i of = _mm512_set_epi32(3, 3, 3, 3, 2, 2, 2, 2, 1, 1, 1, 1, 0, 0, 0, 0);
         return _mm512_permutexvar_ps(of, _mm512_castps128_ps512(_mm_load_ps(p)));
@@ -59,7 +59,8 @@ struct Blended {
         return _mm_add_ps(_mm256_castps256_ps128(two), _mm256_extractf128_ps(two, 1));
     }
     INLINE Four point(const float* bind) const { return sum(_mm512_mul_ps(columns, spread(bind))); }
-    // The normal by the cofactors of the matrix, 1 x 2, 2 x 0 and 0 x 1 beside each other; and the determinant.
+    // The normal, transformed by the cofactors of the matrix: the cross products 1 x 2, 2 x 0 and 0 x 1 of its columns,
+    // beside each other. The fourth component is the determinant.
     INLINE Four normal_and_volume(const float* bind) const {
         const __m512 a = _mm512_shuffle_f32x4(columns, columns, _MM_SHUFFLE(3, 0, 2, 1)),
                      b = _mm512_shuffle_f32x4(columns, columns, _MM_SHUFFLE(3, 1, 0, 2));
@@ -143,7 +144,7 @@ public:
         const ScreenPoint seen = to_picture_.point(x, y, z), sunlit = to_map_.point(x, y, z);
         picture_.add(seen.x, seen.y);
         map_.add(sunlit.x, sunlit.y);
-        nearest_ = max(seen.depth, nearest_);  // also where the depth is no number
+        nearest_ = max(seen.depth, nearest_);  // a depth that is NaN changes nothing
         farthest_ = min(seen.depth, farthest_);
     }
     void set(const Frame& frame, Draw& draw) const {
@@ -154,8 +155,8 @@ public:
     }
 
 private:
-    // Whether all vertices do, so that there is nothing to see. ToPicture::point() gives such a vertex these three
-    // values.
+    // Whether all vertices lie in front of the near plane, so that nothing is visible. ToPicture::point() gives such a
+    // vertex these three values.
     bool lies_before_near() const {
         return least(picture_.x0) >= kFarAway && least(picture_.y0) >= kFarAway && least(farthest_) >= 1;
     }
@@ -168,7 +169,7 @@ private:
             x1 = max(x1, x);
             y1 = max(y1, y);
         }
-        // The box is everything if the place of a vertex is not known.
+        // The box is the whole picture or map if the position of a vertex is not known.
         void set(uint32_t width, uint32_t height, float (&box)[4]) const {
             const bool is_known = greatest(x1) < kFarAway && greatest(y1) < kFarAway;
             box[0] = is_known ? least(x0) / kSubpixels : 0;

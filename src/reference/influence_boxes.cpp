@@ -19,10 +19,10 @@ double Box::largest_distance() const {
 
 namespace {
 
-// [joint_count]: the factor by which lengths grow from joint to model space at rest; that of the parent for a joint
-// that only the rest pose hides, since a clip may show it.
+// [joint_count]: the scale from joint to model space in the rest pose. A joint that only the rest pose hides, by a
+// scale of nearly 0, has the scale of its parent, since a clip may show it.
 std::vector<double> scales_when_seen(const Rig& rig) {
-    constexpr double kHidden = 5e-4;  // of the parent's scale: even millimetres for metres are 1e-3
+    constexpr double kHidden = 5e-4;  // of the parent's scale; a change from metres to millimetres, 1e-3, is above it
     std::vector<double> scales;
     for (const AffineT<double>& model_from_joint : rest_model_from_joint(rig)) {
         const auto& row = model_from_joint.row;
@@ -34,8 +34,8 @@ std::vector<double> scales_when_seen(const Rig& rig) {
     return scales;
 }
 
-// Joints that move no vertex may carry a sword: what hangs on them is measured at this distance, as ACL does at 3 cm of
-// a person (N. Frechette, Animation Compression Library, "Simulating the skinned mesh").
+// A joint that moves no vertex may carry something, such as a sword. Errors are measured at this distance from it, as
+// ACL does at 3 cm of a person (N. Frechette, Animation Compression Library, "Simulating the skinned mesh").
 void add_unskinned(const Character& character, std::vector<Box>& boxes) {
     constexpr double kReach = 0.02, kReachWithoutMesh = 0.1;  // of the character's size
     const bool has_mesh = std::any_of(boxes.begin(), boxes.end(), [](const Box& box) { return !box.empty; });
@@ -56,7 +56,7 @@ struct WeightRange {
     }
 };
 
-// [morphs]: from 0 to what is set by default and in clips.
+// [morphs]: the smallest and the largest of 0, the default weight and the weights in clips.
 std::vector<WeightRange> weight_ranges(const Character& character) {
     std::vector<WeightRange> ranges(character.morphs.size());
     for (size_t morph = 0; morph < ranges.size(); ++morph) ranges[morph].add(character.morphs[morph].default_weight);

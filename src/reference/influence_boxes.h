@@ -1,4 +1,4 @@
-// Where the skin lies around each joint: where errors of the pose are measured.
+// Boxes around the vertices that each joint moves: errors of a pose are measured there.
 #pragma once
 
 #include <throng/character.h>
@@ -10,7 +10,7 @@ namespace throng {
 
 struct Box {
     Vec3<double> low, high;
-    bool empty = true;  // while it is made
+    bool empty = true;  // until something is added
 
     void add(const Vec3<double>& p) { add({p, p, false}); }
     void add(const Box& box) {
@@ -31,21 +31,22 @@ private:
     }
 };
 
-// [joint_count], in joint space: the vertices that the joint's palette entries move with a weight above 0, morphed by
-// all weights that clips set and by one at 1; for joints that move none, a cube whose half diagonal is 2 % of the
-// character's size, or 10 % where no joint moves any.
+// [joint_count], in joint space: boxes around the vertices that the joint's palette entries move with a weight above 0,
+// with all morph weights that clips set, and with one morph at weight 1. For joints that move no vertex, a cube whose
+// half diagonal is 2 % of the character's size, or 10 % where no joint moves any.
 std::vector<Box> influence_boxes(const Character& character);
 
 // [joint_count]: whether each vertex that the joint moves is moved by it alone. If such a joint is scaled to nothing,
 // nothing of it can be seen.
 std::vector<bool> joints_that_move_alone(const Character& character);
 
-// [palette_count], in bind space: the vertices that the entry moves with a weight above 0; empty where it moves none.
+// [palette_count], in bind space: boxes around the vertices that the entry moves with a weight above 0; empty where it
+// moves none.
 std::vector<Box> bind_boxes(const Character& character);
 
-// The largest displacement of a point of the box between two transforms of it, whose difference is given; infinity if
-// that is NaN. It is a convex function of the point, so it is largest at a corner; and a vertex moves no further than
-// the furthest of its joints takes it.
+// The largest distance between a point of the box under one transform and the same point under another, given the
+// difference of the two transforms; infinity if that is NaN. It is a convex function of the point, so it is largest at
+// a corner. A skinned vertex moves no further than the joint that moves it furthest.
 double displacement(const AffineT<double>& difference, const Box& box);
 
 }  // namespace throng

@@ -1,4 +1,4 @@
-// What the references of two clips and of layers share: scan and bind.
+// What reference_pose() (two clips) and ReferenceCharacter (layers) share: scan and bind.
 #pragma once
 
 #include <throng/reference.h>

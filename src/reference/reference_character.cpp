@@ -32,7 +32,7 @@ struct ReferenceCharacter::State {
     std::vector<Trs<double>> poses_of(const ControllerActiveClip& active_clip) const {
         return sample_reference(character, active_clip.clip, active_clip.time_s);
     }
-    // What an additive active clip is compared with.
+    // The pose that an additive active clip is relative to. Of other clips it is not used.
     std::vector<Trs<double>> first_poses_of(const ControllerActiveClip& active_clip) const {
         if (active_clip.mode != io::kModeAdditive) return std::vector<Trs<double>>(character.rig.joint_count());
         const double first_s = active_clip.clip < character.clips.size()
@@ -72,7 +72,7 @@ struct ReferenceCharacter::State {
     uint32_t instance = 0;
 };
 
-// What the active clips make of each joint.
+// The blend of all active clips, as local transforms.
 std::vector<Trs<double>> ReferenceCharacter::State::mix() const {
     std::vector<std::vector<Trs<double>>> poses, first_poses;
     for (const ControllerActiveClip& active_clip : last.active_clips) {
@@ -100,7 +100,7 @@ std::vector<Trs<double>> ReferenceCharacter::State::mix() const {
     return local;
 }
 
-// The pose that was set, over the animated one.
+// The animated pose with the pose override, if there is one, blended over it.
 std::vector<Trs<double>> ReferenceCharacter::State::pose_over(std::vector<Trs<double>> animated) const {
     const double weight = fade.weight();
     if (weight >= 1) return pose_overrides;
@@ -225,7 +225,7 @@ AffineT<double> ReferenceCharacter::placement() const { return state_->placement
 
 Result<void> ReferenceCharacter::update(float time_step_s) {
     return as_result([&] {
-        const DefaultFloats floats;  // crowds compute states in it too
+        const DefaultFloats floats;  // the same floating-point environment as in crowds, so that states agree
         if (!std::isfinite(time_step_s)) throw Failure(ErrorCode::kInvalidArgument, "time step", "must be finite");
         state_->last = state_->controller.update(time_step_s);
         if (state_->is_inertial) state_->show(state_->mix(), std::max(time_step_s, 0.0f));

@@ -1,4 +1,4 @@
-// What a clip has for a joint. The includer declares the table `tracks`, and what sample/sample.glsl needs.
+// A clip's pose of a joint. The includer declares the table `tracks`, and what sample/sample.glsl needs.
 #include "sample/sample.glsl"
 
 vec4 clip_rotation(ClipCursor cursor, uint joint) {

@@ -1,5 +1,5 @@
-// Float keys, as throng/character.h describes them at JointTracks -> values between two rows. The includer declares the
-// table `keys`.
+// Samples float keys (JointTracks in throng/character.h) between two rows. The includer declares the table
+// `keys`.
 #include "sample/sample_io.h"
 #include "sample/slerp.glsl"
 

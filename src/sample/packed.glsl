@@ -1,19 +1,19 @@
-// Packed keys, as throng/character.h describes them at PackedTrack -> values between two rows. The includer declares
-// the tables `keys` (rows) and `words`.
+// Samples packed keys (PackedTrack in throng/character.h) between two rows. The includer declares the tables `keys`
+// (rows) and `words`.
 #include "sample/sample_io.h"
 
 const float kPackedFullStep = 2.0 / 65535.0;
 
-// The two values of a track's stored components; the fourth of a rotation is still missing.
+// A track's stored components in both rows. A rotation's fourth component, if not stored, is still to be computed.
 struct PackedPair {
     vec4 earlier, later;
     uint layout_word;
 };
 
-// Up to four fields of `bits` each, the last always kPackedFullBits wide, at bit `shift` of three words.
+// Reads four fields, of the widths `bits` and kPackedFullBits, from bit `shift` of three words on.
 uvec4 unpack_fields(uint word, uint shift, uvec3 bits) {
     const uvec3 w = uvec3(WORD_AT(words, word), WORD_AT(words, word + 1), WORD_AT(words, word + 2));
-    uvec2 rest = (w.xy >> shift) | (w.yz << 1 << (31 - shift));  // two shifts: one by 32 is undefined
+    uvec2 rest = (w.xy >> shift) | (w.yz << 1 << (31 - shift));  // two shifts, since a shift by 32 is undefined
     uvec4 fields;
     fields.x = rest.x & ((1u << bits.x) - 1);
     rest = uvec2((rest.x >> bits.x) | (rest.y << 1 << (31 - bits.x)), rest.y >> bits.x);
@@ -25,7 +25,7 @@ uvec4 unpack_fields(uint word, uint shift, uvec3 bits) {
 }
 
 PackedPair fetch_packed(uint track, ClipCursor cursor) {
-    // A constant has no tail: this is another track's, and unused
+    // A constant has no tail: for it, this reads another track's row, whose values are not used
     const uvec4 head = ROW_AT(keys, track), tail = ROW_AT(keys, track + 1);
     const uvec3 bits = uvec3(head.w, head.w >> 5, head.w >> 10) & 31u;
     const bool is_constant = (head.w & kPackedBitsMask) == 0, is_step = (head.w & kPackedStep) != 0;
@@ -50,7 +50,7 @@ vec4 packed_rotation(uint track, ClipCursor cursor) {
         pair.later.w = left_out_component(pair.later.xyz);
     }
     vec4 q = mix(pair.earlier, pair.later, cursor.fraction);
-    // The stored order begins after the component that was left out
+    // The stored components begin with the one after the component that was left out
     const uint turn = (pair.layout_word >> kPackedLeftOutShift) + 1;
     if ((turn & 1) != 0) q = q.wxyz;
     if ((turn & 2) != 0) q = q.zwxy;

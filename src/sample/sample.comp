@@ -1,6 +1,6 @@
 // sample: the pose of every joint of one of the two clips of each instance. Skips instances whose clip has no weight.
-// One workgroup per instance, joints in strides. Reads 16 bytes of table and up to 6 keys of 16 bytes a joint, packed
-// ones fewer; writes 48 bytes.
+// One workgroup per instance, joints in strides. Per joint it reads 16 bytes of table and up to 6 keys of 16 bytes
+// (less if packed), and writes 48 bytes.
 #include "gpu/buffers_io.h"
 #include "gpu/table.glsl"
 #include "sample/sample_io.h"

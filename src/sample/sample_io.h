@@ -6,7 +6,7 @@ THRONG_IO_BEGIN
 
 THRONG_IO_CONSTANT kSampleWorkgroupSize = 64;
 
-// As throng/character.h has them.
+// The same values as in throng/character.h.
 THRONG_IO_CONSTANT kTrackAnimatedBit = 0x80000000u;
 THRONG_IO_CONSTANT kTrackStepBit = 0x40000000u;
 THRONG_IO_CONSTANT kTrackPositionMask = 0x3FFFFFFFu;

@@ -6,25 +6,25 @@
 
 namespace throng {
 
-// What a packed track holds in one row: the bits of components 0, 1, 2, and of the fourth of a full rotation.
+// One row of a packed track: the bits of components 0, 1 and 2, and of the fourth if a rotation is stored in full.
 using PackedBits = std::array<uint32_t, 4>;
 uint32_t packed_bit_count(const PackedTrack& track, uint32_t component);
 
 // `count` (0 to 21) bits of `words` from bit `first_bit`.
 uint32_t read_bits(std::span<const uint32_t> words, size_t first_bit, uint32_t count);
 
-// A rotation has unit length, up to the error of quantising.
+// Rotations have unit length, except for the quantisation error.
 TrackValue packed_value(const PackedTrack& track, TrackTarget target, const PackedBits& bits);
 
 // One track of a compiled character, exact or packed. Keeps references.
 class TrackReader {
 public:
-    // clip == clip count: of the rest pose.
+    // clip == clip count: the rest pose.
     TrackReader(const Character& character, size_t clip, size_t joint, TrackTarget target);
 
     bool varies() const { return varies_; }
     uint32_t row_count() const { return varies_ ? clip_->row_count : 1; }
-    const PackedTrack& packed() const { return packed_; }  // of a packed character
+    const PackedTrack& packed() const { return packed_; }  // only for packed characters
     TrackValue at_row(uint32_t row) const {
         const size_t begin = varies_ ? size_t{row} * clip_->row_stride : 0;
         return character_.packed ? packed_row(begin) : value_of(character_.keys[position_ + begin]);
@@ -35,9 +35,9 @@ private:
     TrackValue packed_row(size_t begin) const;  // `begin`: in words, from where the clip's rows begin
 
     const Character& character_;
-    const Clip* clip_;  // none: the rest pose, in which nothing varies
+    const Clip* clip_;  // null: the rest pose, whose tracks are constant
     TrackTarget target_;
-    uint32_t position_ = 0;  // of Character::keys
+    uint32_t position_ = 0;  // in Character::keys
     PackedTrack packed_{};
     bool varies_ = false, step_ = false;
 };

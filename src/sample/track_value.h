@@ -14,7 +14,7 @@ using TrackValue = std::array<double, 4>;
 // In the order of JointTracks.
 inline constexpr std::array kTrackTargets{TrackTarget::kRotation, TrackTarget::kTranslation, TrackTarget::kScale};
 
-// tracks.*word_of(target): where that track lies.
+// tracks.*word_of(target) is the word that locates that track.
 constexpr uint32_t JointTracks::*word_of(TrackTarget target) {
     return target == TrackTarget::kRotation      ? &JointTracks::rotation
            : target == TrackTarget::kTranslation ? &JointTracks::translation
@@ -48,7 +48,7 @@ inline TrackValue lerp(const TrackValue& a, const TrackValue& b, double w) {
     return out;
 }
 
-// Between two exact keys: the straight line, or the arc between rotations.
+// Interpolates two exact keys: linearly, or along the arc for rotations.
 inline TrackValue interpolate_reference(TrackTarget target, const TrackValue& earlier, const TrackValue& later,
                                         double w) {
     if (target != TrackTarget::kRotation) return lerp(earlier, later, w);

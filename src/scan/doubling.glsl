@@ -1,11 +1,11 @@
-// One round of doubling for one joint (scan/doubling_table.h): `doubling` and `blocks64` differ in the chains and in
-// what follows. Before it is included, DOUBLING_LAST_SLOTS and DOUBLING_OTHER_SLOTS name the buffers that hold what
-// shared memory cannot.
+// One round of doubling for one joint (scan/doubling_table.h), for `doubling` and `blocks64`, which differ in the
+// chains and in what follows. The includer defines DOUBLING_LAST_SLOTS and DOUBLING_OTHER_SLOTS as the buffers that are
+// used if the products do not fit in shared memory.
 #include "scan/doubling_io.h"
 
 CONSTANT(1, uint, kSharedJoints, 1);  // joints that shared memory holds
-CONSTANT(2, bool, kInShared, true);   // false: the character does not fit it
-CONSTANT(3, bool, kReload, true);     // false: a joint an invocation, whose product stays in registers
+CONSTANT(2, bool, kInShared, true);   // false: the character does not fit
+CONSTANT(3, bool, kReload, true);     // false: one joint per invocation, whose product stays in registers
 CONSTANT(4, uint, kRounds, 1);
 
 shared StoredAffine shared_products[2 * kSharedJoints];  // [slot][joint], the last slot first
@@ -34,7 +34,7 @@ Affine first_product(uint instance, uint joint, uint word) {
     return affine_multiply(load_local(instance, word & kDoublingAncestorMask), parent_from_joint);
 }
 
-// The product after a later round that the joint takes part in; `product` is the one before, where it stays in
+// The product after a later round that the joint takes part in. `product`: the previous one, used only if it stays in
 // registers.
 Affine next_product(uint instance, uint joint, uint word, Affine product) {
     if (kReload) product = load_product(instance, joint, (word & kDoublingToLast) == 0);

@@ -10,7 +10,7 @@ namespace throng {
 namespace {
 
 void go_twice_as_far(std::vector<uint32_t>& ancestors) {
-    for (auto joint = ancestors.size(); joint-- > 0;)  // downward: an ancestor's own entry is not yet updated
+    for (auto joint = ancestors.size(); joint-- > 0;)  // from the end: an ancestor's own entry is not updated yet
         if (ancestors[joint] != kNone) ancestors[joint] = ancestors[ancestors[joint]];
 }
 

@@ -1,4 +1,4 @@
-// The host of a method that runs as a stage: local and model transforms lie in memory.
+// The host of a method that runs as a stage of its own: local and model transforms are in memory.
 #include "scan/scan_buffers.glsl"
 
 uint instance_count() { return push.instance_count; }

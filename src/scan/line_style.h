@@ -1,9 +1,9 @@
-// How a scan method's line looks in a figure.
+// The style of a scan method's line in figures.
 #pragma once
 
 namespace throng {
 
-// A colour on a light and on a dark page: "#rrggbb".
+// A colour for light pages and one for dark pages: "#rrggbb".
 struct Ink {
     const char *light, *dark;
 };

@@ -1,19 +1,19 @@
-// The benchmark of a method's cost without memory: local transforms lie in shared memory, the same for every character,
-// and are scanned repeat after repeat; only the last repeat's results are stored.
+// Host for benchmarking a method without memory traffic: local transforms are in shared memory, the same for every
+// character, and are scanned repeatedly; only the last repeat's results are stored.
 #include "scan/scan_buffers.glsl"
 
 uint instance_count() { return push.instance_count; }
 void begin_instance(uint index) {}
 
 CONSTANT(8, bool, kBarriersTwice, false);                  // to measure what barriers cost
-CONSTANT(9, uint, kOnChipCharacters, 1);                   // of a workgroup
-CONSTANT(10, uint, kOnChipTransforms, 1);                  // of all of them
+CONSTANT(9, uint, kOnChipCharacters, 1);                   // characters of a workgroup
+CONSTANT(10, uint, kOnChipTransforms, 1);                  // local transforms of all of them
 shared StoredTransform on_chip_locals[kOnChipTransforms];  // [character][joint]
-shared uint on_chip_between_barriers;                      // keeps two barriers from being merged into one
+shared uint on_chip_between_barriers;                      // written between two barriers, so that they are not merged
 uint on_chip_repeat;                                       // counts down to 0
 vec4 on_chip_sink = vec4(0);
 
-// The repeat moves each joint a little, so that no repeat's work can be reused by the next.
+// Each repeat shifts the joints a little, so that the compiler cannot reuse work of the one before.
 Transform load_local(uint instance, uint joint) {
     Transform parent_from_joint = unpack(on_chip_locals[instance % kOnChipCharacters * push.joint_count + joint]);
 #ifdef SCAN_QUATERNION

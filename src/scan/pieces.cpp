@@ -8,7 +8,7 @@
 namespace throng {
 namespace {
 
-using Children = std::vector<std::vector<uint32_t>>;  // [joint_count], and the roots
+using Children = std::vector<std::vector<uint32_t>>;  // [joint_count + 1], the last entry: the roots
 
 Children children_of(const ScanRig& rig) {
     Children children(rig.joint_count() + 1);
@@ -17,13 +17,13 @@ Children children_of(const ScanRig& rig) {
     return children;
 }
 
-// The subtrees that are cut off so that no piece exceeds `bound` joints: a group of siblings becomes one piece.
+// Cuts off subtrees so that no piece exceeds `bound` joints. A group of siblings may form one piece.
 std::vector<std::vector<uint32_t>> tops_of_pieces(const ScanRig& rig, const Children& children, uint32_t bound) {
-    std::vector<std::vector<uint32_t>> pieces;          // top joints of each
-    std::vector<uint32_t> open(rig.joint_count() + 1);  // joints of the subtree that are not cut off yet
+    std::vector<std::vector<uint32_t>> pieces;          // top joints of each piece
+    std::vector<uint32_t> open(rig.joint_count() + 1);  // [joint], joints of its subtree not cut off yet
     std::vector<uint32_t> below;
     for (uint32_t joint = rig.joint_count() + 1; joint-- > 0;) {
-        // The node above all roots: not a joint itself, and all that is left below it is cut off
+        // A virtual node above all roots, which is no joint. Everything left below it is cut off
         const bool is_root = joint == rig.joint_count();
         below = children[joint];
         std::stable_sort(below.begin(), below.end(), [&](uint32_t a, uint32_t b) { return open[a] > open[b]; });
@@ -45,8 +45,8 @@ std::vector<std::vector<uint32_t>> tops_of_pieces(const ScanRig& rig, const Chil
     return pieces;
 }
 
-// Slots that a walk of the joint's subtree needs for parents with a child still to come (as in Sethi and Ullman, JACM
-// 1970).
+// Computes how many slots the walk of a subtree needs for parents that wait for further children (as in Sethi and
+// Ullman, JACM 1970).
 class SlotNeed {
 public:
     SlotNeed(const ScanRig& rig, const Children& children, const std::vector<uint32_t>& piece_of_joint)
@@ -97,11 +97,11 @@ PieceCut pieces_from(const ScanRig& rig, const Children& children, const std::ve
     return out;
 }
 
-// The walk of a piece as the shader reads it. children_inside[joint] counts those in the joint's own piece.
+// The words of a piece's walk. children_inside[joint]: number of children in the joint's own piece.
 std::vector<uint32_t> walk_words(const ScanRig& rig, const Piece& piece, const std::vector<uint32_t>& children_inside,
                                  uint32_t& slot_count) {
     std::vector<uint32_t> words;
-    // A stack of joints with the number of their children still to come; its position is the slot
+    // A stack of joints and how many of their children are still to come. The slot is the position in the stack
     std::vector<std::pair<uint32_t, uint32_t>> kept;
     uint32_t last = kNone;
     for (const uint32_t joint : piece.joints) {
@@ -133,8 +133,8 @@ void append_rows(std::vector<uint32_t>& links, const std::vector<std::vector<uin
 
 struct PathsBetween {
     std::vector<std::vector<uint32_t>> paths;  // [piece], joints of the piece above it, down to the attachment
-    // [piece], the piece above it; kNone if there is none, or if that one starts at a root: nothing lies above it, so
-    // its product is the identity
+    // [piece], the piece above it. kNone if there is none, or if that one begins at a root, so that no product has to
+    // be multiplied from above
     std::vector<uint32_t> above;
 };
 
@@ -164,7 +164,7 @@ uint32_t longest(const std::vector<std::vector<uint32_t>>& lists) {
 
 PieceCut cut_into_pieces(const ScanRig& rig, uint32_t most_pieces) {
     const Children children = children_of(rig);
-    // Bounds of the number of joints a piece; high always suffices
+    // Binary search for the smallest bound on the joints of a piece; `high` always suffices
     uint32_t low = (rig.joint_count() + most_pieces - 1) / most_pieces, high = rig.joint_count();
     while (low < high) {
         const uint32_t middle = low + (high - low) / 2;

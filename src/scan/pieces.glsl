@@ -1,8 +1,8 @@
-// What an invocation does with its piece of a skeleton (scan/pieces.h): `fragments` and `subgroup` differ in how
-// prefixes are combined.
+// The work of an invocation on its piece of a skeleton (scan/pieces.h), for `fragments` and `subgroup`, which differ in
+// how they combine the prefixes of pieces.
 #include "scan/pieces_io.h"
 
-CONSTANT(1, uint, kThreads, 1);  // pieces, and invocations of a character
+CONSTANT(1, uint, kThreads, 1);  // pieces of a character, which is also its number of invocations
 
 #include "scan/slots.glsl"
 

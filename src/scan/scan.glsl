@@ -1,8 +1,9 @@
-// The interface of every scan method: a method defines scan(), which reads transforms by load_local() and writes each
-// joint's by store_model(), or to model[] where it reads them back, of the instances below instance_count(). A method
-// that loads each joint once calls begin_instance() first, and needs no tile when it is fused. constant_id 0 is the
-// workgroup size, 1 to 7 are the method's own; link() reads its own table of the skeleton, made beside it in
-// <method>.cpp. The same file is compiled as several variants:
+// The interface of scan methods. A method defines scan(), for the instances below instance_count(). It reads transforms
+// by load_local() and writes each joint's by store_model(), or to model[] if it reads them back. A method that loads
+// each joint once calls begin_instance() first, and needs no tile when it is fused. constant_id 0 is the workgroup
+// size; 1 to 7 are the method's own. link() reads the method's own table of the skeleton, which <method>.cpp makes.
+//
+// The same file is compiled as several variants:
 //   GPU_SOFTWARE          transforms move as 64-bit words, for software devices
 //   SCAN_QUATERNION   local transforms are similarities, 32 bytes each, and so are products
 //   SCAN_TRANSPOSED   local[joint][instance], model[joint][instance]
@@ -10,9 +11,10 @@
 //   in_memory.glsl    the stage
 //   SCAN_ON_CHIP      scan/on_chip.glsl, the benchmark of a method's cost without memory
 //   SCAN_FUSED        fused/fused.glsl, all stages in one pass; in plans that use no model[] and scratch[]
+//
 // A method whose invocations exchange transforms through model[] or scratch[] (same shape) defines SCAN_EXCHANGE as
-// coherent; one that exchanges through shared memory defines SCAN_SHARES. Compiled as C++ (gpu/native_text.h) there is
-// only the stage, and only of methods without barriers.
+// coherent. One that exchanges them through shared memory defines SCAN_SHARES. As C++ (gpu/native_text.h) only the
+// stage is compiled, and only for methods without barriers.
 #ifndef __cplusplus
 #extension GL_KHR_memory_scope_semantics : require
 #endif
@@ -40,8 +42,8 @@ const Transform kIdentityTransform = kIdentity;
 #ifndef __cplusplus
 void scan();
 
-// Everything that the workgroup wrote to shared memory (and `through_buffers`, to model and scratch) can be read after
-// it.
+// A barrier after which all invocations see what the workgroup wrote to shared memory and, with `through_buffers`, to
+// model and scratch.
 void scan_barrier(bool through_buffers);
 #endif
 

@@ -10,7 +10,7 @@ namespace throng {
 
 ScanLimits scan_limits(const Gpu& gpu);
 
-// What to run: a method, and its invocations a character: one of thread_choices().
+// A method, and its number of invocations per character, one of ScanMethod::thread_choices().
 struct ScanChoice {
     const ScanMethod* method = nullptr;
     uint32_t threads = 0;
@@ -19,18 +19,17 @@ struct ScanChoice {
 class ScanStage {
 public:
     ScanStage() = default;
-    // Throws kUnsupported with the plan's reason where the method does not apply. `limits` may be lower than the
-    // device's.
+    // Throws kUnsupported with the plan's reason if the method does not apply. `limits` may be lower than the device's.
     ScanStage(Uploads& uploads, const ScanChoice& choice, const ScanRig& rig, const ScanLimits& limits);
-    // Submits and waits.
+    // Like the other constructor, but submits the uploads and waits for them.
     ScanStage(const std::shared_ptr<Gpu>& gpu, const ScanChoice& choice, const ScanRig& rig, const ScanLimits& limits);
 
     const ScanChoice& choice() const { return choice_; }
     const ScanCounts& counts() const { return counts_; }
     uint32_t workgroup_size() const { return workgroup_size_; }
     const Buffer& links() const { return links_; }
-    // Buffers are [instance_count][joint_count] each, or [joint_count][instance_count] with ScanLayout::kTransposed;
-    // except links().
+    // All buffers except links() are [instance_count][joint_count], or [joint_count][instance_count] with
+    // ScanLayout::kTransposed.
     Bindings bind(const BufferTable& buffers) const { return kernel_.bind(buffers); }
     void record(VkCommandBuffer commands, const Bindings& bindings, uint32_t instance_count) const;
 

@@ -1,4 +1,4 @@
-// What a scan that runs on its own reads and writes.
+// The buffers of a scan that is not fused.
 #include "gpu/buffers_io.h"
 
 WORKGROUP_OF_CONSTANT;

@@ -39,16 +39,16 @@ std::string read_text(const std::filesystem::path& path) {
 struct DataSheet {
     std::string_view maker;
     double simds = 0;      // of 32 lanes
-    double subgroups = 0;  // that a SIMD holds of these kernels
+    double subgroups = 0;  // subgroups of these kernels that a SIMD holds
     double clock_ghz = 0, bytes_per_ns = 0;
 };
 
-// The counts are those of AMD's machine code for RDNA 2 (`throng tune --predicted 'RX 6900 XT'`), in clocks, and stand
-// for other makers' too; what an H100 measures is in docs/scan.md, and `throng tune` replaces them.
+// The numbers of clocks come from AMD's machine code for RDNA 2 (`throng tune --predicted 'RX 6900 XT'`) and are used
+// for other makers too. docs/scan.md has measurements on an H100; `throng tune` replaces these costs by measured ones.
 ScanCosts costs_of(const DataSheet& gpu) {
     return {.launch_ms = 0.003,
             .row_ns = 3.9 / gpu.clock_ghz,
-            // A row takes 32 lines of the cache instead of the 12 of joints side by side
+            // A row touches 32 cache lines, instead of 12 if joints are adjacent
             .scattered_rows = 2.7,
             .multiplication_ns = 54 / gpu.clock_ghz,
             .barrier_ns = 5.6 / gpu.clock_ghz,
@@ -121,7 +121,7 @@ ScanCosts scan_costs_from_json(std::string_view text, const std::string& place) 
     if (origin == json.end() || !origin->is_string())
         throw Failure(ErrorCode::kInvalidFile, place, "'origin' is not a text; 'throng tune' writes the file anew");
     costs.origin = origin->get<std::string>();
-    // It becomes part of a line, which control characters would break
+    // It is printed as part of one line, which control characters would break
     std::replace_if(
         costs.origin.begin(), costs.origin.end(), [](char c) { return static_cast<unsigned char>(c) < ' '; }, ' ');
     return costs;
@@ -133,7 +133,7 @@ ScanCosts scan_costs(const Gpu& gpu) {
     if (file.empty() || !std::filesystem::is_regular_file(file, error)) return built_in_scan_costs(gpu);
     try {
         return scan_costs_from_json(read_text(file), file.string());
-        // The planner works without the file; the choice's line says why it was not used
+        // The planner works without the file; `origin` tells why it was not used
     } catch (const Failure& failure) {
         ScanCosts costs = built_in_scan_costs(gpu);
         costs.origin += " (" + failure.text + ")";

@@ -7,7 +7,7 @@ namespace throng {
 
 double ScanCounts::split_bytes() const {
     constexpr double kSplitLines_bytes = 157, kRun_bytes = 77, kLongRun = 32;
-    const double more_runs = run_joints > 0 ? std::max(0.0, 1 / run_joints - 1 / kLongRun) : 0;  // a joint
+    const double more_runs = run_joints > 0 ? std::max(0.0, 1 / run_joints - 1 / kLongRun) : 0;  // per joint
     return (splits_lines ? kSplitLines_bytes : 0) + kRun_bytes * more_runs;
 }
 
@@ -38,7 +38,7 @@ ScanCounter::Trips ScanCounter::phase(std::span<const uint32_t> multiplications,
             counts_.issue_rows += longest * (kRowsOfAffine + kRowsOfLink) + most_moves * kRowsOfAffine;
             trips.strides += longest + most_moves > 0 ? 1 : 0;
             trips.multiplications += longest;
-            // The stride's own iteration, and the test that ends the inner loop
+            // The iteration of the stride itself, and the test that ends the inner loop
             loop_iterations_[(first - stride) / subgroup_size_] += longest + 2;
         }
     }

@@ -22,7 +22,7 @@ std::string join_names() {
     return names;
 }
 
-// Predictions for one method, with each number of threads that applies.
+// Predictions for one method, for each number of threads with which it applies.
 std::vector<ScanPrediction> predict_method(const ScanMethod& method, const ScanRig& rig, uint32_t instance_count,
                                            const ScanLimits& limits, const ScanCosts& costs) {
     std::vector<ScanPrediction> out;
@@ -55,7 +55,7 @@ ScanRequest parse_scan_request(const std::string& wanted) {
 double predict_ms(const ScanPlan& plan, const ScanRig& rig, const ScanMethod& method, uint32_t instance_count,
                   const ScanLimits& limits, const ScanCosts& costs) {
     const double workgroups = std::ceil(static_cast<double>(instance_count) / plan.instances_per_workgroup);
-    // Subgroups of a workgroup
+    // Per workgroup
     const double subgroups = std::ceil(static_cast<double>(plan.workgroup_size) / limits.subgroup_size);
     const ScanCounts& counts = plan.counts;
 
@@ -64,7 +64,7 @@ double predict_ms(const ScanPlan& plan, const ScanRig& rig, const ScanMethod& me
                                 plan.instances_per_workgroup *
                                     (counts.issue_steps * costs.multiplication_ns + counts.issue_rows * row_ns);
     const double issue_ns = std::ceil(workgroups / costs.units) * workgroup_ns;
-    // Subgroups wider than the device's own take this many passes for each instruction
+    // Subgroups wider than limits.subgroup_size take this many passes for each instruction
     const double passes = std::max(1.0, static_cast<double>(plan.subgroup_size) / limits.subgroup_size);
     const double latency_ns = std::ceil(workgroups * subgroups / costs.resident_subgroups) * counts.longest_thread *
                               passes * (kRowsOfAffine * row_ns + costs.latency_ns);
@@ -72,8 +72,8 @@ double predict_ms(const ScanPlan& plan, const ScanRig& rig, const ScanMethod& me
                                        kRowsOfAffine) +
                                  counts.split_bytes();
     const double memory_ns = bytes_a_joint * rig.joint_count() * instance_count / costs.bytes_per_ns;
-    // The three overlap, but never wholly: of two methods that memory limits equally, the one with less to do is
-    // chosen.
+    // The three overlap, but not completely. This also makes the planner choose, of two methods that are equally bound
+    // by memory, the one with less other work.
     constexpr double kNotOverlapped = 0.05;
     const double longest_ns = std::max({issue_ns, latency_ns, memory_ns});
     return costs.launch_ms + 1e-6 * (longest_ns + kNotOverlapped * (issue_ns + latency_ns + memory_ns - longest_ns));

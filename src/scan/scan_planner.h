@@ -1,5 +1,5 @@
-// Chooses a scan method and its threads from the skeleton, the number of characters and the device, by a cost model:
-// the time is a launch, plus the longest of what the units issue, what latency leaves unhidden, and what memory moves.
+// Chooses a scan method and its number of threads for a skeleton, a number of characters and a device, by a cost model:
+// the time is that of a launch plus the longest of issue time, exposed latency, and memory time.
 #pragma once
 
 #include "scan/scan.h"
@@ -19,16 +19,15 @@ struct ScanPrediction {
 double predict_ms(const ScanPlan& plan, const ScanRig& rig, const ScanMethod& method, uint32_t instance_count,
                   const ScanLimits& limits, const ScanCosts& costs);
 
-// Every method that can stand in the pipeline (character-major) and applies, with each number of threads; the fastest
-// first.
+// Predictions for every method that applies and that the pipeline can use (character-major), with each number of
+// threads; the fastest first.
 std::vector<ScanPrediction> predict_scans(const ScanRig& rig, uint32_t instance_count, const ScanLimits& limits,
                                           const ScanCosts& costs);
 
-// "subgroup:8", or the name alone where threads are no choice.
+// "subgroup:8", or the name alone if the method has no choice of threads.
 std::string name_of(const ScanChoice& choice);
 
-// "subgroup" or "subgroup:8". Throws kInvalidArgument where there is no such method, or what follows the colon is no
-// number.
+// "subgroup" or "subgroup:8". Throws kInvalidArgument if there is no such method, or if no number follows the colon.
 struct ScanRequest {
     const ScanMethod* method = nullptr;
     std::optional<uint32_t> threads;
@@ -40,8 +39,8 @@ struct ExplainedChoice {
     std::string reason;  // one line
 };
 
-// `wanted` is "auto", a method's name, or a name with threads: "subgroup:8". A name without threads gets its fastest
-// ones. Throws kInvalidArgument where the name is unknown, kUnsupported where the method does not apply.
+// `wanted` is "auto", a method's name, or a name with threads: "subgroup:8". For a name without threads, chooses the
+// fastest number of threads. Throws kInvalidArgument if the name is unknown, kUnsupported if the method does not apply.
 ExplainedChoice choose_scan(const std::string& wanted, const ScanRig& rig, uint32_t instance_count,
                             const ScanLimits& limits, const ScanCosts& costs);
 

@@ -1,4 +1,4 @@
-// The definition of the scan stage, whatever the method.
+// The definition of the scan stage, which all methods implement.
 #pragma once
 
 #include <throng/character.h>

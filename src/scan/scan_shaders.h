@@ -13,14 +13,14 @@ struct ScanShaders {
     std::string_view name;
     std::span<const uint32_t> plain;
     std::span<const uint32_t> software;  // GPU_SOFTWARE
-    // SCAN_FUSED; empty where the method has no such form
+    // SCAN_FUSED; empty if the method has no such form
     std::span<const uint32_t> fused, fused_software;
-    std::span<const uint32_t> fused_rows, fused_rows_software;  // FUSED_ROWS, likewise
+    std::span<const uint32_t> fused_rows, fused_rows_software;  // FUSED_ROWS; empty if there is none
     bool is_tiled = false;                                      // FUSED_TILED
-    const NativeKernel* native = nullptr;                       // null: devices without Vulkan do not have it
+    const NativeKernel* native = nullptr;                       // null: not available on devices without Vulkan
 };
 
-// The shaders of the method with this name. Throws kInvalidArgument where the build has none.
+// The shaders of the method with this name. Throws kInvalidArgument if the build has none.
 const ScanShaders& scan_shaders(std::string_view name);
 
 }  // namespace throng

@@ -14,7 +14,7 @@ namespace throng {
 
 namespace {
 
-constexpr uint32_t kFewThreads = 256;  // where a method chooses: more may lower the occupancy of a GPU
+constexpr uint32_t kFewThreads = 256;  // the default limit: more may lower the occupancy of a GPU
 
 }  // namespace
 

@@ -1,4 +1,4 @@
-// The transform of another invocation of the subgroup.
+// Reads the transform of another invocation of the subgroup.
 Transform shuffled(Transform t, uint source) {
 #ifdef SCAN_QUATERNION
     return Similarity(subgroupShuffle(t.rotation, source), subgroupShuffle(t.translation_scale, source));

@@ -1,8 +1,8 @@
-// Where a walk keeps the transforms of parents with a child still to come.
-CONSTANT(2, uint, kSlotTransforms, 1);  // slots of the whole workgroup
+// The slots where a walk keeps transforms of parents that wait for further children.
+CONSTANT(2, uint, kSlotTransforms, 1);  // slots of all invocations of the workgroup
 
 #ifdef GPU_SOFTWARE
-// A software device has no fast shared memory; a register a slot costs it a select each.
+// A software device has no fast shared memory. Slots in registers cost it a select per slot and access.
 Transform slots[kSlotTransforms / gl_WorkGroupSize.x];
 Transform load_slot(uint slot, uint invocation, Transform otherwise) {
     for (uint s = 0; s < slots.length(); ++s)

@@ -4,16 +4,16 @@
 #include "scan/scan_io.h"
 THRONG_IO_BEGIN
 
-// links[]: the number of chunks, the rounds of each, then two words for each lane of each chunk.
+// links[]: the number of chunks, the number of rounds of each chunk, then two words for each lane of each chunk.
 THRONG_IO_CONSTANT kChunkCount = 0;
 THRONG_IO_CONSTANT kFirstChunk = 1;
 
-// The first: the joint, and the slot that keeps its transform for children in later chunks (1 + slot, or 0).
+// First word: the joint, and the slot that keeps its transform for children in later chunks (1 + slot, or 0).
 THRONG_IO_CONSTANT kStreamJointMask = 0xFFFFu;
-THRONG_IO_CONSTANT kStreamIdle = 0xFFFFu;  // in place of a joint: the lane has none
+THRONG_IO_CONSTANT kStreamIdle = 0xFFFFu;  // in place of a joint: the lane is idle
 THRONG_IO_CONSTANT kStreamKeepShift = 16;
-// The second: the lane of the parent, or its own where the parent is not in the chunk; which of the lanes' characters
-// it is; and the slot of the lowest ancestor in an earlier chunk (1 + slot, or 0).
+// Second word: the parent's lane, or the lane itself if the parent is not in the chunk; the index of the joint's
+// character among those that share the lanes; and the slot of the lowest ancestor in an earlier chunk (1 + slot, or 0).
 THRONG_IO_CONSTANT kStreamLaneMask = 0xFFu;
 THRONG_IO_CONSTANT kStreamCharacterShift = 8;
 THRONG_IO_CONSTANT kStreamCharacterMask = 0xFFu;

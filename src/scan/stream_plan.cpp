@@ -10,18 +10,18 @@
 namespace throng {
 namespace {
 
-// In multiplications: what sampling, blending and storing a joint costs. From machine code, docs/performance.md.
+// Costs in multiplications. A chunk: sampling, blending and storing a joint, from machine code (docs/performance.md).
 constexpr double kChunkCost = 5;
-constexpr double kCharacterCost = 0.5;  // extra if the lanes of a chunk have several characters
-// A slot takes shared memory, which at first does not keep other subgroups away (docs/performance.md)
+constexpr double kCharacterCost = 0.5;  // extra cost of a chunk if several characters share it
+// A slot takes shared memory. The first kManySlots do not limit occupancy (docs/performance.md)
 constexpr double kSlotCost = 0.02, kCostOfManySlots = 0.2;
 constexpr uint32_t kManySlots = 56;
-// For each further place where a chunk's matrices lie. Cache lines that one chunk begins and a later one completes
-// travel twice, since the subgroups of a large GPU together write more than its cache holds: with each of its 32 joints
-// in a place of its own, a chunk took an H100 as long as 30 products more (docs/scan.md#stream).
+// For each run of adjacent joints in a chunk beyond the first. Cache lines that one chunk writes partly and a later one
+// completes go to memory twice, since the subgroups of a large GPU together write more than its cache holds. On an
+// H100, a chunk of 32 joints, none of them adjacent, took as long as one with 30 products more (docs/scan.md#stream).
 constexpr double kPlaceCost = 1;
 
-// Several characters side by side.
+// The joints of several characters, one character after the other.
 struct Forest {
     Forest(std::span<const uint32_t> of_one, uint32_t characters) : parents(of_one.size() * characters) {
         const auto joint_count = static_cast<uint32_t>(of_one.size());
@@ -42,25 +42,25 @@ struct Forest {
 
     std::vector<uint32_t> parents;
     std::vector<std::vector<uint32_t>> children;
-    std::vector<uint32_t> heights;  // joints on the longest way down
+    std::vector<uint32_t> heights;  // number of joints on the longest path down
 };
 
 using Chunks = std::vector<std::vector<uint32_t>>;
 
-// How far a chunk may go down from joints that it has taken itself.
+// How many generations a chunk may go down from joints of its own.
 struct DepthLimit {
-    uint32_t most = 0;            // generations below its first
-    bool only_if_needed = false;  // not at all while a generation a chunk is enough for the joints left
+    uint32_t most = 0;            // below the chunk's first generation
+    bool only_if_needed = false;  // 0 while one generation per chunk suffices for the remaining joints
 };
 
-// Always takes the ready joint with the longest way below it. Source: list scheduling by levels, T. C. Hu, Parallel
+// Always takes the ready joint with the longest path below it. Source: list scheduling by levels, T. C. Hu, Parallel
 // Sequencing and Assembly Line Problems, Operations Research 9 (6), 1961.
 Chunks schedule(const Forest& forest, uint32_t lanes, const DepthLimit& limit) {
     const auto lower = [&](uint32_t a, uint32_t b) {
         return forest.heights[a] != forest.heights[b] ? forest.heights[a] < forest.heights[b] : a > b;
     };
     using Queue = std::priority_queue<uint32_t, std::vector<uint32_t>, decltype(lower)>;
-    Queue ready(lower), below(lower);  // joints whose parents are in earlier chunks, and in this one
+    Queue ready(lower), below(lower);  // joints with their parents in earlier chunks; in the current chunk
     for (uint32_t joint = 0; joint < forest.joint_count(); ++joint)
         if (forest.parents[joint] == kNone) ready.push(joint);
     std::vector<uint32_t> depths(forest.joint_count()), later;
@@ -106,7 +106,7 @@ std::vector<uint32_t> as_they_are(const Forest& forest) {
     return order;
 }
 
-// The largest subtree last, so that few joints wait for children.
+// Largest subtree last, so that few joints wait for children.
 std::vector<uint32_t> depth_first(const Forest& forest) {
     std::vector<uint32_t> sizes(forest.joint_count(), 1), order, stack;
     for (uint32_t joint = forest.joint_count(); joint-- > 0;)
@@ -133,7 +133,7 @@ std::vector<uint32_t> breadth_first(const Forest& forest) {
     return order;
 }
 
-// Runs of joints side by side.
+// Number of runs of adjacent joints.
 uint32_t place_count(const std::vector<uint32_t>& sorted) {
     uint32_t count = 1;
     for (size_t i = 1; i < sorted.size(); ++i) count += sorted[i] != sorted[i - 1] + 1;
@@ -151,7 +151,7 @@ std::vector<uint32_t> chunks_of_joints(const Chunks& chunks, size_t joint_count)
 void count(const Forest& forest, StreamPlan& plan) {
     const std::vector<uint32_t> chunk_of = chunks_of_joints(plan.chunks, forest.joint_count());
     std::vector<uint32_t> depths(forest.joint_count());  // within the chunk
-    std::vector<bool> has_slot(forest.joint_count());    // of an ancestor in an earlier chunk
+    std::vector<bool> has_slot(forest.joint_count());    // whether an ancestor is in an earlier chunk
     for (const std::vector<uint32_t>& chunk : plan.chunks) {
         uint32_t most_rounds = 0, from_slots = 0;
         for (const uint32_t joint : chunk) {  // parents first
@@ -172,16 +172,16 @@ void count(const Forest& forest, StreamPlan& plan) {
     }
 }
 
-// The slots where joints wait for children in later chunks.
+// The slots where transforms wait for children in later chunks.
 struct Slots {
-    std::vector<uint32_t> of_joint;  // kNone where none is needed
+    std::vector<uint32_t> of_joint;  // kNone if none is needed
     uint32_t count = 0;
 };
 
-// A chunk reads slots before it writes them, so that one can change hands within it.
+// A chunk reads all slots before it writes any, so a slot read for the last time can be written by the same chunk.
 Slots slots_of(const std::vector<uint32_t>& parents, const Chunks& chunks) {
     const std::vector<uint32_t> chunk_of = chunks_of_joints(chunks, parents.size());
-    std::vector<uint32_t> last_readers(parents.size());  // chunks
+    std::vector<uint32_t> last_readers(parents.size());  // last chunk that reads the joint
     for (size_t joint = 0; joint < parents.size(); ++joint)
         if (parents[joint] != kNone)
             last_readers[parents[joint]] = std::max(last_readers[parents[joint]], chunk_of[joint]);
@@ -203,11 +203,11 @@ Slots slots_of(const std::vector<uint32_t>& parents, const Chunks& chunks) {
 
 struct Candidate {
     StreamPlan plan;
-    double cost = 0;  // a character, in multiplications of a subgroup
+    double cost = 0;  // per character, in multiplications of a subgroup
 };
 
-// Repeats the chunks of one character for several side by side: a joint is computed alike in each of them, so that an
-// instance has the same bits whichever others share its subgroup.
+// Repeats the chunks of one character for several characters that share them. A joint is computed in the same way in
+// each, so that an instance's result does not depend, to the bit, on which others share its subgroup.
 Chunks side_by_side(const Chunks& of_one, uint32_t joint_count, uint32_t characters) {
     Chunks chunks;
     for (const std::vector<uint32_t>& one : of_one) {
@@ -226,7 +226,7 @@ Candidate candidate_of(const Forest& forest, Chunks chunks, uint32_t lanes, uint
     plan.chunks = std::move(chunks);
     uint32_t more_places = 0;
     for (std::vector<uint32_t>& chunk : plan.chunks) {
-        std::ranges::sort(chunk);  // parents stay first, and adjacent lanes write adjacent joints
+        std::ranges::sort(chunk);  // keeps parents first, and adjacent lanes write adjacent joints
         more_places += place_count(chunk) - 1;
     }
     plan.slots = slots_of(forest.parents, plan.chunks).count;
@@ -242,7 +242,7 @@ Candidate candidate_of(const Forest& forest, Chunks chunks, uint32_t lanes, uint
 }  // namespace
 
 StreamTeam::StreamTeam(const ScanLimits& limits, uint32_t threads) {
-    // In subgroups of 32 where the device can have them: a round is half as many products as with 64.
+    // Prefers subgroups of 32 if the device supports them: a round has half as many products as with 64.
     const uint32_t widest = std::max(limits.subgroup_size, std::min(32u, limits.largest_subgroup_size));
     lanes = std::min(threads, widest);
     subgroups = threads / lanes;
@@ -254,7 +254,7 @@ StreamPlan plan_stream(const ScanRig& rig, const StreamLimits& limits) {
     for (uint32_t characters = 1; characters <= std::min(limits.most_characters, limits.lanes); ++characters) {
         if (characters > 1 && characters * rig.joint_count() > kMostShared * limits.lanes) break;
         const Forest forest(rig.parents, characters);
-        const uint32_t lanes = limits.lanes / characters;  // of each
+        const uint32_t lanes = limits.lanes / characters;  // per character
         const auto consider = [&](const Chunks& of_one) {
             Candidate candidate = candidate_of(forest, side_by_side(of_one, rig.joint_count(), characters),
                                                limits.lanes, characters);
@@ -283,7 +283,7 @@ std::vector<uint32_t> stream_links(const StreamPlan& plan, std::span<const uint3
         for (uint32_t lane = 0; lane < chunk.size(); ++lane) lane_of[chunk[lane]] = lane;
     std::vector<uint32_t> links{static_cast<uint32_t>(plan.chunks.size())};
     links.insert(links.end(), plan.rounds.begin(), plan.rounds.end());
-    std::vector<uint32_t> from(forest.joint_count());  // slots, of the lowest ancestors in earlier chunks
+    std::vector<uint32_t> from(forest.joint_count());  // 1 + slot of the lowest ancestor in an earlier chunk, or 0
     for (const std::vector<uint32_t>& chunk : plan.chunks)
         for (uint32_t lane = 0; lane < plan.lanes; ++lane) {
             if (lane >= chunk.size()) {

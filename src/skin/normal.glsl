@@ -1,4 +1,4 @@
-// Normals: as they are stored, and under transforms.
+// Packs, unpacks and transforms normals.
 // Source of the octahedral map: Cigolle et al., A Survey of Efficient Representations for Independent Unit Vectors,
 // JCGT 2014.
 #include "gpu/affine.glsl"
@@ -17,13 +17,14 @@ uint pack_normal(vec3 normal) {
     return packSnorm2x16(octahedral.z < 0 ? folded : octahedral.xy);
 }
 
-// In bind space, of any length. `difference`: what morphs add to it, where the section has any.
+// In bind space, of any length. `difference`: the sum of the morphs' differences; used only if the section has morphs.
 vec3 morphed_normal(uint packed, uint morph_count, vec3 difference) {
     const vec3 normal = unpack_normal(packed);
     return morph_count > 0 ? normalize(normal) + difference : normal;
 }
 
-// By the inverse transpose of m's linear part, up to a positive factor: right for non-uniform scale, and for mirrors.
+// Multiplies by the inverse transpose of m's linear part, up to a positive factor, so that non-uniform scale and
+// mirrors give correct normals.
 vec3 transform_normal(Affine m, vec3 normal) {
     const vec3 c0 = cross(m.row1.xyz, m.row2.xyz), c1 = cross(m.row2.xyz, m.row0.xyz),
                c2 = cross(m.row0.xyz, m.row1.xyz);

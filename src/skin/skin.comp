@@ -1,6 +1,6 @@
-// skin: vertices of instances, morphed and skinned, in model space, for several passes to use or for reading back. One
-// workgroup per instance. Cost of a vertex: 4 + 32 bytes read, 24 and a skin matrix for each four influences, of which
-// most are in caches; 16 written.
+// skin: morphs and skins the vertices of instances, in model space, for use by several passes or for reading back. One
+// workgroup per instance. Cost per vertex: 4 + 32 bytes read; for each four influences 24 bytes and their skin
+// matrices, which are mostly in caches; 16 bytes written.
 #include "gpu/buffers_io.h"
 #include "bind/bind_io.h"
 #include "cull/cull_io.h"
@@ -29,7 +29,7 @@ PUSH(SkinPush);
 #include "skin/normal.glsl"
 #include "morph/apply.glsl"
 
-// Level of detail of the n-th instance that is listed.
+// Level of detail of the n-th listed instance.
 uint lod_of(uint n) {
     uint lod = 0;
     for (uint k = 1; k < kLodCount; ++k)

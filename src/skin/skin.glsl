@@ -6,7 +6,7 @@
 
 const uint kInfluenceWords = 3;
 
-// By kSkinBlend: the weighted sum of matrices; or of unit dual quaternions and scales.
+// The weighted sum of matrices or, depending on kSkinBlend, of unit dual quaternions and scales.
 // Source: L. Kavan, S. Collins, J. Zara and C. O'Sullivan, Geometric Skinning with Approximate Dual Quaternion
 // Blending, ACM TOG 27 (4), 2008.
 struct SkinSum {
@@ -15,8 +15,8 @@ struct SkinSum {
     float scale;
 };
 
-// Devices add influences of weight 0 too: some vertex of a subgroup has weight there, and loads behind branches wait
-// one after the other. Compiled as C++ a vertex is alone, and the branch saves work.
+// Shaders do not skip influences of weight 0: usually some other lane of the subgroup has weight there, and loads
+// inside branches would be serialized. Compiled as C++, one vertex is processed at a time, and the branch saves work.
 void add_skin(INOUT(SkinSum) sum, float weight, uint index) {
 #ifdef __cplusplus
     if (weight == 0) return;
@@ -28,7 +28,7 @@ void add_skin(INOUT(SkinSum) sum, float weight, uint index) {
         return;
     }
     const Similarity s = load_skin_similarity(index);
-    // q and -q are the same rotation: the one on the side of the sum so far is on the shorter way.
+    // q and -q are the same rotation: adds the one in the hemisphere of the sum so far, which is the shorter way.
     const float signed_weight = dot(sum.rotation, s.rotation) < 0 ? -weight : weight;
     sum.rotation += signed_weight * s.rotation;
     sum.dual += signed_weight * 0.5 * quaternion_multiply(vec4(s.translation_scale.xyz, 0), s.rotation);

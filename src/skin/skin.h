@@ -12,11 +12,11 @@
 
 namespace throng {
 
-// Which vertices of a character each level of detail has. Level 0 has all of them, the others those that their
-// triangles use. `influence_offsets`: [1 + lods], how far each level's influences lie behind the finest's.
+// The vertices of each level of detail. Level 0 has all of them; coarser levels have those that their triangles use.
+// `influence_offsets`: [1 + lods], distance from the finest level's influences to those of each level.
 struct SkinTables {
     std::vector<io::SkinSection> sections;  // [level][section]
-    std::vector<uint32_t> vertices;         // those that sections list
+    std::vector<uint32_t> vertices;         // the lists of all sections, concatenated
 };
 SkinTables make_skin_tables(const Character& character, std::span<const uint32_t> influence_offsets);
 

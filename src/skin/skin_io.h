@@ -10,9 +10,9 @@ THRONG_IO_CONSTANT kSkinWorkgroupSize = 64;
 THRONG_IO_CONSTANT kSkinLinear = 0;
 THRONG_IO_CONSTANT kSkinDualQuaternion = 1;
 
-// throng::Vertex as eight words: the bits of three floats, the position; normal; the bits of two floats, the texture
-// coordinate; colour; first_delta. Normal and first_delta must not go through a float: some would be denormal, and a
-// device may take these for 0.
+// throng::Vertex as eight words: position (bits of three floats), normal, texture coordinate (bits of two floats),
+// colour, first_delta. Declared as integers, since as floats some normals and first_deltas would be denormals, which a
+// device may flush to 0.
 struct VertexRows {
     uvec4 position_normal;
     uvec4 texcoord_color_delta;
@@ -31,10 +31,10 @@ struct SkinSection {
 struct SkinPush {
     uint section_count;
     uint vertex_count, palette_count;  // of the character
-    uint first_instance;               // where nothing is listed; its vertices are written first
-    uint influence_offset;             // likewise: the distance from the section's influences
-    uint only_animated;                // of those listed, only instances animated in this half of the update
-    uint has_skin_pool;                // skin matrices lie where skin_rows says
+    uint first_instance;               // if instances are not listed; its vertices are written first
+    uint influence_offset;             // if instances are not listed: added to each section's first_influences
+    uint only_animated;                // if listed: skips instances not animated in this half of the update
+    uint has_skin_pool;                // skin_rows tells where an instance's skin matrices lie
     uint active_morph_limit;           // morph_io.h
 };
 

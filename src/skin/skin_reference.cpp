@@ -6,7 +6,8 @@
 namespace throng {
 namespace {
 
-// The quaternion of a rotation matrix: four times the product of two components each, in the row of the largest one.
+// The quaternion of a rotation matrix. Computes four times its largest component times each of the four, and
+// normalizes.
 Quaternion<double> rotation_of(const std::array<std::array<double, 4>, 3>& m) {
     const std::array squares{1 + m[0][0] - m[1][1] - m[2][2], 1 + m[1][1] - m[0][0] - m[2][2],
                              1 + m[2][2] - m[0][0] - m[1][1], 1 + m[0][0] + m[1][1] + m[2][2]};
@@ -20,7 +21,7 @@ Quaternion<double> rotation_of(const std::array<std::array<double, 4>, 3>& m) {
     }
 }
 
-// A rotation, a uniform scale, which mirrors where it is negative, and a translation.
+// Splits a matrix into rotation, translation and uniform scale; a negative scale mirrors.
 Trs<double> parts_of(AffineT<double> m) {
     const double scale = std::cbrt(determinant(m));
     const Vec3<double> translation{m.row[0][3], m.row[1][3], m.row[2][3]};

@@ -10,8 +10,8 @@
 
 namespace throng {
 
-// The transform of one vertex: the weighted sum of the matrices that are added; or of dual quaternions and scales, for
-// matrices that are a rotation, a uniform scale and a translation.
+// The transform of one vertex: the weighted sum of the added matrices or, for matrices that consist of a rotation, a
+// uniform scale and a translation, of their dual quaternions and scales.
 class BlendedTransform {
 public:
     explicit BlendedTransform(SkinBlend blend) : blend_(blend) {}
@@ -27,8 +27,8 @@ private:
     double scale_ = 0;
 };
 
-// Positions of vertices, with what the active morphs add to them, under the blend of their skin matrices; in the order
-// of Character::vertices, model space.
+// Positions of all vertices in model space, in the order of Character::vertices: morphed by the active morphs, then
+// skinned.
 std::vector<Vec3<double>> skin_reference(const Character& character, std::span<const AffineT<double>> model_from_bind,
                                          std::span<const WeightedMorph> morphs = {},
                                          SkinBlend blend = SkinBlend::kLinear);

@@ -1,8 +1,8 @@
-// steer: an agent takes a step towards its destination and out of the way of others, and turns to where it wants to go.
-// Or, if its clips carry it, only turns and says how fast it wants to go. One invocation per agent. Cost:
-// docs/steering.md; 92 bytes read, 60 written, and 4 read for each bucket, 16 for each agent in it. Source: C.
+// steer: moves each agent a step towards its destination while avoiding others, and turns it towards where it wants to
+// go. Agents that are carried by their clips only turn and output the speed that they want. One invocation per agent.
+// Cost: docs/steering.md; 92 bytes read, 60 written, and 4 read for each bucket, 16 for each agent in it. Source: C.
 // Reynolds, Steering Behaviors for Autonomous Characters, GDC 1999 (arrival, separation). Difference: a speed limit
-// that keeps any two from touching, whatever they want; passing on the right; patience.
+// that keeps any two agents from touching, whatever they want; passing on the right; patience.
 #include "gpu/buffers_io.h"
 #include "control/births.glsl"
 #include "gpu/ground.glsl"
@@ -22,7 +22,8 @@ PUSH(SteerPush);
 
 uint instance;
 
-// A bucket holds agents of other cells and grids too, and one may serve two cells.
+// A bucket may hold agents of other cells and grids, and two of the searched cells may share a bucket. So each agent's
+// size and cell are checked.
 void meet_cell(Agent agent, uint grid, ivec2 cell, INOUT(Met) met) {
     const float smaller = grid + 1 < push.grid_count ? push.largest[grid + 1] : 0;
     uint other = WORD_AT(heads, bucket_of(grid, cell, push.bucket_mask));
@@ -37,9 +38,9 @@ void meet_cell(Agent agent, uint grid, ivec2 cell, INOUT(Met) met) {
     }
 }
 
-// A cell is as wide as the distance at which two of its grid's largest agents meet. So in its own grid, and in those of
-// larger agents, all that an agent can meet are in the nine cells around it. Grids of smaller agents have smaller
-// cells; there it looks through as many as its own size needs.
+// A cell is as wide as the distance at which two of its grid's largest agents meet. So in its own grid, and in grids of
+// larger agents, an agent can only meet those in the nine cells around it. Grids of smaller agents have smaller cells;
+// there it searches as many cells as its own size requires.
 Met meet_all(Agent agent) {
     Met met = Met(ivec2(0), push.speed);
     for (uint grid = 0; grid < push.grid_count; ++grid) {
@@ -64,7 +65,7 @@ void stop(AgentState state) {
     states[instance] = AgentState(0, 1, 0);
 }
 
-// The columns keep their lengths, however often they are turned.
+// Rescales the turned axes, so that rounding does not change their lengths over many updates.
 void place_anew(vec4 x_axis, vec4 z_axis, vec3 shift, vec2 turn) {
     const vec3 x = turn.x * x_axis.xyz - turn.y * z_axis.xyz, z = turn.y * x_axis.xyz + turn.x * z_axis.xyz;
     const float mend = sqrt((dot(x_axis.xyz, x_axis.xyz) + dot(z_axis.xyz, z_axis.xyz)) / (dot(x, x) + dot(z, z)));

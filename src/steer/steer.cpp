@@ -12,7 +12,7 @@ SteerKernels::SteerKernels(const std::shared_ptr<Gpu>& gpu)
     : places(kernels::places.on(gpu)), steer(kernels::steer.on(gpu)) {}
 
 std::vector<AgentGrid> agent_grids(std::vector<float> radii) {
-    constexpr float kReach = 2;  // as steer.glsl has it
+    constexpr float kReach = 2;  // the same as in steer.glsl
     std::ranges::sort(radii, std::greater());
     std::vector<AgentGrid> grids;
     for (const float radius : radii)

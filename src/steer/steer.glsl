@@ -1,40 +1,40 @@
-// What an agent wants, and how much of it the others allow: docs/steering.md.
+// The movement that an agent wants, and the limits that others set to it: docs/steering.md.
 
-// An agent meets others within this many times the distance at which they touch; a cell is as wide as that for its two
-// largest agents
+// An agent takes others into account within this many times the distance at which they touch. A cell of a grid is that
+// wide for two of the grid's largest agents
 const float kReach = 2;
-// As a multiple of its speed: how strongly an agent avoids one that it nearly coincides with
+// How strongly an agent avoids one that it nearly coincides with, as a multiple of its full speed
 const float kShyness = 6;
-const float kPassing = 1.5;     // as a multiple of that: how strongly it passes on the right
-const float kHorizon_s = 0.25;  // it covers at most half of the way that is left until it touches another in this time
+const float kPassing = 1.5;     // how strongly it passes on the right, as a multiple of the avoidance
+const float kHorizon_s = 0.25;  // in this time it covers at most half of the gap to another agent
 const float kArrival_s = 1;     // it starts to slow down this long before it arrives
-const float kAcceleration = 2;  // times its speed, a second
-const float kLeastWish = 0.05;  // fraction of its speed: a weaker wish counts as none
-const float kFast = 10;         // radii a second: kLeastWish counts no speed beyond it
-const float kHeldUp = 0.3;      // fraction of the speed that it wants: slower is held up
-const float kPatience_s = 3.3333333, kRecovery_s = 2;  // until patience runs out, until it is back in full
-const float kSlimmest = 0.75;  // fraction of the distance at which agents touch, for one without patience
-const float kFixed = 1048576;  // steps in 1: sums of integers do not depend on their order
+const float kAcceleration = 2;  // per second, as a multiple of its full speed
+const float kLeastWish = 0.05;  // fraction of its full speed: a weaker wish counts as none
+const float kFast = 10;         // radii a second: caps the full speed that kLeastWish is a fraction of
+const float kHeldUp = 0.3;      // fraction of the desired speed: an agent that is slower counts as held up
+const float kPatience_s = 3.3333333, kRecovery_s = 2;  // time until patience runs out, and until it is restored
+const float kSlimmest = 0.75;                          // Agent::width of an agent without patience
+const float kFixed = 1048576;                          // fixed-point scale: sums of integers do not depend on the order
 
 struct Agent {
     uint index;
     vec2 place, heading;
     float radius, full_speed, time_step_s;
     // Set by aim()
-    bool stands;      // has arrived
+    bool stands;      // it has arrived
     float remaining;  // to the destination
     vec2 ahead;       // the direction to it, of length 1; 0 for an agent that stands
-    float comfort;    // how far from touching others it wants to be, 0..1
-    float width;      // the fraction of the distance at which agents touch that it keeps
+    float comfort;    // how much distance it keeps beyond touching, 0..1
+    float width;      // the least distance that it keeps, as a fraction of that at which agents touch
 };
 
-// What the others do to an agent; the order in which they are met does not matter.
+// The effect of all other agents on one agent. Does not depend on the order in which they are met.
 struct Met {
     ivec2 push;  // in 1 / kFixed
     float speed_limit;
 };
 
-// A direction for each agent, for those that share a place.
+// A pseudo-random direction for each agent, to separate agents at the same place.
 vec2 direction_of(uint agent) {
     const uint mixed = agent * 2654435769u, both = mixed ^ mixed >> 15;
     return normalize(vec2(both & 0xFFFFu, both >> 16) - 32767.25);
@@ -55,7 +55,7 @@ void meet(Agent agent, vec2 other_place, float other_radius, INOUT(Met) met) {
         round((kPassing * max(dot(towards, agent.ahead), 0) * right - towards) * (nearness * nearness * kFixed)));
 }
 
-// `way`: to its destination. An agent that stands goes on once it has been pushed two radii away.
+// `way`: from the agent to its destination. A standing agent moves again once it has been pushed two radii away.
 void aim(INOUT(Agent) agent, vec2 way, AgentState state) {
     agent.remaining = length(way);
     agent.stands = agent.remaining < (state.stands != 0 ? 2 : 1) * agent.radius;
@@ -64,10 +64,10 @@ void aim(INOUT(Agent) agent, vec2 way, AgentState state) {
     agent.width = mix(kSlimmest, 1, state.patience);
 }
 
-// The speed at which it would go to its destination if nobody else were there.
+// The speed at which it would go to its destination without other agents.
 float hurry_of(Agent agent) { return agent.stands ? 0 : min(agent.full_speed, agent.remaining / kArrival_s); }
 
-// Where it would go, world units a second over the ground.
+// The velocity that it wants, in world units a second over the ground.
 vec2 wish_of(Agent agent, Met met) {
     vec2 wish = hurry_of(agent) * agent.ahead + vec2(met.push) * (kShyness * agent.full_speed / kFixed);
     const float eagerness = length(wish);

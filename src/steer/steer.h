@@ -1,5 +1,5 @@
-// The steer stage: placements and destinations -> a step on the way, out of the way of others; or a turn, and the speed
-// that the clips are to carry the character at.
+// The steer stage: moves each agent a step towards its destination while avoiding others. For agents that are carried
+// by their clips: only turns them, and outputs the speed at which the clips should carry them.
 #pragma once
 
 #include "gpu/kernel.h"
@@ -11,22 +11,23 @@
 
 namespace throng {
 
-// Dispatched one after the other, with a barrier between, an invocation per instance: places with io::PlacesPush for
-// all agents of the crowd, then steer with io::SteerPush.
+// Both are dispatched with an invocation per instance: `places` with io::PlacesPush for all agents of the crowd, then,
+// after a barrier, `steer` with io::SteerPush.
 struct SteerKernels {
     explicit SteerKernels(const std::shared_ptr<Gpu>& gpu);
 
     Kernel places, steer;
 };
 
-// Agents of about one size are in a grid of their own, so that a few large ones do not crowd the cells of the others.
+// Agents of similar size share a grid, so that a few large agents do not make the cells of small ones large and
+// crowded.
 struct AgentGrid {
-    float largest = 0;       // radius of its agents
-    float inverse_cell = 0;  // 1 / the width of a cell; nine cells hold all of these that one of them can meet
+    float largest = 0;       // largest radius of its agents
+    float inverse_cell = 0;  // 1 / cell width; 3 x 3 cells contain all agents of the grid that one of them can meet
 };
-// The grids, the largest agents first, at most kAgentGridLimit. `radii`: of all agents.
+// At most kAgentGridLimit grids, the one of the largest agents first. `radii`: of all agents.
 std::vector<AgentGrid> agent_grids(std::vector<float> radii);
-// The grid of the agents of this radius, which must be one of those that the grids were made from.
+// The index of the grid for agents of this radius, which must be one of the radii given to agent_grids().
 uint32_t grid_of(std::span<const AgentGrid> grids, float radius);
 
 }  // namespace throng

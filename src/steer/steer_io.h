@@ -5,30 +5,30 @@
 THRONG_IO_BEGIN
 
 THRONG_IO_CONSTANT kSteerWorkgroupSize = 64;
-THRONG_IO_CONSTANT kMostMet = 64;         // agents of a bucket that are looked at
-THRONG_IO_CONSTANT kAgentGridLimit = 8;   // grids, one for each size; the last also for all that are smaller
-THRONG_IO_CONSTANT kAgentCellLimit = 32;  // cells of smaller agents that an agent searches in each direction
+THRONG_IO_CONSTANT kMostMet = 64;         // agents of a bucket that are examined at most
+THRONG_IO_CONSTANT kAgentGridLimit = 8;   // grids, one for each size class; the last has all smaller agents too
+THRONG_IO_CONSTANT kAgentCellLimit = 32;  // cells of a finer grid that an agent searches in each direction at most
 
-// An agent as others see it, a row of a table.
+// The data of an agent that others read, a row of a table.
 struct AgentPlace {
     float x, z;  // world space
     float radius;
-    uint next;  // agent of the same bucket; kNone: the last
+    uint next;  // next agent in the same bucket; kNone: end of the list
 };
 
-// What is kept of an agent from one update to the next.
+// State of an agent between updates.
 struct AgentState {
-    float speed;     // that it wanted, world units a second
+    float speed;     // chosen in the last update, world units a second
     float patience;  // 1, falling to 0 while it is held up
     uint stands;     // 1: it has arrived
 };
 
 struct PlacesPush {
     uint instance_count;
-    uint first_agent;  // of all agents of the crowd
+    uint first_agent;  // index among all agents of the crowd
     float radius;
-    uint grid;           // the one that its agents are in
-    float inverse_cell;  // 1 / the width of a cell of it
+    uint grid;           // the grid of these agents
+    float inverse_cell;  // 1 / the width of its cells
     uint bucket_mask;    // buckets - 1
     uint birth;          // control/births.glsl
 };
@@ -37,15 +37,15 @@ struct SteerPush {
     uint instance_count;
     uint first_agent;
     uint bucket_mask;
-    float speed;               // at most
-    float turn_cos, turn_sin;  // of the angle that it turns in this update at most, up to half a turn
-    float time_step_s;         // at 0 or below, agents that are born begin and nothing else happens
+    float speed;               // maximum
+    float turn_cos, turn_sin;  // of the largest turn in this update, up to half a turn
+    float time_step_s;         // if not above 0, only newborn agents are initialized
     uint is_carried;           // by the root motion of its clips
     uint parameter_count;
     uint speed_parameter;  // or kNone
     uint birth;
     uint grid_count;
-    float largest[kAgentGridLimit];  // radius in each grid; the next grid's agents are smaller than all of this one's
+    float largest[kAgentGridLimit];  // largest radius in each grid; a grid's agents are larger than those of the next
     float inverse_cells[kAgentGridLimit];
 };
 

@@ -10,7 +10,7 @@ namespace {
 constexpr double kReach = 2, kShyness = 6, kPassing = 1.5, kHorizon_s = 0.25, kArrival_s = 1, kAcceleration = 2,
                  kLeastWish = 0.05, kFast = 10, kHeldUp = 0.3, kPatience_s = 1 / 0.3, kRecovery_s = 2, kSlimmest = 0.75;
 
-// World space, over the ground.
+// A vector on the ground plane, in world space.
 struct Ground {
     double x = 0, z = 0;
 };
@@ -30,7 +30,7 @@ Ground direction_of(uint32_t index) {
     return 1 / length(direction) * direction;
 }
 
-// Sees the agents as they were when the update began.
+// `agents`: all agents as they were when the update began.
 SteeredAgent step(std::span<const SteeredAgent> agents, uint32_t index, double time_step_s) {
     SteeredAgent agent = agents[index];
     const Vec3<double> x_axis = column(agent.world_from_model, 0), z_axis = column(agent.world_from_model, 2);
@@ -80,7 +80,7 @@ SteeredAgent step(std::span<const SteeredAgent> agents, uint32_t index, double t
                                 1.0);
     agent.speed = speed;
 
-    // A turn by yaw takes +z of the model to (sin, cos) over its ground.
+    // A turn by yaw maps the model's +z axis to (sin, cos) in its xz plane.
     const double determinant = x_axis.x * z_axis.z - x_axis.z * z_axis.x;
     double yaw = 0;
     if (length(wish) > 0 && determinant != 0)

@@ -1,6 +1,6 @@
-// update_rate: takes the skin matrices of instances that are not animated in this update towards those of the pose that
-// they were animated ahead to; defined by update_rate_reference.h. One workgroup per instance. Cost: 100 bytes read and
-// 48 written for each affine matrix of the joints that the instance's level of detail has.
+// update_rate: interpolates the skin matrices of instances that are not animated in this update towards those of a
+// later pose that was computed ahead; defined by update_rate_reference.h. One workgroup per instance. Cost: 100 bytes
+// read and 48 written for each affine matrix of the joints that the instance's level of detail has.
 #include "gpu/buffers_io.h"
 #include "cull/cull_io.h"
 #include "bind/bind_io.h"
@@ -11,8 +11,8 @@
 WORKGROUP_OF_STRIDE(kUpdateRateWorkgroupSize);
 TABLE_OF_WORDS(kWorkBuffer, work);
 READONLY_BUFFER(kStatesBuffer, uint, states);
-// [instance][row]: rows of four floats, or of four halves, two such in one row of the table. If previous matrices are
-// not kept, previous and current are the same buffer.
+// [instance][row]: rows of four floats, or of four halves, of which a row of the table holds two. If previous matrices
+// are not kept, previous and current are the same buffer.
 TABLE_OF_ROWS(kPreviousSkinBuffer, previous_rows);
 TABLE_OF_ROWS(kSkinTargetBuffer, target_rows);
 WRITEONLY_BUFFER(kSkinBuffer, StoredRow, current_rows);
@@ -26,7 +26,8 @@ vec4 floats(uvec4 two, uint at) {
     return vec4(unpackHalf2x16(pair.x), unpackHalf2x16(pair.y));
 }
 
-// `step`: 0 stays, 1 arrives; the operand that is then not used may hold anything.
+// `step`: 0 returns `previous`, 1 returns `target`; the operand that is not returned may hold anything. Otherwise goes
+// 1 / step of the way.
 vec4 went_on(vec4 previous, vec4 target, uint step, bool is_rotation) {
     if (step == 0) return previous;
     if (step == 1) return target;

@@ -1,4 +1,4 @@
-// The update_rate stage: skin matrices between two updates of an instance that is not animated in all of them.
+// The update_rate stage: skin matrices of instances in updates in which they are not animated.
 #pragma once
 
 #include "gpu/kernel.h"

@@ -7,10 +7,10 @@ THRONG_IO_BEGIN
 THRONG_IO_CONSTANT kUpdateRateWorkgroupSize = 64;
 
 struct UpdateRatePush {
-    uint section;  // of the work (cull/cull_io.h)
+    uint section;  // section of the work list (cull/cull_io.h)
     uint palette_count;
     uint unused0, unused1;
-    uvec4 entry_counts;  // for each of the kLodCount sets of joints: how many of the entries belong to it
+    uvec4 entry_counts;  // palette entries in each of the kLodCount sets of joints
 };
 
 THRONG_IO_END

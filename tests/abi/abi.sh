@@ -1,7 +1,7 @@
 #!/bin/sh
-# What programs that were compiled against libthrong.so rely on, a line each: the functions that its public headers
-# declare, the sizes of the classes that they define, and the values of their enumerations. It has neither the internal
-# functions, which throng-bench takes from the library, nor what headers define inline.
+# Lists the parts of the ABI that programs compiled against libthrong.so rely on, one per line: the functions that the
+# public headers declare, the sizes of the classes they define, and the values of their enumerations. Leaves out
+# internal functions, which throng-bench takes from the library, and functions that headers define inline.
 #   abi.sh check|update LIBRARY GCC FLAG…     compares abi.txt with it, or writes it
 set -eu
 action=$1 library=$2 compiler=$3
@@ -12,7 +12,7 @@ work=$(mktemp -d)
 trap 'rm -r "$work"' EXIT
 cd "$work"
 
-# GCC itself lists what classes there are.
+# GCC itself lists the classes.
 (cd "$include" && ls throng/*.h) | sed 's/.*/#include <&>/' > headers.cpp
 "$compiler" -std=c++20 -I"$include" "$@" -fsyntax-only -fdump-lang-class=dump headers.cpp
 awk '/^Vtable for throng::/ { vtable = $3 }
@@ -22,8 +22,8 @@ awk '/^Vtable for throng::/ { vtable = $3 }
 sed 's|//.*||' "$include"/throng/*.h | tr -s '\n ' ' ' | grep -oE 'enum class [^{;]*\{[^}]*\}' |
   sed 's/, }$/ }/' > enums
 
-# Public are members of these classes, and functions that headers declare. Strong symbols alone: which inline functions
-# a library has too is up to the optimiser.
+# Public symbols are members of these classes and functions that headers declare. Only strong symbols count: whether the
+# library also contains a copy of an inline function is up to the optimiser.
 sed -n 's/^class \(.*\): size.*/\1/p' classes > public
 sed -nE 's/^[A-Za-z][^(]* ([a-z][a-z_0-9]*)\(.*/throng::\1/p' "$include"/throng/*.h >> public
 nm -D --defined-only --demangle "$library" | sed -nE 's/^[0-9a-f]+ [TDBR] (throng::.*)/\1/p' |

@@ -1,5 +1,5 @@
-// Rows of the benchmarks' tables for records without times: those of each benchmark say in a field of their own how far
-// off a wrong result is, or not at all.
+// Table rows for benchmark records without times. Each benchmark has its own field for the error of a wrong result, or
+// none.
 #include "tools/bench/measured.h"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// What is learnt of a child process.
+// run_child_program(): how it reports a child process whose exit status the system does not give.
 #include "base/failure.h"
 #include "tools/cli/child_program.h"
 

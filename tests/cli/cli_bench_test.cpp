@@ -1,4 +1,4 @@
-// throng bench and tune: what they measure has the fields that their users read, and no wrong result is timed.
+// `throng bench` and `throng tune`: their records have the fields that users read, and wrong results are not timed.
 #include "tests/cli/cli_cases.h"
 #include "tests/text.h"
 
@@ -93,11 +93,11 @@ TEST_F(CliBench, OptionsWithoutEffectAreRefused) {
     EXPECT_EQ(run_tool({"tune", "--predicted", "RTX 3080", "--device", "cpu"}).exit_code, 2);
 }
 
-// Costs are kept where the next choice finds them; the file that lies there does not have to be sound.
+// Costs are stored where the next choice finds them, even if the existing file is damaged.
 TEST_F(CliBench, TuneKeepsWhatInfoChoosesBy) {
     const fs::path cache = file("cache");
     const std::map<std::string, std::string> environment{{"XDG_CACHE_HOME", cache.string()}};
-    const auto costs = [&] {  // beside a folder of characters
+    const auto costs = [&] {  // the cache also has a folder of characters
         std::vector<fs::path> files;
         for (const fs::directory_entry& entry : fs::directory_iterator(cache / "throng"))
             if (entry.is_regular_file()) files.push_back(entry.path());

@@ -1,4 +1,4 @@
-// A creature to run commands on, and what they print as JSON.
+// A creature to run commands on, and parsers for the JSON that they print.
 #pragma once
 
 #include "tests/tool_runner.h"
@@ -31,7 +31,7 @@ inline std::set<std::string> keys(const Json& object) {
 
 inline std::set<std::string> set_of(const Words& words) { return {words.begin(), words.end()}; }
 
-// One on each line.
+// One record per line.
 inline std::vector<Json> records_of(const std::string& text) {
     std::vector<Json> records;
     std::istringstream lines(text);

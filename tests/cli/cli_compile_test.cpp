@@ -1,4 +1,4 @@
-// `throng compile`, and the other commands with what it writes in place of its source.
+// `throng compile`, and the other commands given its output instead of the source file.
 #include "tests/text.h"
 #include "tests/tool_runner.h"
 
@@ -15,7 +15,7 @@ namespace {
 using namespace test;
 namespace fs = std::filesystem;
 
-// With a creature in the folder.
+// Runs in a folder that contains a creature.
 class CliCompile : public ToolTest {
 protected:
     static void SetUpTestSuite() {
@@ -117,7 +117,7 @@ TEST_F(CliCompile, ClipsOfOtherFilesAreAdded) {
     fs::remove("other.glb");
 }
 
-// And used while the file is the same; damaged, they are made anew.
+// Compiled characters are kept and reused while the file is the same; damaged ones are compiled again.
 TEST_F(CliCompile, CommandsKeepWhatTheyHaveCompiled) {
     const fs::path cache = file("cache"), kept = cache / "throng" / "characters";
     const RunSettings with_cache{.environment = {{"XDG_CACHE_HOME", cache.string()}}};
@@ -139,7 +139,7 @@ TEST_F(CliCompile, CommandsKeepWhatTheyHaveCompiled) {
     EXPECT_EQ(pose("kept.glb"), wanted);
     EXPECT_EQ(count(), 1);
     const fs::path one = fs::directory_iterator(kept)->path();
-    // It is this file that is read: another one in its place is seen.
+    // The kept file is what is read: replacing it with another changes the result.
     const std::string was = read_file(one);
     ASSERT_TRUE(run_tool("generate --joints 31 --levels 8 --faces 300 --seed 3 --out other.glb").succeeded());
     ASSERT_TRUE(run_tool("compile other.glb --out other.throng").succeeded());
@@ -148,13 +148,13 @@ TEST_F(CliCompile, CommandsKeepWhatTheyHaveCompiled) {
     write(one, was.substr(0, was.size() / 2));
     EXPECT_EQ(pose("kept.glb"), wanted);
     EXPECT_EQ(read_file(one), was);
-    // Another content under this name, and other settings.
+    // The same name with different content, and different settings.
     fs::copy_file("other.glb", "kept.glb", fs::copy_options::overwrite_existing);
     EXPECT_NE(pose("kept.glb"), wanted);
     EXPECT_EQ(count(), 2);
     EXPECT_TRUE(run_tool("pose kept.glb --clip 0 --error 0.1 --json", with_cache).succeeded());
     EXPECT_EQ(count(), 3);
-    // One of the same size.
+    // Different content of the same size.
     std::string renamed = read_file("kept.glb");
     const size_t name = renamed.find("\"idle\"");
     ASSERT_NE(name, std::string::npos);
@@ -162,7 +162,7 @@ TEST_F(CliCompile, CommandsKeepWhatTheyHaveCompiled) {
     write("kept.glb", renamed);
     pose("kept.glb");
     EXPECT_EQ(count(), 4);
-    // Whatever stands in the way is no concern of the command's. (Mesa complains of it.)
+    // A command does not fail because something stands in the cache folder's place. (Mesa complains about it.)
     fs::remove_all(cache);
     write(cache, "no folder");
     EXPECT_EQ(run_tool("pose kept.glb --clip 0 --json", with_cache).exit_code, 0);

@@ -1,4 +1,4 @@
-// `throng controller`: check and graph.
+// `throng controller`: its subcommands check and graph.
 #include "tests/text.h"
 #include "tests/tool_runner.h"
 
@@ -12,7 +12,7 @@ namespace {
 using namespace test;
 namespace fs = std::filesystem;
 
-// With a creature in the folder.
+// Runs in a folder that contains a creature.
 class CliController : public ToolTest {
 protected:
     static void SetUpTestSuite() {

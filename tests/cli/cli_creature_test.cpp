@@ -1,4 +1,4 @@
-// Creatures that the command line writes, as other programs read them: three.js, and the validator of Khronos.
+// Creatures that the command line writes, read by other programs: three.js and the Khronos validator.
 #include "tests/tool_runner.h"
 
 #include <nlohmann/json.hpp>

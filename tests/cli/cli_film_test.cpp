@@ -1,4 +1,4 @@
-// Films by the command line: frames that are kept, shared among runs, and refused; a film of them.
+// Films from the command line: frames that are kept, shared among runs, or refused, and the encoded film.
 #include "tests/glb_builder.h"
 #include "tests/text.h"
 #include "tests/tool_runner.h"
@@ -33,8 +33,8 @@ namespace {
 using namespace test;
 namespace fs = std::filesystem;
 
-// Two creatures, of which one has a controller. Frames 0 to 3 of some of them, tiny, a second apart so that controllers
-// are told something.
+// Two creatures, one with a controller. Films have frames 0 to 3, tiny and a second apart, so that parameters change
+// between frames.
 class CliFilm : public ToolTest {
 protected:
     static void SetUpTestSuite() {
@@ -61,7 +61,7 @@ protected:
     static Words short_film(const std::string& out) {
         return "render walker.glb --size 64x36 --frames 0:1" + Words{"--out", out};
     }
-    // With an ffmpeg that writes a word to its output, then does this.
+    // With an ffmpeg that writes a word to its output file and then runs `then`.
     static RunSettings with_ffmpeg(const std::string& then) {
         const std::string program = write("bin/ffmpeg",
                                           "#!/bin/sh\nfor out; do :; done\n[ \"$out\" != -version ] || exit 0\n"
@@ -102,7 +102,7 @@ TEST_F(CliFilm, AFrameIsTheSameWhicheverAreDrawn) {
     ASSERT_TRUE(film(shared + "/frame_%04d.png", "--shard 0/2").succeeded());
     EXPECT_EQ(contents(shared), frames);
 
-    // Of an interrupted run some frames are left, one is broken, and one is of another size.
+    // An interrupted run left some frames; one is damaged, and one has another size.
     for (const char* kept : {"frame_settings.json", "frame_0001.png", "frame_0002.png", "frame_0003.png"})
         fs::copy_file(whole + "/" + kept, resumed + "/" + kept);
     fs::resize_file(resumed + "/frame_0002.png", frames.at("frame_0002.png").size() / 2);
@@ -116,7 +116,7 @@ TEST_F(CliFilm, AFrameIsTheSameWhicheverAreDrawn) {
     EXPECT_EQ(nothing_new["rendered"], 0);
     EXPECT_TRUE(nothing_new["stages_ms"].is_null()) << nothing_new;
 
-    // The picture of that time is that frame.
+    // A still picture at that time equals the frame.
     Words picture = arguments("picture.png");
     const auto first = std::find(picture.begin(), picture.end(), "--frames");
     picture.erase(first, first + 4);  // with --fps
@@ -124,7 +124,7 @@ TEST_F(CliFilm, AFrameIsTheSameWhicheverAreDrawn) {
     EXPECT_EQ(read_file("picture.png"), frames.at("frame_0000.png"));
 }
 
-// Those that walk have walked as far in a frame whether those before it are drawn or not.
+// Steered characters have walked equally far in a frame whether or not the frames before it are drawn.
 TEST_F(CliFilm, WhoSteersIsWhereTheFrameSays) {
     const std::string whole = new_folder("walked"), shared = new_folder("walked_unseen");
     ASSERT_TRUE(film(whole + "/%d.png", "--steer --spacing 2").succeeded());
@@ -169,7 +169,7 @@ TEST_F(CliFilm, FramesOfOtherSettingsAreRefused) {
     const auto camera = std::find(replaced.begin(), replaced.end(), "--camera");
     replaced.insert(replaced.erase(camera, camera + 2), {"--eye", "1,2,3", "--target", "0,1,0"});
     EXPECT_TRUE(run_tool(replaced).refused("made with"));
-    // No option has been forgotten: the rest changes no frame.
+    // No option is forgotten: those named here, in addition to `others`, change no frame.
     std::set<std::string> known{"--help", "--frames", "--shard", "--out",    "--device",
                                 "--json", "--counts", "--eye",   "--target", "--renderer"};
     known.insert({"--blend", "--weight", "--force"});
@@ -206,7 +206,7 @@ TEST_F(CliFilm, FramesOfOtherSettingsAreRefused) {
     EXPECT_EQ(contents(folder).at("3.png"), before.at("3.png"));
 }
 
-// Two metres a second: the camera is where its character is in the frame, not where that was before the step.
+// The character moves at 2 m/s. The camera follows its position in the frame, not its position before the step.
 TEST_F(CliFilm, TheCameraFollowsRootMotion) {
     GlbBuilder mover = tiny_character();
     const size_t places = mover.add<float>({0, 0, 0, 0, 0, 2}, "VEC3", kFloat);
@@ -298,7 +298,7 @@ TEST_F(CliFilm, NoLinkIsFollowedToWriteAFilm) {
     EXPECT_EQ(read_file(out), "pictures");
 }
 
-// Both wait for whoever holds the film; then one draws, and the other finds all that it was asked for.
+// Both processes wait until the film's lock is free. Then one draws, and the other finds all its frames there.
 TEST_F(CliFilm, TwoProcessesDoNotDrawTheSameFrames) {
     const std::string folder = new_folder("at_once");
     for (const auto& [name, lock] :
@@ -319,7 +319,7 @@ TEST_F(CliFilm, TwoProcessesDoNotDrawTheSameFrames) {
         const auto draw = [&] {
             const Outcome outcome = run_tool(arguments(out) + Words{"--json"}, {.watch = let_go_when_both_wait});
             const std::lock_guard guard(mutex);
-            let_go();  // if it has not waited, the other one would wait in vain
+            let_go();  // if it has not waited, the other process must not wait forever
             return outcome;
         };
         std::future<Outcome> other = std::async(std::launch::async, draw);
@@ -340,7 +340,7 @@ TEST_F(CliFilm, TwoProcessesDoNotDrawTheSameFrames) {
                                             "frame_settings.json"}));
 }
 
-// Shards share the lock that a run of all frames has for itself.
+// Shards hold the lock together; a run of all frames holds it exclusively.
 TEST_F(CliFilm, ShardsWaitForARunOfAllFramesAndItForThem) {
     const std::string folder = new_folder("beside"), lock = folder + "/settings.json.lock";
     const Words all = "render walker.glb --size 64x36 --frames 0:2" + Words{"--out", folder + "/%d.png"},
@@ -417,7 +417,7 @@ TEST_F(CliFilm, AnInterruptedOneSaysWhatIsKept) {
     EXPECT_EQ(contents(folder).size(), count + 1) << "with the settings, and nothing half-written";
 }
 
-// There are two thousand frames to check, so the signal comes long before the last of them has been decoded.
+// There are two thousand frames to check, so the signal arrives long before the last one is decoded.
 TEST_F(CliFilm, AnInterruptionEndsTheCheckOfFramesThatAreThere) {
     const std::string folder = new_folder("checked"), lock = folder + "/settings.json.lock";
     const auto command = [&](const std::string& frames) {

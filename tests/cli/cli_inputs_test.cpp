@@ -1,4 +1,4 @@
-// No command writes over what it reads, by whatever name.
+// No command overwrites its own input, whatever path names it.
 #include "tests/glb_builder.h"
 #include "tests/tool_runner.h"
 

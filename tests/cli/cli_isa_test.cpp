@@ -1,4 +1,4 @@
-// Devices that compile only, as a user meets them, and `throng bench isa`.
+// Compile-only devices on the command line, and `throng bench isa`.
 #include "tests/tool_runner.h"
 
 #include <nlohmann/json.hpp>
@@ -32,11 +32,11 @@ TEST_F(Isa, ADeviceWithoutHardwareIsListedAndRefused) {
     generate("creature.glb", "--joints 20 --levels 8");
     for (const std::string command : {"render creature.glb --out creature.png", "bench", "tune"})
         EXPECT_TRUE(run_tool(command + " --device navi21", without_hardware()).refused("compiles only")) << command;
-    // What needs a device and has a choice takes another one
+    // Commands that need a device and may choose take another one
     EXPECT_TRUE(run_tool("render creature.glb --out creature.png --size 32x32", without_hardware()).exit_code == 0);
 }
 
-// As in a container with the driver of a graphics card that is not there: the loader gives an error then.
+// As in a container that has the driver of an absent graphics card: the Vulkan loader then returns an error.
 TEST_F(Isa, DriversWithoutHardwareAreNoDevices) {
     const RunSettings only_a_driver{.environment = {{"VK_DRIVER_FILES", kDriverFile}}};
     const Json devices = json_of("devices --json", only_a_driver);

@@ -1,4 +1,4 @@
-// What `throng render` is told to show.
+// The options of `throng render` and what they show.
 #include "tests/files.h"
 #include "tests/tool_runner.h"
 
@@ -130,7 +130,7 @@ TEST_F(CliRender, OptionsOfDrawingTakeEffect) {
     EXPECT_TRUE(skeletons != plain && bounds != plain && skeletons != bounds);
     EXPECT_TRUE(picture("coarse.png", {"--lod-pixels", "50"}) != plain);
     EXPECT_TRUE(picture("dual.png", {"--skinning", "dual-quaternion"}) != plain);
-    // The same is seen, but other work is done.
+    // The pictures are the same, but the stages do other work.
     const auto stages_ms = [](const Words& more) { return json_of(command("timed.png") + more)["stages_ms"]; };
     const Json usual = stages_ms({});
     EXPECT_GT(usual["cull"], 0);

@@ -1,4 +1,4 @@
-// The command line as a user meets it: what it prints, what it writes, and one clear line for whatever is wrong.
+// The command line for its users: what it prints, what it writes, and one clear line for each error.
 #include "bench/psnr.h"
 #include "tests/cli/cli_cases.h"
 #include "tests/png.h"
@@ -65,7 +65,7 @@ TEST_F(Cli, HelpHasExamples) {
         const Outcome run = succeed(Words(command) + "--help");
         EXPECT_TRUE(contains(run.out, "Examples:\n  throng " + name)) << run;
     }
-    for (const char* command : {"bench diagrams", "bench report"}) {  // one is enough for these
+    for (const char* command : {"bench diagrams", "bench report"}) {  // one example is enough for these
         const Outcome run = succeed(Words(command) + "--help");
         EXPECT_TRUE(contains(run.out, std::string("Example:\n  throng ") + command)) << run;
     }
@@ -136,7 +136,7 @@ TEST_F(Cli, InfoCountsExactly) {
         EXPECT_TRUE(contains(text.out, part)) << part << "\n" << text;
 }
 
-// They take longest of all, and are made where they are asked for.
+// Levels of detail take longest to make, so they are made only on request.
 TEST_F(Cli, InfoMakesLevelsOfDetailOnRequest) {
     Json with = json_of("info creature.glb --lods"), without = json_of("info creature.glb");
     EXPECT_FALSE(with["lods"].empty());
@@ -156,7 +156,7 @@ TEST_F(Cli, InfoAndReferencePoseNeedNoGpu) {
     succeed("info creature.glb", no_driver);
     succeed("pose creature.glb --reference", no_driver);
     EXPECT_EQ(Json::parse(succeed("info creature.glb --json", no_driver).out)["update"]["path"], "native, fused");
-    // The native device needs none either.
+    // The native device also needs no driver.
     EXPECT_NE(run_tool("pose creature.glb", no_driver).out.find("creature.glb on native ("), std::string::npos);
     EXPECT_NE(run_tool("devices", no_driver).out.find("0  native ("), std::string::npos);
     const Outcome cpu = run_tool("pose creature.glb --device cpu", no_driver),
@@ -311,7 +311,7 @@ TEST_F(Cli, GenerateIsExactAndDeterministic) {
     EXPECT_GE(info["faces"], 950);
 }
 
-// Whoever copies `throng` alone is told what is missing.
+// If `throng` is copied without the other programs, the error names the missing one.
 TEST_F(Cli, CommandsOfOtherProgramsNeedThemBesideIt) {
     const std::filesystem::path tool = THRONG_TOOL;
     const std::string alone = file("throng");
@@ -440,7 +440,7 @@ TEST_F(Cli, WrongInputIsRefusedInOneLineThatNamesIt) {
     EXPECT_TRUE(fs::is_empty("folder"));
 }
 
-// As help says: 1 is for what fails.
+// Help says that 1 is the exit code of failures.
 TEST_F(Cli, AWrongOptionHasAnExitCodeOfItsOwn) {
     for (const char* command : {"render creature.glb --out x.png --cont 5", "pose creature.glb --vertices some",
                                 "pose creature.glb --blend walk", "view creature.glb --size 1x1"})
@@ -455,12 +455,12 @@ TEST_F(Cli, AFullDiskIsSaid) {
     }
 }
 
-// Wherever memory ends while a file is read, that is said.
+// Wherever memory runs out while a file is read, the error says so.
 TEST_F(Cli, TooLittleMemoryIsSaid) {
     ASSERT_TRUE(run_tool({"generate", "--joints", "4000", "--levels", "100", "--out", "large.glb"}).succeeded());
     int refused = 0;
     for (uint64_t limit_MiB = 36; limit_MiB <= 100; limit_MiB += 4) {
-        // Without what ./run sets: malloc would ask for 64 MiB at a time
+        // Without the setting of ./run, malloc would reserve 64 MiB at a time
         const Outcome run = run_tool({"info", "large.glb"},
                                      {.environment = {{"GLIBC_TUNABLES", ""}}, .memory_limit_bytes = limit_MiB << 20});
         if (run.succeeded()) continue;
@@ -470,8 +470,8 @@ TEST_F(Cli, TooLittleMemoryIsSaid) {
     EXPECT_GT(refused, 0);
 }
 
-// Broken and malicious files of others, and mutants of sound ones: an answer or a refusal, never a crash, a hang, or
-// memory without end.
+// Broken and malicious files from other sources, and mutated valid files: each gives an answer or a refusal, never a
+// crash, a hang or unbounded memory use.
 TEST_F(Cli, InvalidFilesAreAnsweredOrRefused) {
     const char* shared = std::getenv("THRONG_SHARED");
     const fs::path folder = fs::path(shared ? shared : THRONG_SHARED_DIR) / "invalid";

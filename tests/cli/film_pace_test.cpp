@@ -1,4 +1,4 @@
-// How long a film is said to take still.
+// The estimate of how much longer a film takes.
 #include "tools/film/film_pace.h"
 
 #include <gtest/gtest.h>

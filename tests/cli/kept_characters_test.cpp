@@ -1,4 +1,4 @@
-// Which compiled characters are kept in the cache folder, here one of the tests' own, and for which files.
+// Which compiled characters are kept in the cache folder, here the tests' own, and for which files.
 #include "tools/cli/kept_characters.h"
 #include "tests/glb_builder.h"
 #include "tests/tool_runner.h"
@@ -64,7 +64,7 @@ TEST_F(KeptCharacters, FilesWithSideFilesAreNotKeptHoweverTheirKeysAreWritten) {
     std::string wider = side;
     const float x = -1;  // of the first position, which is 0
     std::memcpy(wider.data(), &x, sizeof x);
-    // As long as the key in their place, so that the file's lengths stay right
+    // Each escaped key is as long as the key it replaces, so that the lengths in the file stay right
     for (const char* key : {"\\u0075ri", "u\\u0072i", "ur\\u0069"}) {
         std::string escaped = glb;
         const std::string fox = write("fox.glb", escaped.replace(escaped.find("side_uri"), 8, key));
@@ -79,7 +79,7 @@ TEST_F(KeptCharacters, FilesWithSideFilesAreNotKeptHoweverTheirKeysAreWritten) {
     EXPECT_EQ(kept_count(), 0);
 }
 
-// Some exporters escape all letters that are not ASCII.
+// Some exporters escape all non-ASCII letters.
 TEST_F(KeptCharacters, EscapesInNamesDoNotPreventIt) {
     std::string named = with_clip("rotate");
     const std::string fox = write("fox.glb", named.replace(named.find("rotate"), 6, "\\u00e9"));

@@ -1,4 +1,5 @@
-// Where there is no Vulkan, and where none is wanted: processes of their own, for a library that is loaded stays.
+// Machines without Vulkan, and devices that do not need it. Each case is a separate process, since a library stays
+// loaded.
 #include "tests/tool_runner.h"
 
 namespace throng {
@@ -14,7 +15,7 @@ protected:
         write("no_vulkan/libvulkan.so.1", "");
         write("no_vulkan/libvulkan.so", "");
     }
-    // As on a machine that has no Vulkan loader: what lies there is none.
+    // As on a machine without a Vulkan loader: the file in its place is not a library.
     static RunSettings no_loader() {
         return {.environment = {{"LD_LIBRARY_PATH", file("no_vulkan")}}, .program = THRONG_WITHOUT_VULKAN};
     }
@@ -38,7 +39,7 @@ TEST_F(WithoutVulkan, AnotherDeviceIsRefused) {
     EXPECT_NE(run.err.find("Vulkan"), std::string::npos) << run;
 }
 
-// Also where it is there.
+// The native device does not load Vulkan even where it is installed.
 TEST_F(WithoutVulkan, TheNativeDeviceDoesNotLoadIt) {
     const Outcome native = run_tool({file("creature.glb"), "native"}, {.program = THRONG_WITHOUT_VULKAN}),
                   software = run_tool({file("creature.glb"), "cpu"}, {.program = THRONG_WITHOUT_VULKAN});

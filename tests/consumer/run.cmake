@@ -1,5 +1,5 @@
-# Installs a build to a folder of its own, builds the consumer against it in each way that docs/library.md names, and
-# runs it, and the command line, from there.
+# Installs a build into a separate folder, builds the consumer against it in each way that docs/library.md names, and
+# runs the consumer and the command line from there.
 # cmake -D BUILD=… -D WORK=… -D CHARACTER=… -D GENERATOR=… -D COMPILER=… -D FLAGS=… -D VERSION=… -D LIBDIR=…
 #   -D VULKAN_HEADERS=… -P run.cmake
 file(REMOVE_RECURSE ${WORK})
@@ -10,7 +10,7 @@ function(run)
 endfunction()
 run(${CMAKE_COMMAND} --install ${BUILD} --prefix ${prefix})
 
-# build_consumer(folder argument...): by CMake
+# build_consumer(folder argument...): builds it with CMake
 set(configure ${CMAKE_COMMAND} -S ${CMAKE_CURRENT_LIST_DIR} -G ${GENERATOR} -D CMAKE_CXX_COMPILER=${COMPILER}
   -D CMAKE_PREFIX_PATH=${prefix})
 function(build_consumer folder)
@@ -19,7 +19,7 @@ function(build_consumer folder)
   run(${WORK}/${folder}/consumer ${CHARACTER})
 endfunction()
 
-# Any version from this one on, but for the next major one.
+# Accepts any version from this one up to, but not including, the next major one.
 string(REGEX MATCH "^([0-9]+)\\.[0-9]+" minor_version ${VERSION})
 math(EXPR next_major "${CMAKE_MATCH_1} + 1")
 build_consumer(versions -D THRONG_VERSIONS=${minor_version}...<${next_major} -D CMAKE_CXX_FLAGS=${FLAGS})
@@ -28,21 +28,21 @@ if(throng_FOUND OR NOT throng_CONSIDERED_VERSIONS STREQUAL VERSION)
   message(FATAL_ERROR "throng ${next_major} found where ${VERSION} is installed (${throng_CONSIDERED_VERSIONS})")
 endif()
 
-# Vulkan's headers outside /usr/include, where others may lie too: these say that it is they.
+# Vulkan headers outside /usr/include, which may have others too. The macro marks these as the ones to use.
 file(COPY ${VULKAN_HEADERS}/vulkan ${VULKAN_HEADERS}/vk_video DESTINATION ${WORK}/sdk/include)
 file(APPEND ${WORK}/sdk/include/vulkan/vulkan_core.h "#define HEADERS_OF_SDK\n")
 set(ENV{VULKAN_SDK} ${WORK}/sdk)
 build_consumer(sdk -D THRONG_VERSIONS=${minor_version} -D "CMAKE_CXX_FLAGS=${FLAGS} -D NEEDS_HEADERS_OF_SDK")
 unset(ENV{VULKAN_SDK})
 
-# And none at all.
+# Without any Vulkan headers.
 execute_process(COMMAND ${configure} -B ${WORK}/no_vulkan -D CMAKE_DISABLE_FIND_PACKAGE_Vulkan=ON
   -D CMAKE_DISABLE_FIND_PACKAGE_VulkanHeaders=ON OUTPUT_QUIET RESULT_VARIABLE failed ERROR_VARIABLE errors)
 if(NOT failed OR NOT errors MATCHES "throng's headers need Vulkan's")
   message(FATAL_ERROR "what to install is not said: ${errors}")
 endif()
 
-# All may be moved elsewhere. By pkg-config, without linking Vulkan's loader.
+# The installed files may be moved. With pkg-config, and without linking Vulkan's loader.
 file(RENAME ${prefix} ${WORK}/moved)
 set(prefix ${WORK}/moved)
 set(ENV{PKG_CONFIG_PATH} ${prefix}/${LIBDIR}/pkgconfig)
@@ -55,7 +55,7 @@ run(${COMPILER} -std=c++20 -o ${WORK}/by_pkg_config ${CMAKE_CURRENT_LIST_DIR}/ma
   -Wl,-rpath,${prefix}/${LIBDIR})
 run(${WORK}/by_pkg_config ${CHARACTER})
 
-# The command line, its two other programs, and what is read.
+# The command line, its two other programs, and the installed documents.
 execute_process(COMMAND ${prefix}/bin/throng --version OUTPUT_VARIABLE version OUTPUT_STRIP_TRAILING_WHITESPACE
   COMMAND_ERROR_IS_FATAL ANY)
 if(NOT version STREQUAL VERSION)

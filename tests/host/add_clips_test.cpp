@@ -1,4 +1,4 @@
-// Clips of another file: what they are on a rig with the same names.
+// add_clips(): clips of another file, transferred to a rig with the same joint names.
 #include "tests/test_rig.h"
 #include "tests/text.h"
 
@@ -33,7 +33,7 @@ Asset without_clips(Asset asset) {
     return asset;
 }
 
-// Nothing but nodes, the last first, and clips; as exporters write it beside a character.
+// Only nodes, in reverse order, and clips, as exporters write them to a file beside the character.
 Asset animation_of(const Asset& asset) {
     const auto count = static_cast<uint32_t>(asset.nodes.size());
     const auto moved = [&](uint32_t node) { return node == kNone ? kNone : count - 1 - node; };
@@ -44,7 +44,7 @@ Asset animation_of(const Asset& asset) {
     return out;
 }
 
-// [joint] Where clip `clip` has the joints after `time_s`, by their names.
+// For each joint, its name and its position in clip `clip` at `time_s`.
 std::vector<std::pair<std::string, Vec3<double>>> places(const Asset& asset, uint32_t clip, float time_s) {
     const Character character = compile_character(asset, {.error = 0}).expect();
     const ReferencePose pose =
@@ -58,7 +58,7 @@ std::vector<std::pair<std::string, Vec3<double>>> places(const Asset& asset, uin
     return out;
 }
 
-// All joints of the skins of `got` are where those of `wanted` are, times `scale`.
+// Each joint of `got` must be where the joint of the same name in `wanted` is, times `scale`.
 void expect_same_places(const Asset& got, const Asset& wanted, double scale = 1, double bound = 1e-5) {
     ASSERT_EQ(got.clips.size(), wanted.clips.size());
     for (uint32_t clip = 0; clip < wanted.clips.size(); ++clip)
@@ -128,7 +128,7 @@ TEST(AddClips, NamesMayDifferInWhatExportersChange) {
         EXPECT_TRUE(asset.warnings.empty()) << c.what << ": " << asset.warnings[0];
         expect_same_places(asset, whole, 1, 1e-12);
     }
-    // The one of exactly the name comes before one that is like it, whichever stands first.
+    // An exact match of the name has priority over a similar name, whichever comes first.
     Asset from = animation_of(whole), asset = without_clips(whole);
     const std::string name = asset.nodes[1].name;
     asset.nodes.push_back({.name = name});
@@ -141,7 +141,7 @@ TEST(AddClips, NamesMayDifferInWhatExportersChange) {
     EXPECT_TRUE(moves(static_cast<uint32_t>(asset.nodes.size() - 1)));
 }
 
-// Files with animation alone have for a rest pose what their exporter had on screen.
+// Files with only animation have as rest pose whatever the exporter showed on screen.
 TEST(AddClips, DoNotGoByTheOtherRestPoseWhereBonesAreAsLong) {
     const Asset whole = walker();
     Asset from = animation_of(whole), asset = without_clips(whole);
@@ -155,7 +155,7 @@ TEST(AddClips, DoNotGoByTheOtherRestPoseWhereBonesAreAsLong) {
     expect_same_places(asset, whole, 1, 1e-12);
 }
 
-// As characters are that were modelled in another unit, or are larger.
+// As with characters that were modelled in another unit, or are larger.
 TEST(AddClips, BonesKeepTheirOwnLength) {
     const Asset whole = walker();
     Asset asset = without_clips(whole);
@@ -169,7 +169,7 @@ TEST(AddClips, BonesKeepTheirOwnLength) {
     ASSERT_TRUE(add_clips(asset, animation_of(whole)));
     expect_same_places(asset, whole, 3);
 
-    // One that moves, with keys of splines.
+    // A bone that moves, with cubic spline keys.
     Asset from = animation_of(whole);
     asset = without_clips(whole);
     enlarge(asset, 0.5);
@@ -193,7 +193,7 @@ TEST(AddClips, BonesKeepTheirOwnLength) {
     for (size_t i = 0; i < wanted.size(); ++i) EXPECT_NEAR(track.values[i], wanted[i], 1e-6) << i;
 }
 
-// "Armature", which many exporters turn and scale, and give keys without movement.
+// "Armature" nodes, which many exporters turn and scale and give constant keys.
 TEST(AddClips, WhatHoldsARigIsNotCarriedOver) {
     const Asset whole = walker();
     const auto held = [](Asset asset, const Trs<double>& model_from_holder) {
@@ -212,7 +212,7 @@ TEST(AddClips, WhatHoldsARigIsNotCarriedOver) {
     };
     const Trs<double> turned{.rotation = axis_angle<double>({1, 0, 0}, -1.5707963267948966),
                              .scale = {0.01, 0.01, 0.01}};
-    // Written for a rig that is turned and scaled in its parts, so that on the whole it is as the other.
+    // Written for a rig whose joints are turned and scaled, so that its overall size and orientation match the other's.
     Asset asset = without_clips(whole);
     const Quaternion<double> back{-turned.rotation.x, -turned.rotation.y, -turned.rotation.z, turned.rotation.w};
     for (uint32_t i = 0; i < asset.nodes.size(); ++i) {
@@ -294,7 +294,7 @@ Asset face(const std::vector<std::string>& target_names) {
     return asset;
 }
 
-// The face with a clip of this track.
+// The face with a clip that has one such track.
 Asset talking(Asset asset, Interpolation interpolation, const std::vector<float>& values) {
     asset.name = "talk.glb";
     asset.clips = {{.name = "talk", .duration_s = 1}};
@@ -332,7 +332,7 @@ TEST(AddClips, MorphWeightsGoByTheNamesOfTargets) {
     EXPECT_EQ(values(added(face({"same", "same"}), talking(face({"same", "same"}), Interpolation::kLinear, keys))),
               keys);
 
-    // More in the character: they keep their weights, the node's before the mesh's.
+    // If the character has more targets, the others keep their weights: the node's if it has any, otherwise the mesh's.
     Asset more = face({"frown", "smile", "blink"});
     more.meshes[0].weights[0] = 0.25f;
     EXPECT_EQ(values(added(more, from)), (std::vector<float>{0.25f, 2, 1, 0.25f, 4, 3}));
@@ -342,7 +342,7 @@ TEST(AddClips, MorphWeightsGoByTheNamesOfTargets) {
     EXPECT_EQ(values(added(more, cubic)),
               (std::vector<float>{0, 2, 1, 0.5f, 4, 3, 0, 6, 5, 0, 8, 7, 0.5f, 10, 9, 0, 12, 11}));
 
-    // Fewer: what is lost is named.
+    // If it has fewer, the warnings name those that are lost.
     const Asset fewer = added(face({"smile"}), from);
     EXPECT_EQ(values(fewer), (std::vector<float>{2, 4}));
     EXPECT_EQ(fewer.warnings,

@@ -1,4 +1,4 @@
-// Assets that an engine fills itself: what is wrong with them is named, whatever it is, and nothing crashes.
+// Assets that an engine fills itself: each error is reported by name, and nothing crashes.
 #include "tests/test_rig.h"
 #include "tests/text.h"
 
@@ -14,7 +14,7 @@ namespace {
 
 using namespace test;
 
-// With a skin, a clip, a morph target and its keys, a material and an image.
+// An asset with a skin, a clip, a morph target and its keys, a material and an image.
 Asset filled() {
     Asset asset{.name = "filled"};
     asset.nodes = {{.name = "body"}, {.name = "root"}, {.name = "tip", .parent = 1}};
@@ -137,7 +137,8 @@ TEST(AssetCheck, AClipMayEndWithItsLastKey) {
     EXPECT_TRUE(compile_character(asset));
 }
 
-// Numbers and lengths changed at random, several at a time: compiled, or refused in one line. Sanitizers watch.
+// Randomly changes several numbers and lengths at a time. The asset compiles, or is refused in one line. Sanitizers
+// check for memory errors.
 TEST(AssetCheck, SpoiledAtRandomNothingCrashes) {
     std::mt19937 random(7);
     const auto below = [&](size_t count) { return count == 0 ? 0 : random() % count; };

@@ -1,4 +1,4 @@
-// What controllers are made of: blend spaces, joint masks, the tables of the kernel.
+// Parts of controllers: blend spaces, joint masks, and the kernel's tables.
 #include "controller/blend_space.h"
 #include "base/failure.h"
 #include "control/array_tables.h"
@@ -32,7 +32,8 @@ namespace {
 
 using namespace test;
 
-// Weights of all points at (x, y), by way of the arrays of a controller with one state whose point k plays clip k.
+// Computes the weights of all points at (x, y) with the tables of a controller with one state, whose point k plays clip
+// k.
 class Space {
 public:
     explicit Space(std::vector<BlendPoint> points) : points_(std::move(points)), space(make_blend_space(points_)) {
@@ -55,7 +56,7 @@ public:
         for (uint32_t k = 0; k < 3; ++k) weights[mix.clips[k]] += mix.weights[k];
         return weights;
     }
-    // What the weights make of the points: (x, y) itself within the hull.
+    // The average of the points by these weights: (x, y) itself inside the hull.
     std::array<double, 2> place_of(const std::vector<double>& weights) const {
         std::array<double, 2> place{};
         for (size_t i = 0; i < points_.size(); ++i) {
@@ -88,7 +89,7 @@ double cross(const BlendPoint& o, const BlendPoint& a, const BlendPoint& b) {
     return (double{a.x} - o.x) * (double{b.y} - o.y) - (double{a.y} - o.y) * (double{b.x} - o.x);
 }
 
-// Andrew's monotone chain, 1979; another way to the hull than the one tested.
+// Andrew's monotone chain, 1979: a different hull algorithm than the one tested.
 std::vector<BlendPoint> hull_of(std::vector<BlendPoint> points) {
     std::ranges::sort(points, [](const auto& a, const auto& b) { return std::pair(a.x, a.y) < std::pair(b.x, b.y); });
     std::vector<BlendPoint> hull;
@@ -111,7 +112,7 @@ double area_of_hull(const std::vector<BlendPoint>& points) {
     return area;
 }
 
-// Queries at the points, within random triangles of them (so within the hull), on the segments between them, and
+// Queries at the points, inside random triangles of points (so inside the hull), on segments between points, and
 // outside.
 void check_space(const std::vector<BlendPoint>& points, double size, Random& random) {
     const Space space(points);
@@ -167,7 +168,7 @@ TEST(BlendSpace, NoCircleAroundATriangleHoldsAPoint) {
             const auto length = [](double x, double y) { return x * x + y * y; };
             const double bx = double{b.x} - a.x, by = double{b.y} - a.y, cx = double{c.x} - a.x, cy = double{c.y} - a.y,
                          twice = 2 * (bx * cy - by * cx);
-            // Centre, from a
+            // The circumcentre, relative to a
             const double x = (cy * length(bx, by) - by * length(cx, cy)) / twice,
                          y = (bx * length(cx, cy) - cx * length(bx, by)) / twice;
             for (const BlendPoint& point : points)
@@ -178,7 +179,7 @@ TEST(BlendSpace, NoCircleAroundATriangleHoldsAPoint) {
 
 TEST(BlendSpace, GridsAndCirclesHaveNeitherHolesNorOverlaps) {
     Random random(2);
-    for (const float step : {1.0f, 0.1f, 1 / 3.0f})  // 0.1 and 1/3 are not on lines exactly
+    for (const float step : {1.0f, 0.1f, 1 / 3.0f})  // with steps of 0.1 and 1/3, points are not exactly on lines
         for (int width = 2; width <= 8; ++width)
             for (int height = 2; height <= 8; ++height) {
                 std::vector<BlendPoint> points;
@@ -224,7 +225,7 @@ TEST(BlendSpace, OnePointIsEverywhere) {
     EXPECT_EQ(space.weights_at(-7, 1e30f)[0], 1);
 }
 
-// Speeds in mm/s and leans in radians: thin as it is, this is a space of two parameters.
+// Speeds in mm/s and leans in radians: the points span a very thin area, but it still has two dimensions.
 TEST(BlendSpace, UnitsOfTheTwoParametersMayDiffer) {
     const Space space({{"", 0, -0.05f}, {"", 5000, -0.05f}, {"", 0, 0.05f}, {"", 5000, 0.05f}});
     EXPECT_EQ(space.space.triangles.size(), 2u);

@@ -1,4 +1,4 @@
-// Files of small characters, and what changes them by hand.
+// Files of small characters, and tools to forge them.
 #pragma once
 
 #include "compile/file/character_file.h"
@@ -15,7 +15,7 @@ namespace throng::test {
 
 using Bytes = std::vector<std::byte>;
 
-// The fields of a structure. One that is added fails to compile here: write it to the file, and compare it.
+// The fields of a struct. Adding a field fails to compile here: write it to the file, and compare it.
 inline auto fields_of(const Clip& clip) {
     const auto& [name, duration_s, first_time, row_count, row_stride, first_row, channels, source_keys, animated,
                  refined, dropped, size_bytes, raw_size_bytes, first_root_row, root_row_count, error, first_morph_time,
@@ -47,7 +47,7 @@ inline auto fields_of(const AssetImage& image) {
 
 inline constexpr double kErrors[] = {0, 1e-4};  // exact and packed
 
-// With all that a character may have, and names that are no plain text.
+// An asset with every feature of a character, and names that are not plain text.
 Asset make_full_asset(const AssetSettings& settings);
 
 // A file of a few kilobytes.
@@ -55,7 +55,7 @@ Bytes small_file(double error);
 
 inline Result<Character> load(const Bytes& bytes) { return load_compiled_character(bytes, "small.throng"); }
 
-// A file changed by hand, with its checksum made right again.
+// A file with forged content and a corrected checksum.
 class Forged {
 public:
     explicit Forged(Bytes bytes) : bytes_(std::move(bytes)) {}
@@ -70,7 +70,7 @@ public:
         return *reinterpret_cast<file::SectionEntry*>(bytes_.data() + sizeof(file::Header) +
                                                       static_cast<size_t>(id) * sizeof(file::SectionEntry));
     }
-    // Element of a section; from behind where `index` is negative.
+    // An element of a section. A negative `index` counts from the end.
     template <class T>
     T& at(file::SectionId id, int64_t index = 0) {
         const file::SectionEntry& of = entry(id);

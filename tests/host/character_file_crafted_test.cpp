@@ -1,4 +1,4 @@
-// Compiled files that somebody crafted: nothing in them leads a stage out of its buffers.
+// Maliciously crafted compiled files: none makes a stage read outside its buffers.
 #include "tests/host/character_file_cases.h"
 
 #include <algorithm>
@@ -14,7 +14,7 @@ using namespace test;
 using namespace file;
 
 // Whether every address that the stages compute (control.glsl, exact.glsl, packed.glsl, bind, skin.glsl,
-// character.vert) lies within its array. Written once more, from the shaders' words.
+// character.vert) is inside its array. Implemented independently, following the shaders.
 bool leads_nowhere_else(const Character& c) {
     bool good = true;
     const auto need = [&](uint64_t index, size_t size) { good = good && index < size; };
@@ -101,7 +101,7 @@ bool leads_nowhere_else(const Character& c) {
 struct Crafted {
     const char* what;
     std::function<void(Forged&)> change;
-    std::string named;  // the message names it
+    std::string named;  // the message must contain it
 };
 
 void expect_refused(double error, const std::vector<Crafted>& cases) {
@@ -426,7 +426,7 @@ TEST(CharacterFile, CraftedContentIsRefused) {
             });
 }
 
-// The first track with rows, as the file has it.
+// The first track that has rows, as it is in the file.
 struct FirstTrack {
     static JointTracks& tracks(Forged& f) {
         for (int64_t i = 0; i < 8; ++i)
@@ -524,8 +524,8 @@ TEST(CharacterFile, CraftedPackedTracksAreRefused) {
         });
 }
 
-// Every word of a file, changed to extremes: either it is refused, or nothing leads out of its array and poses can be
-// computed.
+// Changes every word of a file to extreme values. Either the file is refused, or all addresses are inside their arrays
+// and poses can be computed.
 TEST(CharacterFile, NoChangedWordLeadsAStageOutOfItsBuffers) {
     for (const double error : kErrors) {
         const Bytes bytes = small_file(error);

@@ -1,4 +1,4 @@
-// Compiled files: what is written comes back bit for bit, and nothing that is damaged comes through.
+// Compiled files: they load bit for bit as written, and damaged ones are refused.
 #include "base/replace_file.h"
 #include "base/crc64.h"
 #include "tests/files.h"
@@ -21,7 +21,7 @@ using namespace file;
 
 // ---- Equality
 
-// Bit for bit; of what has strings, field by field.
+// Compares bit for bit, and structs with strings field by field.
 template <class T>
 bool same(const T& a, const T& b) {
     static_assert(std::is_trivially_copyable_v<T>);
@@ -133,7 +133,7 @@ TEST(CharacterFile, AFileIsKnownByItsFirstBytesWhateverItsName) {
     for (const double error : kErrors) {
         const Character character = compiled(make_full_asset({}), {.error = error});
         const std::filesystem::path path = folder.path() / "no extension";
-        for (int again = 0; again < 2; ++again) {  // and replaces what is there
+        for (int again = 0; again < 2; ++again) {  // the second time replaces the file
             const Result<void> saved = save_character(character, path);
             ASSERT_TRUE(saved) << saved.error().text();
         }
@@ -151,8 +151,8 @@ TEST(CharacterFile, AFileIsKnownByItsFirstBytesWhateverItsName) {
     EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder.path()), {}), 1) << "something was left behind";
 }
 
-// Under sanitizers with exact keys alone: rigs come back with packed ones, too, and real characters are packed for
-// native_characters().
+// Under sanitizers, with exact keys only: other tests cover packed keys with generated rigs, and real characters are
+// packed for native_characters().
 TEST(CharacterFile, RealCharactersComeBackBitForBit) {
     const std::filesystem::path characters = shared_folder("characters");
     THRONG_SKIP_WITHOUT(characters);
@@ -161,7 +161,7 @@ TEST(CharacterFile, RealCharactersComeBackBitForBit) {
     for (const auto& entry : std::filesystem::recursive_directory_iterator(characters)) {
         if (entry.path().extension() != ".glb" && entry.path().extension() != ".gltf") continue;
         const Result<Asset> asset = load_asset(entry.path());
-        if (!asset) continue;  // import_test's business
+        if (!asset) continue;  // covered by import_test
         for (const double error : kErrors) {
             if (kSanitized && error > 0) continue;
             const Character character = compiled(*asset, {.error = error});
@@ -184,7 +184,7 @@ TEST(CharacterFile, EveryDamagedByteIsRefused) {
         ASSERT_TRUE(load(bytes));
         for (size_t i = 0; i < bytes.size(); ++i) {
             for (const unsigned flip : {0x01u, 0x02u, 0x04u, 0x08u, 0x10u, 0x20u, 0x40u, 0x80u, 0xFFu}) {
-                // Behind the header the checksum refuses all of them; that is the same code nine times
+                // Behind the header the checksum catches every change, by the same code for all nine
                 if (kSanitized && i >= sizeof(Header) && flip != 0xFF) continue;
                 bytes[i] ^= std::byte(flip);
                 const Result<Character> result = load(bytes);
@@ -246,7 +246,7 @@ TEST(CharacterFile, OtherVersionsAreRefusedWithAWayOut) {
     }
 }
 
-// The shader knows their minimum and step, and reads neither.
+// The shader assumes the minimum and step of full rotations, and does not read them.
 TEST(CharacterFile, CraftedFullRotationsAreRefused) {
     Asset asset = make_asset(
         {.name = "turning.glb", .joint_count = 1, .clip_count = 1, .key_count = 2, .vertex_count = 6});
@@ -275,7 +275,7 @@ TEST(CharacterFile, CraftedFullRotationsAreRefused) {
         }
 }
 
-// Scans that keep rotations apart from scales believe it.
+// Scans that store rotations apart from scales rely on this flag.
 TEST(CharacterFile, UniformScaleIsLookedAtInEveryRow) {
     Asset asset = make_asset({.joint_count = 1, .scale_spread = 0, .clip_count = 1, .key_count = 2, .vertex_count = 6});
     AssetTrack grow{.node = 0, .target = TrackTarget::kScale};
@@ -376,7 +376,7 @@ TEST(CharacterFile, FilesAreReplacedAsAWhole) {
     const auto write = [&](const std::filesystem::path& to, const std::string& text) {
         return as_result([&] { replace_file(to, std::as_bytes(std::span(text))); });
     };
-    // What stands under the temporary name, be it a link, is another's.
+    // A file or link that already has the temporary name must not be touched.
     std::ofstream(other) << "other";
     const std::filesystem::path taken = path.string() + ".part" + std::to_string(getpid()) + ".0";
     std::filesystem::create_symlink(other, taken);

@@ -1,8 +1,6 @@
-// A file that an earlier build wrote is still read as it was meant. Reader and writer share one layout, so if two
-// fields of it changed places, files would still come back bit for bit, but those that users have kept would be
-// misread.
-//
-// After a change of the format: throng_host_tests --gtest_also_run_disabled_tests --gtest_filter='*WriteThisVersion'
+// Files that an earlier build wrote must still mean the same. The reader and the writer share one layout, so if two
+// fields were swapped, new files would still load bit for bit, but users' existing files would be misread.
+// || After a change of the format: throng_host_tests --gtest_also_run_disabled_tests --gtest_filter='*WriteThisVersion'
 #include "tests/files.h"
 #include "tests/host/character_file_cases.h"
 
@@ -15,7 +13,7 @@ namespace {
 
 using namespace test;
 
-// Those of structures that a file holds as they are, too.
+// Also the fields of structs that the file stores as they are.
 using test::fields_of;
 auto fields_of(const Vec3<float>& v) { return std::tie(v.x, v.y, v.z); }
 auto fields_of(const Quaternion<float>& q) { return std::tie(q.x, q.y, q.z, q.w); }
@@ -78,7 +76,7 @@ void put(std::ostream& out, const T& value) {
     }
 }
 
-// A line for each field, with all that it holds.
+// One line per field, with its whole content.
 std::string text_of(const Character& character) {
     const auto& [name, rig, clips, times_s, packed, keys, words, root_rows, tracks, skins, palette, vertices,
                  influences, indices, sections, section_names, lods, lod_ranges, lod_indices, joint_lods, materials,
@@ -133,7 +131,7 @@ std::string text_of(const Character& character) {
     return out.str();
 }
 
-// tests/data/version_N_exact.throng and _packed, and beside each what is in it.
+// tests/data/version_N_exact.throng and _packed, each with its content as text in a file beside it.
 std::filesystem::path path_of(double error, const char* type) {
     return std::filesystem::path(THRONG_SOURCE_DIR) / "tests/data" /
            ("version_" + std::to_string(file::kVersion) + (error > 0 ? "_packed" : "_exact") + type);
@@ -156,7 +154,7 @@ TEST(CharacterFileVersion, AFileOfAnEarlierBuildMeansTheSame) {
 TEST(CharacterFileVersion, DISABLED_WriteThisVersion) {
     for (const double error : kErrors) {
         Character character = *load(small_file(error));
-        // What it has none of, or where fields are equal
+        // Fields that would otherwise be empty or equal
         character.clips[0].refined_row_count = 1;
         character.clips[0].dropped_row_count = 2;
         character.images.resize(5, {.name = "more", .encoded = {}});

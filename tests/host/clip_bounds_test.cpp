@@ -1,5 +1,5 @@
-// Bounds of clips against the poses of every row and of the middle between two, all joints of each, by the corners of
-// what they move.
+// Bounds of clips against the poses at every row and halfway between rows, for all joints, by the corners of the boxes
+// that they move.
 #include "reference/influence_boxes.h"
 #include "reference/sampled_poses.h"
 #include "sample/sample_reference.h"
@@ -45,7 +45,7 @@ TEST(ClipBounds, AreThoseOfEveryPose) {
     for (const RigShape shape : kRigShapes) expect_bounds(make_character({.joint_count = 40, .shape = shape}));
 }
 
-// Games hide what is not needed in a clip: shrunk to nothing, and often far away.
+// Games hide parts that a clip does not need by shrinking them to nothing, often far away.
 TEST(ClipBounds, LeaveOutWhatIsShrunkToNothing) {
     Asset asset = make_asset({.joint_count = 12, .shape = RigShape::kChain, .clip_count = 0});
     const auto hide = [](uint32_t node, double scale) {
@@ -70,14 +70,14 @@ TEST(ClipBounds, LeaveOutWhatIsShrunkToNothing) {
     EXPECT_LT(extent(0), 10 * character.size);
     EXPECT_GT(extent(1), 20000) << "small, but there";
     EXPECT_EQ(extent(2), 0) << "all is hidden";
-    // A joint that moves vertices together with another one stretches them, however small it is.
+    // A joint that shares vertices with another one stretches them, however small its scale is.
     for (Influences& influences : character.influences)
         influences = {.weights = {0.5f, 0.5f, 0, 0},
                       .entries = {0, static_cast<uint16_t>(character.palette.size() - 1)}};
     ASSERT_FALSE(joints_that_move_alone(character)[character.palette.back().joint]);
 }
 
-// What stands still lies furthest to one side, and what a joint above carries along to the other.
+// Parts that stand still are the extreme on one side, and parts carried along by a moving parent on the other.
 TEST(ClipBounds, HoldWhatStandsStillAndWhatIsCarried) {
     Asset asset = make_asset({.joint_count = 12, .shape = RigShape::kChain, .clip_count = 0});
     for (const uint32_t node : {0u, 6u, 11u})
@@ -106,7 +106,7 @@ Asset triangle_with_a_socket() {
     return asset;
 }
 
-// Artists hide things so: a sword may hang there, but none of 100 times the character's size.
+// Artists hide things this way. A sword may be attached there, but nothing 100 times the character's size.
 TEST(ClipBounds, ASocketThatIsTinyAtRestIsNotLargeWhereItIsShown) {
     Asset asset = triangle_with_a_socket();
     asset.clips = {

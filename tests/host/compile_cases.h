@@ -1,4 +1,4 @@
-// Small assets to compile, and where their nodes are by glTF's words alone.
+// Small assets to compile, and the transforms of their nodes computed only from the glTF specification.
 #pragma once
 
 #include <throng/throng.h>
@@ -21,7 +21,7 @@ struct AssetBuilder {
         asset.skins.push_back({.name = "skin", .joints = joints, .inverse_binds = std::vector<Affine>(joints.size())});
         return static_cast<uint32_t>(asset.skins.size() - 1);
     }
-    // One triangle; skinned vertices follow joint 0, 1, 2 of the skin, modulo its size.
+    // Adds one triangle. Skinned vertices follow joints 0, 1, 2 of the skin, modulo its size.
     uint32_t mesh(uint32_t node, uint32_t skin_index = kNone, uint32_t influence_count = 4) {
         AssetPrimitive primitive{.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, .indices = {0, 1, 2}};
         if (skin_index != kNone) {
@@ -54,10 +54,10 @@ struct AssetBuilder {
 
 Trs<double> moved(double x, double y, double z);
 
-// Compiled exactly. A failure where nothing is refused.
+// The error of exact compilation. Fails the test if nothing is refused.
 Error refusal_of(const Asset& asset);
 
-// glTF 2.0, appendix C, without a look at src/compile. Of a node at a time of a clip, which may be null.
+// A node's transform at a time of a clip, which may be null, by glTF 2.0, appendix C. Independent of src/compile.
 Trs<double> node_trs(const Asset& asset, uint32_t node, const AssetClip* clip, double time_s);
 // model_from_node of every node, nothing folded.
 std::vector<AffineT<double>> node_models(const Asset& asset, const AssetClip* clip, double time_s);

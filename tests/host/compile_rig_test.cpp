@@ -1,4 +1,4 @@
-// What compilation makes of nodes, meshes and skins.
+// How compilation turns nodes, meshes and skins into rigs, sections and palettes.
 #include "compile/rig/rig.h"
 #include "tests/host/compile_cases.h"
 #include "tests/shared.h"
@@ -74,7 +74,7 @@ TEST(Compile, FoldingStaticNodesChangesNothing) {
                                        << time_s;
                 worst = std::max(worst, error);
             }
-            // The rigid mesh too, wherever it hangs.
+            // The rigid mesh as well, whatever its parent node is.
             const MeshSection& rigid = character.sections[1];
             const uint32_t entry = character.influences[rigid.first_influences].entries[0];
             EXPECT_LE(matrix_error(pose.model_from_bind[entry].as<float>(), models[60], 1), 3e-6) << "seed " << seed;
@@ -156,7 +156,7 @@ TEST(Compile, LimitsAreNamed) {
     joints.pop_back();
     builder.asset.skins[0] = {.name = "skin", .joints = joints, .inverse_binds = std::vector<Affine>(joints.size())};
     EXPECT_EQ(compiled(builder.asset).rig.joint_count(), 65'535u);
-    // Two skins of as many joints, not equal: more palette entries than 16 bits hold.
+    // Two different skins with as many joints: more palette entries than 16 bits can address.
     builder.skin(joints);
     builder.asset.skins[1].inverse_binds[5].row[0][3] = 1;
     const Error palette = refusal_of(builder.asset);
@@ -164,7 +164,7 @@ TEST(Compile, LimitsAreNamed) {
     EXPECT_TRUE(contains(palette.text(), "65536")) << palette.text();
 }
 
-// A file of a few kilobytes can say so.
+// A file of a few kilobytes can contain this.
 TEST(Compile, AMeshCountsForEachNodeThatShowsIt) {
     AssetBuilder builder;
     builder.mesh(builder.node(kNone));
@@ -193,7 +193,7 @@ TEST(Compile, SectionsAndTheirNamesAreLimited) {
     EXPECT_TRUE(contains(refusal_of(builder.asset).text(), "its meshes take 2400 MiB"));
 }
 
-// Points, lines and what has no positions: a file of a few kilobytes can have 20,000 of them at 20,000 nodes.
+// Points, lines and primitives without positions: a file of a few kilobytes can have 20,000 of them at 20,000 nodes.
 TEST(Compile, PrimitivesWithoutTrianglesHaveNoSection) {
     AssetBuilder builder;
     builder.mesh(builder.node(kNone));
@@ -208,7 +208,7 @@ TEST(Compile, PrimitivesWithoutTrianglesHaveNoSection) {
     for (const MeshSection& section : character.sections) ASSERT_EQ(section.primitive, 2u);
 }
 
-// Each is four million instances times as many nodes, or as many influences.
+// Each case has four million instances times as many nodes, or as many influences.
 TEST(Compile, ManyInstancesAreNotGoneThroughOneByOne) {
     constexpr uint32_t kInstances = kSanitized ? 200'000 : 4'000'000, kNodes = kSanitized ? 1'000 : 400'000;
     AssetBuilder chain;
@@ -247,7 +247,7 @@ TEST(Compile, AnAssetWithNothingToDrawIsRefused) {
     EXPECT_EQ(refusal_of({}).code, ErrorCode::kUnsupported);
 }
 
-// Points and lines have no indices.
+// Meshes of only points or lines have no indices, and need no joint.
 TEST(Compile, WhatIsNotDrawnNeedsNoJoint) {
     AssetBuilder lines;
     lines.asset.meshes[lines.mesh(lines.node(kNone))].primitives[0].indices.clear();
@@ -341,7 +341,7 @@ TEST(Compile, AMirroringNodeTurnsTheWindingRound) {
     EXPECT_EQ(character.indices, (std::vector<uint32_t>{0, 2, 1, 0, 1, 2}));
 }
 
-// The specification goes by the node, whose transform a skinned mesh ignores otherwise.
+// The specification uses the node's transform for the winding order, though a skinned mesh otherwise ignores it.
 TEST(Compile, AMirroringNodeTurnsTheWindingOfSkinsRound) {
     AssetBuilder builder;
     Trs<double> mirror;
@@ -395,7 +395,7 @@ TEST(Compile, ManyVerticesWithoutWeightAreOneWarning) {
     EXPECT_EQ(character.influences[4].entries[0], character.skins[0].first_entry + 1);
 }
 
-// A mesh's skinned and its unskinned primitive, in one mesh with a skin.
+// A skinned and an unskinned primitive in one mesh with a skin.
 TEST(Compile, PrimitivesWithoutJointsFollowTheirNode) {
     AssetBuilder builder;
     const uint32_t root = builder.node(kNone, moved(0, 0, 2)), joint = builder.node(root, moved(3, 0, 0));

@@ -1,4 +1,4 @@
-// What compilation keeps of clips exactly, and what it may leave out.
+// What compiled clips keep exactly, and what they may leave out.
 #include <throng/controller.h>
 #include <throng/procedural.h>
 
@@ -24,7 +24,8 @@ struct TrackErrors {
     double rotation_rad = 0, translation = 0, scale = 0;
 };
 
-// The compiled clip against the source at times on, beside and between the keys. `asset` must fold nothing.
+// Compares the compiled clip with the source at times on, near and between the keys. `asset` must have no node that is
+// folded.
 TrackErrors clip_errors(const Asset& asset, const Character& character, uint32_t clip) {
     TrackErrors errors;
     std::vector<double> times_s;
@@ -36,7 +37,7 @@ TrackErrors clip_errors(const Asset& asset, const Character& character, uint32_t
     }
     times_s.push_back(compiled.duration_s);
     times_s.push_back(0);
-    std::vector<AssetClip> of_nodes(asset.nodes.size());  // their own tracks: node_trs() looks through all
+    std::vector<AssetClip> of_nodes(asset.nodes.size());  // one clip per node, since node_trs() searches all tracks
     for (const AssetTrack& track : asset.clips[clip].tracks) of_nodes[track.node].tracks.push_back(track);
     for (const double time_s : times_s) {
         const std::vector<Trs<double>> pose = sample_reference(character, clip, time_s);
@@ -145,7 +146,7 @@ TEST(Compile, CubicClipsAreRefinedToTheBound) {
                 worst.rotation_rad, worst.translation, worst.scale);
 }
 
-// A symmetric curve meets its chord in the middle: looking there alone would take it for a line.
+// A symmetric curve crosses its chord in the middle: a check only there would take it for a line.
 TEST(Compile, ACubicTrackThatMeetsItsChordIsRefined) {
     AssetBuilder builder;
     const uint32_t joint = builder.node(kNone);
@@ -163,7 +164,7 @@ TEST(Compile, WhatDoesNotChangeIsStoredOnce) {
     builder.mesh(a, builder.skin({a, b}));
     builder.track(a, TrackTarget::kTranslation, {0, 1, 2}, {1, 2, 3, 1, 2, 3, 1, 2, 3});
     builder.track(a, TrackTarget::kScale, {0.5f}, {2, 2, 2});
-    // Tangents move it
+    // Tangents make it move
     builder.track(b, TrackTarget::kTranslation, {0, 1}, {9, 9, 9, 4, 5, 6, 9, 9, 9, 0, 0, 0, 4, 5, 6, 0, 0, 0},
                   Interpolation::kCubicSpline);
     // These do not
@@ -233,8 +234,8 @@ TEST(Compile, NeighbouringRotationsLieInOneHemisphere) {
     }
 }
 
-// Half a turn lies on the border of the hemispheres, where rounding decides: what is stored must mean what the source
-// means.
+// At half a turn the sign of the dot product depends on rounding. The stored keys must turn in the same direction as
+// the source.
 TEST(Compile, HalfATurnGoesTheSourcesWay) {
     Random random(8);
     AssetBuilder builder;
@@ -251,7 +252,8 @@ TEST(Compile, HalfATurnGoesTheSourcesWay) {
     EXPECT_LE(clip_errors(builder.asset, character, 0).rotation_rad, 1e-6);
 }
 
-// Many tracks of few keys at times of their own: the union repeats most keys, and drops what the others reproduce.
+// Many tracks with few keys at different times: merging their times repeats most keys, and drops rows that the others
+// reproduce.
 TEST(Compile, AFarLargerUnionDropsRowsWithinTheBound) {
     Random random(9);
     AssetBuilder builder;
@@ -271,9 +273,9 @@ TEST(Compile, AFarLargerUnionDropsRowsWithinTheBound) {
         }
         builder.track(joint, TrackTarget::kTranslation, times_s, values);
     }
-    // And one with a corner
+    // One with a corner
     builder.track(7, TrackTarget::kRotation, {0, 4, 5, 10}, {0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 1, 0, 0, 0, 1, 0});
-    // And some that spin by half turns, fast enough that every row between two keys could go
+    // Some that spin by half turns, so fast that every row between two keys could be dropped
     for (uint32_t wheel = 80; wheel < 140; ++wheel) {
         const Quaternion<double> start = random.rotation();
         const Vec3<double> axis = random.direction();

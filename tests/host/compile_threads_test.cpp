@@ -12,7 +12,7 @@
 namespace throng::test {
 namespace {
 
-// Enough clips for all threads, and a mesh with levels of detail.
+// A character with enough clips for all threads, and a mesh with levels of detail.
 const Asset& walker() {
     static const Asset asset = [] {
         Asset made = make_creature(
@@ -29,7 +29,7 @@ std::string saved(const Character& character) {
     return read_file(folder.path() / "saved");
 }
 
-// The threads that pack clips are ended wherever it is.
+// Cancels at different polls. The threads that pack clips must end each time.
 TEST(CompileHooks, PackingMayBeCancelled) {
     const std::string wanted = saved(compile_character(walker()).expect());
     Listener whole;

@@ -1,4 +1,4 @@
-// Controllers made in code, and whether they can drive a character.
+// check_controller(): controllers made in code, and whether they can drive a character.
 #include "tools/creatures/creature.h"
 
 #include <throng/controller.h>
@@ -103,7 +103,7 @@ TEST(CheckController, KeepsTheRulesOfFiles) {
               start + "layers: 17 layers, more than the limit of 16");
 }
 
-// Each state has a list of its own, so that a few megabytes of JSON would take gigabytes.
+// Each state gets its own list of these transitions, so a few megabytes of JSON could take gigabytes.
 TEST(CheckController, TransitionsFromAnyStateCountForEachState) {
     ControllerLayer layer;
     for (int i = 0; i < 1024; ++i) layer.states.push_back({.name = "s" + std::to_string(i), .points = {{"idle"}}});

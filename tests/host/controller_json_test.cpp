@@ -1,4 +1,4 @@
-// Controllers as JSON: what is read, and that whatever is refused is refused with its line and a reason.
+// Controllers as JSON: what is read, and that each refusal names a line and a reason.
 #include "controller/controller_rules.h"
 #include "json/json_text.h"
 #include "tests/controller_cases.h"
@@ -213,7 +213,7 @@ TEST(ControllerJson, EachLimitIsKeptAndNamed) {
     EXPECT_NE(error_of(std::string(kJsonTextLimit_bytes, '[')).find("nested deeper"), std::string::npos);
 }
 
-// Whatever the bytes are: a controller, or one line that begins with the file and a line of it.
+// Any bytes give either a controller, or one line that begins with the file and a line number.
 void expect_no_crash(const std::string& json) {
     const std::string error = error_of(json);
     if (error.empty()) return;

@@ -1,4 +1,4 @@
-// What must hold for any controller and any steps.
+// Properties that hold for any controller and any time steps.
 #include "tests/controller_instance.h"
 #include "tests/random_controllers.h"
 
@@ -72,8 +72,8 @@ TEST(AnyController, AsManyEventsAsLoops) {
     }
 }
 
-// Any controller, any step: weights of a layer sum to 1, unless it plays nothing; no more active clips than the tables
-// promise, and the state stays a state.
+// For any controller and steps: a layer's weights sum to 1 unless it plays nothing, there are no more active clips than
+// the tables allow, and the state is valid.
 TEST(AnyController, WhateverHappensLayersAreWhole) {
     Random random(6);
     size_t most = 0, taken = 0;

@@ -1,4 +1,4 @@
-// docs/controller.schema.json against what throng reads and refuses. Skips without python3-jsonschema.
+// docs/controller.schema.json accepts and refuses the same files as throng. Skipped without python3-jsonschema.
 #include "tests/controller_cases.h"
 #include "tests/files.h"
 #include "tests/shared.h"
@@ -20,16 +20,16 @@ namespace fs = std::filesystem;
 
 class ControllerSchema : public testing::Test {
 protected:
-    // They run Python, mostly; ControllerJson.NoBytesCrashIt has the parser under sanitizers
+    // They mostly run Python; ControllerJson.NoBytesCrashIt covers the parser under sanitizers
     void SetUp() override { THRONG_SKIP_WHERE_SANITIZED(); }
 
-    // What the schema says of each text; empty where there is no validator.
+    // The schema's verdict on each text. Empty if there is no validator.
     std::vector<std::string> verdicts(const std::vector<std::string>& texts) {
         std::string names;
         for (size_t i = 0; i < texts.size(); ++i)
             names += " " + folder_.write(std::to_string(i) + ".json", texts[i]).string();
         const std::string source = THRONG_SOURCE_DIR;
-        for (const char* python : {"python3", "/usr/bin/python3"}) {  // Debian's package is of Debian's Python
+        for (const char* python : {"python3", "/usr/bin/python3"}) {  // Debian's package is for Debian's Python
             const std::string command = std::string(python) + " " + source + "/tests/controller_schema.py " + source +
                                         "/docs/controller.schema.json" + names + " 2>&1";
             std::FILE* pipe = popen(command.c_str(), "r");
@@ -84,7 +84,7 @@ TEST_F(ControllerSchema, RefusesWhatASchemaCanTell) {
         }
 }
 
-// Words of the file in other places: what throng still reads, the schema must take.
+// Puts words of the file in other places: what throng still reads, the schema must accept.
 TEST_F(ControllerSchema, IsNeverStricterThanThrong) {
     std::vector<std::string> words{"0", "1", "-1", "0.5", "2.5", "4", "true", "false", "{}", "[]"};
     for (const char* word : {"speed", "side", "alert", "jump", "trigger", "triggered", "legs", "move", "aim",

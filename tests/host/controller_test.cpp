@@ -1,4 +1,4 @@
-// The rules of docs/controller.md, by hand: one instance, one rule each.
+// The rules of docs/controller.md, one at a time, with one instance and results worked out by hand.
 #include "control/control_reference.h"
 #include "control/layer_commands.h"
 #include "tests/controller_instance.h"
@@ -19,7 +19,7 @@ ControllerState one_clip(std::string name, bool loop = true, float speed = 1) {
     return {.name = name, .points = {{name}}, .loop = loop, .speed = speed};
 }
 
-// States a, b, c of the clips with these names.
+// States a, b, c, each with the clip of the same name.
 Controller three_states(std::vector<ControllerTransition> transitions, bool loop = true) {
     Controller controller{.name = "test",
                           .parameters = {{"go", ParameterType::kTrigger}, {"x"}, {"on", ParameterType::kBool}}};
@@ -105,7 +105,7 @@ TEST(Controller, AStackOfThreeLosesItsOldest) {
         instance.play(clip, clip == 0 ? 0.0f : 1.0f);
         instance.update(clip < 3 ? 0.5f : 0.25f);
     }
-    // Fades: 3 at 0.25; 2 at 0.75; 1, the oldest, counts as 1.
+    // Fades: play 3 is at 0.25 and play 2 at 0.75; play 1, the oldest, counts as 1.
     const float third = 0.15625f, second = 0.84375f;
     EXPECT_EQ(instance.weights(), (std::vector<float>{0, (1 - third) * (1 - second), (1 - third) * second, third}));
 }
@@ -115,7 +115,7 @@ TEST(Controller, AFadeThatEndsDropsWhatItCovers) {
     instance.play(0);
     instance.play(1, 4);
     instance.play(2, 1);
-    instance.update(0.25f);  // 1 has covered 0 while 2 has begun
+    instance.update(0.25f);  // play 1 has fully replaced 0; play 2 has begun
     EXPECT_EQ(instance.play_count(), 2u);
     EXPECT_EQ(instance.weights(), (std::vector<float>{0, 0.84375f, 0.15625f}));
 }
@@ -215,12 +215,12 @@ TEST(Controller, IsPutIntoAStateAndGoesOnFromThere) {
         instance.reference.apply(
             {.kind = io::kCommandState, .motion = state, .phase = phase, .loop = loops, .fade_rate = fade_rate});
     };
-    put_into(1, kHalf, 2);  // before it has begun
+    put_into(1, kHalf, 2);  // before the state has begun
     instance.update(0);
     EXPECT_EQ(instance.leading().motion, 1u);
     EXPECT_EQ(instance.leading().phase, kHalf);
     EXPECT_EQ(instance.leading().loops, 2u);
-    instance.update(0.5f);  // of 2 s
+    instance.update(0.5f);  // half a second of 2 s
     instance.update(0);
     EXPECT_EQ(instance.leading().motion, 0u) << "2.75 cycles have been played";
     put_into(2, 0, 0, 1);
@@ -234,7 +234,7 @@ TEST(Controller, IsPutIntoAStateAndGoesOnFromThere) {
     EXPECT_EQ(instance.leading().motion, 0u) << "in the same update";
 }
 
-// A rate that a device takes for 0 would be a fade at once.
+// A rate that a device flushes to 0 would make the fade immediate.
 TEST(Controller, TheLongestFadesHaveARate) {
     const std::vector<LayerKind> kinds(1);
     const std::vector<float> durations_s{1};
@@ -271,7 +271,7 @@ TEST(Controller, ATriggerServesAllLayersOfOneUpdate) {
     EXPECT_EQ(instance.reference.parameters[0], 0);
 }
 
-// a (1 s) and b (2 s) in step, c (4 s) not.
+// a (1 s) and b (2 s) are in one sync group, c (4 s) is not.
 Controller synchronised() {
     Controller controller = three_states(
         {{.from = "a", .to = "b", .conditions = kGo, .fade_s = 1},
@@ -305,7 +305,7 @@ TEST(Controller, WhatIsNotInStepCountsWithTheLeadingRate) {
     const uint32_t phase_of_b = instance.reference.layers[0].plays[1].phase;
     EXPECT_EQ(phase_of_b, kHalf + kQuarter);
     instance.set("on", 1);
-    instance.update(0.5f);  // a fades in over c (now 1) and b (dropped): no phase to take
+    instance.update(0.5f);  // a fades in over c (at weight 1) and b (dropped), so there is no phase to take over
     EXPECT_EQ(instance.leading().phase, phase_of_b + static_cast<uint32_t>(0.5 * 0x1p32))
         << "b was still there when a was pushed; a then goes at its own rate of 1";
     EXPECT_EQ(instance.play_count(), 2u);
@@ -340,8 +340,8 @@ TEST(Controller, AStateThatPlaysNothingShowsTheLayersBelow) {
     EXPECT_EQ(instance.events(), "begun@0");
     instance.update(0.5f);
     EXPECT_EQ(gesture().layer_weight, 0.5f);
-    instance.update(1);      // to its end
-    instance.update(0.25f);  // which leads away: eased, a quarter of the fade leaves 27/32
+    instance.update(1);      // to the clip's end
+    instance.update(0.25f);  // the transition away has begun: eased, a quarter of the fade leaves 27/32
     EXPECT_EQ(gesture().layer_weight, 0.5f * 27 / 32);
     EXPECT_EQ(gesture().weight, 1);
     instance.update(0.75f);
@@ -454,7 +454,7 @@ TEST(Controller, EventsOfTheWayBack) {
     EXPECT_EQ(instance.events(), "half@0.5") << "the end is where it begins";
     instance.update(1.25f);  // from 0.5 down to 0.25 of the cycle before
     EXPECT_EQ(instance.events(), "start@0.5 end@0.5 half@1");
-    instance.update(-0.5f);  // back of back
+    instance.update(-0.5f);  // backwards from a backward state is forward
     EXPECT_EQ(instance.events(), "half@0.25");
     EXPECT_EQ(instance.leading().loops, 1u) << "of those backwards";
 }
@@ -628,7 +628,7 @@ TEST(Controller, WeightsOfLayersGoToTheirGoals) {
     EXPECT_EQ(instance.last.active_clips.size(), 2u) << "so does a masked one";
 }
 
-// Clip a walks 2 m along z in a cycle of 1 s, b turns by a quarter on the spot in 2 s, c stays.
+// Clip a walks 2 m along z in a cycle of 1 s; b makes a quarter turn on the spot in 2 s; c stands still.
 TEST(Controller, TheLowestLayerMovesItsCharacter) {
     Character character = character_of({1, 2, 4});
     character.root_rows = {{0, 0, 1, 0}, {0, 1, 1, 0}, {0, 2, 1, 0}, {0, 0, 1, 0}, {0, 0, 0, 1}};
@@ -667,7 +667,7 @@ TEST(Controller, ActiveClipsAsTheStagesReadThem) {
     Controller controller = direct_layers(2, {{"none", {}}, {"some", {}}});
     controller.layers[1].mode = LayerMode::kAdditive;
     controller.layers[1].mask = "some";
-    Instance instance(controller, {1, 2, 3});  // as long as they were made
+    Instance instance(controller, {1, 2, 3});  // with the durations that the tables were made for
     instance.play(0);
     instance.play(2, 1);
     instance.play(1, 0, 1, true, 0, 1);

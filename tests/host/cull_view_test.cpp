@@ -1,4 +1,4 @@
-// The planes of a view are those of its projection, whatever the kind.
+// The planes of a view match its projection, for every kind of projection.
 #include "crowd/cull_stage.h"
 #include "tests/test_rig.h"
 
@@ -15,13 +15,13 @@ namespace {
 
 enum class Projection { kPerspective, kOrthographic, kReversedInfinite };
 
-// Which of its limits a point of the view goes beyond.
+// Which limit of the view a point exceeds.
 enum class Beyond { kNothing, kLeft, kRight, kBottom, kTop, kNear, kFar };
 
 constexpr double kHalfWidth = 0.8, kHalfHeight = 0.5;  // of the picture, at distance 1
 constexpr double kNearest = 0.5, kFarthest = 90;       // distances of points that are seen
 
-// A camera somewhere, and what its projection makes of a point to its right, above it and in front of it.
+// A random camera, and the projection of a point to its right, above it and in front of it.
 struct ProjectingCamera {
     Projection projection;
     Vec3<double> eye, right, up, forward;
@@ -45,7 +45,7 @@ struct ProjectingCamera {
         const bool is_flat = projection == Projection::kOrthographic;
         set(0, right * (1 / kHalfWidth), 0);
         set(1, up * (1 / kHalfHeight), 0);
-        // Depth is 0 at the near and 1 at the far plane; or, reversed, 1 and 0 infinitely far
+        // Depth is 0 at the near and 1 at the far plane. Reversed, it is 1 at the near plane and 0 at infinity
         const double slope = (is_flat ? 1 : kFarthest) / (kFarthest - kNearest);
         if (projection == Projection::kReversedInfinite)
             set(2, {}, kNearest);

@@ -1,4 +1,5 @@
-// Fewer triangles for a mesh that moves: what must stay, and what may go.
+// Decimating an animated mesh: how well it keeps shape, borders and textures in all poses, and how few triangles
+// result.
 #include "base/failure.h"
 #include "base/progress.h"
 #include "compile/mesh/decimate.h"
@@ -23,7 +24,7 @@ namespace {
 using Places = std::vector<Vec3<float>>;
 using Indices = std::vector<uint32_t>;
 
-// What is decimated: of a character only what that needs.
+// A mesh to decimate. The character has only what decimation needs.
 struct Mesh {
     Character character{.sections = {{}}, .size = 1};
     Places rest;
@@ -43,7 +44,7 @@ struct Mesh {
     }
 };
 
-// In the plane, kSide squares of two triangles a side, from `from` on.
+// A planar grid of kSide x kSide squares with two triangles each, starting at `from`.
 constexpr uint32_t kSide = 16;
 void add_grid(Mesh& mesh, const Vec3<float>& from, float u) {
     const auto first = static_cast<uint32_t>(mesh.rest.size());
@@ -57,7 +58,7 @@ void add_grid(Mesh& mesh, const Vec3<float>& from, float u) {
         }
 }
 
-// Of the places of one mesh from another one.
+// The largest distance of these vertices from the mesh of `indices`.
 float furthest(const Indices& vertices, const Indices& indices, const Places& places) {
     const TriangleIndex mesh(indices, places);
     float squared = 0;
@@ -66,7 +67,7 @@ float furthest(const Indices& vertices, const Indices& indices, const Places& pl
     return std::sqrt(squared);
 }
 
-// How many triangles each edge has.
+// The number of triangles at each edge.
 std::map<std::pair<uint32_t, uint32_t>, int> edges_of(const Indices& indices) {
     std::map<std::pair<uint32_t, uint32_t>, int> edges;
     for (size_t k = 0; k < indices.size(); ++k) {
@@ -85,7 +86,7 @@ TEST(FourTriangles, HaveTheDistancesOfEach) {
         std::array<Four3, 4> all{};
         for (size_t lane = 0; lane < kLanes; ++lane) {
             triangles[lane] = {place(), place(), place()};
-            if (i % 4 == 1) triangles[lane][2] = triangles[lane][0];  // thin as a line
+            if (i % 4 == 1) triangles[lane][2] = triangles[lane][0];  // degenerate: as thin as a line
             if (i % 4 == 2) triangles[lane][1] = triangles[lane][2] = triangles[lane][0];
             points[lane] = place();
             if (i % 4 == 3) points[lane] = triangles[lane][0] * 0.25f + triangles[lane][1] * 0.75f;
@@ -108,7 +109,7 @@ TEST(WeldedMesh, HasOnePointForVerticesThatStayTogether) {
         for (const uint32_t k : {0u, 1u, 2u}) mesh.indices.push_back(static_cast<uint32_t>(3 * i) + k);
     }
     Places moved = mesh.rest;
-    moved[6] = {0, 0, 1};  // goes its own way
+    moved[6] = {0, 0, 1};  // moves away from the others
     const WeldedMesh welded(mesh.character, mesh.indices, std::array{mesh.rest, moved});
     EXPECT_EQ(welded.point_count(), 4u);
     EXPECT_EQ(welded.point_of(0), welded.point_of(3));
@@ -121,7 +122,7 @@ TEST(WeldedMesh, HasOnePointForVerticesThatStayTogether) {
     EXPECT_EQ(welded.most_like(3, welded.point_of(0)).vertex, 3u);
 }
 
-// Without distances between all pairs of vertices, for which there would be no end.
+// Must not compare all pairs of vertices, which would take forever.
 TEST(WeldedMesh, AnyNumberOfVerticesLieAtOnePlace) {
     Mesh mesh;
     constexpr uint32_t kVertices = 100'000, kTexcoords = 1000;
@@ -147,7 +148,8 @@ TEST(WeldedMesh, AnyNumberOfVerticesLieAtOnePlace) {
     for (uint32_t i = 0; i < 256; i += 2) ASSERT_EQ(hidden.point_of(i), hidden.point_of(i + 1));
 }
 
-// At one place at rest, and a little apart in other poses: a vertex belongs to the first that it stays together with.
+// Vertices at one place at rest, a little apart in other poses: each belongs to the first one that it stays together
+// with.
 TEST(WeldedMesh, PointsAreThoseOfComparingAllPairs) {
     constexpr float kClose = 1e-6f;  // the character's size is 1
     Random random(7);
@@ -184,7 +186,7 @@ TEST(WeldedMesh, PointsAreThoseOfComparingAllPairs) {
     EXPECT_GT(parted_count, 500u);
 }
 
-// Texture coordinates that are equal join what has them, though others lie between them.
+// Charts meet at a point if their texture coordinates are equal there, even with other vertices in between.
 TEST(WeldedMesh, ChartsMeetWhereTexturesAgree) {
     Mesh mesh;
     const std::array<std::array<float, 2>, 3> at_corner{{{0.0f, 0.5f}, {0.25f, 0.5f}, {-0.0f, 0.5f}}};
@@ -199,7 +201,7 @@ TEST(WeldedMesh, ChartsMeetWhereTexturesAgree) {
     EXPECT_TRUE(welded.most_like(1, welded.point_of(7)).is_of_same_chart);
     EXPECT_FALSE(welded.most_like(1, welded.point_of(4)).is_of_same_chart);
 
-    // A triangle of another section, which has the same texture coordinates as two of them, joins nothing.
+    // A triangle of another section with the same texture coordinates does not connect charts.
     mesh.character.sections.push_back({});
     for (const uint32_t vertex : {1u, 4u, 7u}) {
         const std::array<float, 2> texcoord = mesh.character.vertices[vertex].texcoord;
@@ -255,7 +257,7 @@ TEST(Decimate, WhatBendsInAPoseKeepsWhatItBendsBy) {
     EXPECT_GT(furthest(mesh.indices, unseen, bent), 0.06f) << "or the pose would make no difference";
 }
 
-// One vertex moves in one of them; those after the third are in a second group of lanes.
+// One vertex moves in one of the poses. Poses after the third are in a second group of lanes.
 TEST(Decimate, AllPosesCount) {
     Mesh mesh;
     add_grid(mesh, {}, 0);
@@ -266,8 +268,8 @@ TEST(Decimate, AllPosesCount) {
     }
 }
 
-// A comb: the gaps between its teeth are not to be filled, though every vertex that is lost would still lie on what is
-// left.
+// A comb: the gaps between its teeth must not be filled, though every removed vertex would still be on the remaining
+// surface.
 TEST(Decimate, GapsStayOpen) {
     Mesh mesh;
     for (uint32_t x = 0; x <= 20; ++x)
@@ -312,7 +314,7 @@ TEST(Decimate, WhatIsClosedStaysClosed) {
     }
 }
 
-// Two charts of a texture that meet, with vertices of their own where they do.
+// Two charts of a texture that meet, each with its own vertices at the seam.
 TEST(Decimate, TexturesKeepTheirCharts) {
     Mesh mesh;
     add_grid(mesh, {0, 0, 0}, 0.0f);
@@ -369,7 +371,7 @@ TEST(Decimate, NothingVanishes) {
     EXPECT_EQ(mesh.decimated(10).size(), mesh.indices.size());
 }
 
-// The tip of a flag has one triangle, and would be gone with its pole.
+// The tip of a flag has only one triangle, and must not vanish with it.
 TEST(Decimate, NoPointVanishesWithItsLastTriangle) {
     Mesh mesh;
     for (const Vec3<float>& place : {Vec3<float>{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}, {3, 0.5f, 0}})
@@ -378,8 +380,8 @@ TEST(Decimate, NoPointVanishesWithItsLastTriangle) {
     EXPECT_LT(furthest({4}, mesh.decimated(1), mesh.rest), 1e-6f);
 }
 
-// Vertex 1 is where two parts of a mesh touch. When 0 goes to 2, it loses the triangle that led to the other part, and
-// may no longer be collapsed into that.
+// Two parts of the mesh touch at vertex 1. When vertex 0 collapses into 2, it loses the triangle that connected it to
+// the other part, and may no longer collapse into that part.
 TEST(Decimate, PlansBesideABorderAreMadeAnew) {
     Mesh mesh;
     for (const Vec3<float>& place :
@@ -415,7 +417,7 @@ TEST(Decimate, RaggedMeshesStayMeshes) {
     EXPECT_LT(worst, 0.13f);
 }
 
-// Work would grow by the square of the triangles around a point.
+// The work must not grow with the square of the number of triangles around a point.
 TEST(Decimate, ManyTrianglesAroundOnePointTakeNoAges) {
     Mesh mesh;
     constexpr uint32_t kAround = 30'000;

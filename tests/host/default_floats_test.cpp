@@ -1,4 +1,4 @@
-// How an application's thread rounds, and which floating-point exceptions it traps, changes no sample and no update.
+// The rounding mode and trapped floating-point exceptions of an application's thread change no sample and no update.
 #include "tests/host/native_cases.h"
 
 #include <throng/joint_sampler.h>
@@ -15,7 +15,7 @@ namespace {
 
 using namespace test;
 
-// While it lives, this thread rounds upwards; where the processor can, divisions by zero end the program.
+// During its lifetime, this thread rounds upwards, and where the processor can trap, divisions by zero end the program.
 class UnusualFloats {
 public:
     UnusualFloats() {
@@ -32,7 +32,7 @@ private:
     std::fenv_t before_;
 };
 
-constexpr uint32_t kPlaybacks = 21;  // some lanes have no instance, whatever their number
+constexpr uint32_t kPlaybacks = 21;  // whatever the number of lanes, some have no instance
 
 std::vector<Playback> playbacks_of(const Character& character) {
     Random random(1);
@@ -61,7 +61,7 @@ TEST(DefaultFloats, HoldInAJointSampler) {
     EXPECT_EQ(got, wanted);
 }
 
-// Updates outside of jobs too: those that make the poses that a skin pool shares.
+// Also outside of jobs, where the shared poses of a skin pool are computed.
 TEST(DefaultFloats, HoldInNativeUpdates) {
     const Character character = make_character({.joint_count = 20});
     const NativeRig rig(character);

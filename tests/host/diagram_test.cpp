@@ -1,5 +1,5 @@
-// The pictures' simulations: each method, done by lists of joints instead of transforms, makes each joint's chain in
-// order, with exactly the multiplications that its plan counts; and docs/scan holds what is drawn now.
+// The simulations behind the diagrams, with lists of joints in place of transforms: each method builds each joint's
+// chain in order, with exactly the multiplications that its plan counts. Also, docs/scan contains the current diagrams.
 #include "bench/diagrams/diagram.h"
 #include "bench/skeletons.h"
 #include "tests/files.h"
@@ -13,7 +13,7 @@
 namespace throng::bench {
 namespace {
 
-// No larger: then a workgroup has an invocation for each joint, so that a flow's thread never does two joints' work.
+// At most this many, so that a workgroup has an invocation per joint and no thread in a diagram works for two joints.
 constexpr uint32_t kMostJoints = 256;
 const ScanLimits kLimits{.shared_memory_bytes = 48 << 10, .workgroup_size = 1024, .subgroup_size = 32, .shuffle = true};
 
@@ -34,7 +34,7 @@ std::vector<ScanMethod> flow_methods() {
 }
 
 TEST(Diagram, EveryMethodMakesEachJointsChain) {
-    THRONG_SKIP_WHERE_SANITIZED();  // TheDocumentationHasTheCurrentOnes simulates each method there
+    THRONG_SKIP_WHERE_SANITIZED();  // TheDocumentationHasTheCurrentOnes covers the simulation of each method there
     for (const ScanMethod& method : flow_methods())
         for (const ScanRig& rig : rigs())
             for (const FlowSettings& settings : {FlowSettings{}, kDiagramSettings}) {
@@ -50,7 +50,7 @@ TEST(Diagram, EveryMethodMakesEachJointsChain) {
             }
 }
 
-// A step's left factor ends above where the rest of its product begins, and each joint is stored once.
+// A step's left factor ends directly above where the right factor begins, and each joint is stored once.
 TEST(Diagram, StepsAreMultiplicationsOfNeighboursInTheTree) {
     THRONG_SKIP_WHERE_SANITIZED();
     for (const ScanMethod& method : flow_methods())
@@ -82,7 +82,7 @@ TEST(Diagram, CountsAreThePlans) {
                 const bool has_threads = method.thread_choices(kLimits).front() != 0;
                 const ScanPlan plan = plan_scan(method, rig, kLimits, has_threads ? threads : 0);
                 ASSERT_EQ(plan.unsupported_reason, "");
-                // Pictures have one character
+                // Diagrams show one character
                 if (has_threads && plan.instances_per_workgroup * threads > plan.workgroup_size) continue;
                 const Flow flow = method.picture.simulate(rig, {.threads = threads});
                 SCOPED_TRACE(std::string(method.name) + ", " + std::to_string(rig.joint_count()) + " joints, " +
@@ -93,7 +93,7 @@ TEST(Diagram, CountsAreThePlans) {
             }
 }
 
-// Throng's own methods may do without.
+// Methods that are throng's own may lack a diagram.
 TEST(Diagram, EveryMethodOfThePaperHasAPicture) {
     std::set<std::string> pictures;
     for (const Diagram& diagram : scan_diagrams()) EXPECT_TRUE(pictures.insert(diagram.name).second) << diagram.name;

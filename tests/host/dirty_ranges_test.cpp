@@ -1,4 +1,4 @@
-// What has changed, by bits, against lists of it.
+// DirtyRanges, which stores changes as bits, against a set of numbers.
 #include "crowd/dirty_ranges.h"
 
 #include <gtest/gtest.h>
@@ -19,7 +19,7 @@ Ranges pairs_of(std::span<const DirtyRanges::Range> ranges) {
     return out;
 }
 
-// Numbers that follow each other are one range.
+// Consecutive numbers form one range.
 Ranges ranges_of(const std::set<uint32_t>& numbers) {
     Ranges out;
     for (const uint32_t number : numbers) {
@@ -51,7 +51,7 @@ TEST(DirtyRanges, WhatWasTakenMayBePutBack) {
     EXPECT_EQ(pairs_of(dirty.take()), (Ranges{{3, 1}, {60, 10}})) << "put back twice";
 }
 
-// 300 numbers, so that ranges begin, end and meet at all bits of a word, and beyond what has been added so far.
+// 300 numbers, so that ranges begin, end and meet at every bit of a word, also beyond the highest number added so far.
 TEST(DirtyRanges, AreThoseOfASet) {
     std::mt19937 random(1);
     const auto below = [&](uint32_t end) { return static_cast<uint32_t>(random() % end); };

@@ -1,4 +1,4 @@
-// The folders of src/: what docs/architecture.md says of them.
+// The folders of src/ follow docs/architecture.md.
 #include "tests/shared.h"
 
 #include <gtest/gtest.h>
@@ -24,7 +24,7 @@ std::string text_of(const fs::path& file) {
     return {std::istreambuf_iterator<char>(in), {}};
 }
 
-// For each folder, the others whose headers its C++ includes. Headers and texts that C++ and GLSL share do not count:
+// For each folder, the other folders whose headers its C++ code includes. Headers shared by C++ and GLSL do not count:
 // any folder may include those.
 std::map<std::string, std::set<std::string>> folders_included() {
     std::map<std::string, std::set<std::string>> out;
@@ -49,7 +49,8 @@ TEST(Folders, IncludeEachOtherInOneDirection) {
     auto left = folders_included();
     ASSERT_GT(left.size(), 20u);
     ASSERT_TRUE(left.at("crowd").contains("gpu"));
-    // Takes away, again and again, those that include none of what is left, or that none of it includes.
+    // Repeatedly removes the folders that include none of the remaining ones, or are included by none: only cycles
+    // remain.
     for (size_t before = 0; before != left.size();) {
         before = left.size();
         std::erase_if(left, [&](const auto& folder) {
@@ -76,7 +77,7 @@ TEST(Folders, AreInTheTableOfParts) {
             << folder;
 }
 
-// Otherwise only the linker complains, about functions, and does not say that a folder is not built.
+// Without this check a missing folder shows only as linker errors about functions.
 TEST(Folders, ArePartsOfTheBuild) {
     THRONG_SKIP_WHERE_SANITIZED();
     const std::string build = text_of(fs::path(THRONG_SOURCE_DIR) / "CMakeLists.txt");

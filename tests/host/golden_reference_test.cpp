@@ -1,4 +1,4 @@
-// The reference against goldens.
+// The double-precision reference against golden poses.
 #include "tests/goldens.h"
 
 namespace throng {

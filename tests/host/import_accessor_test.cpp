@@ -33,7 +33,7 @@ TEST(Import, AccessorsALittleTooLongAreReadAsFarAsTheyGo) {
     EXPECT_FALSE(load(many));
 }
 
-// Keys of 0, and matrices of 0, would be worse than none.
+// Replacing missing keys or matrices with zeros would be worse than leaving them out.
 TEST(Import, WhatLiesBeyondABufferViewIsNoKeyAndNoMatrix) {
     constexpr size_t kCount = 20;
     const auto with_keys = [&](size_t times_there, size_t values_there) {
@@ -131,7 +131,7 @@ TEST(Import, Strides) {
     const size_t view = b.add_view(std::as_bytes(std::span(values)));
     b.json["bufferViews"][view]["byteStride"] = 16;
     const size_t accessor = b.add_accessor(view, 9, "VEC3", kFloat);
-    b.json["accessors"][accessor]["byteOffset"] = 4;  // the last element ends with the view
+    b.json["accessors"][accessor]["byteOffset"] = 4;  // the last element ends at the end of the view
     attributes(b)["POSITION"] = accessor;
     EXPECT_EQ(loaded(b).meshes[0].primitives[0].positions, (std::vector<Vec3<float>>{{1, 2, 3}, {4, 5, 6}, {7, 8, 9}}));
     b.json["accessors"][accessor]["byteOffset"] = 8;
@@ -173,7 +173,7 @@ TEST(Import, Sparse) {
 }
 
 TEST(Import, AmplificationIsBounded) {
-    // An accessor without data costs its file nothing.
+    // An accessor without data takes no space in the file.
     GlbBuilder b = tiny_character();
     b.json["accessors"].push_back({{"componentType", kFloat}, {"count", 400'000'000}, {"type", "VEC3"}});
     attributes(b) = {{"POSITION", 8}};
@@ -181,7 +181,7 @@ TEST(Import, AmplificationIsBounded) {
     b.json["accessors"][8]["sparse"] = {
         {"count", 0}, {"indices", {{"bufferView", 0}, {"componentType", kUint8}}}, {"values", {{"bufferView", 0}}}};
     expect_limit(b, "accessors[8]");
-    // Nor do many primitives over one.
+    // Nor do many primitives that share one accessor.
     b.json["accessors"][8] = {{"componentType", kFloat}, {"count", 1'000'000}, {"type", "VEC3"}};
     primitive(b).erase("indices");
     const GltfJson one = primitive(b);
@@ -189,7 +189,7 @@ TEST(Import, AmplificationIsBounded) {
     const auto result = load(b);
     ASSERT_FALSE(result.ok());
     EXPECT_EQ(result.error().code, ErrorCode::kLimit);
-    // Nor do many sets of influences, which are refused as a whole.
+    // Nor do many sets of influences. All of them together are refused.
     b.json["meshes"][0]["primitives"] = GltfJson::array({one});
     b.json["accessors"].push_back({{"componentType", kUint8}, {"count", 1'000'000}, {"type", "VEC4"}});
     b.json["accessors"].push_back({{"componentType", kFloat}, {"count", 1'000'000}, {"type", "VEC4"}});
@@ -200,7 +200,7 @@ TEST(Import, AmplificationIsBounded) {
     expect_limit(b, "meshes[0].primitives[0].attributes");
 }
 
-// What a file contains may take the more memory the larger it is.
+// The memory limit grows with the file's size.
 TEST(Import, MemoryIsLimitedByTheSizeOfTheFile) {
     constexpr uint64_t kMiB = uint64_t{1} << 20;
     gltf::Budget small(1000), large(100 * kMiB);
@@ -228,7 +228,7 @@ TEST(Import, MemoryThatIsFreedIsGivenBack) {
     bytes.reset();
     EXPECT_FALSE(is_empty()) << "somebody still holds them";
     also.reset();
-    // All that is decoded has a limit of its own; 12,000 bytes are missing for the last round.
+    // Decoded data has its own limit. In the last round, 12,000 bytes are missing.
     for (uint64_t round = 1; round < gltf::kDecodedOfMemory; ++round) EXPECT_TRUE(is_empty()) << round;
     try {
         budget.charge(gltf::kMemoryLimitBytes, "meshes[0]");

@@ -1,4 +1,4 @@
-// Loading of files that are built for it, and what is expected of them.
+// Loading of files that tests build, and expectations about the result.
 #pragma once
 
 #include "import/container.h"
@@ -16,26 +16,26 @@ namespace throng::test {
 
 Result<Asset> load(const std::string& content, const std::string& name = "file.glb");
 Result<Asset> load(const GlbBuilder& b);
-// What must be valid.
+// Loads a file that must be valid.
 Asset loaded(const GlbBuilder& b);
 bool has_warning(const Asset& asset, const std::string& part);
 
-// With one line that names the place, and has `part`.
+// Expects a refusal in one line that names the place and contains `part`.
 void expect_refused(const Result<Asset>& result, ErrorCode code, const std::string& place,
                     const std::string& part = "");
 void expect_refused(const GlbBuilder& b, const std::string& place, const std::string& part = "");
 void expect_limit(const GlbBuilder& b, const std::string& place);
 
-// The first ones.
+// The file's first primitive, its attributes, and the first sampler and channel.
 GltfJson& primitive(GlbBuilder& b);
 GltfJson& attributes(GlbBuilder& b);
 GltfJson& sampler(GlbBuilder& b);
 GltfJson& channel(GlbBuilder& b);
 
-// Whether `size_bytes` more could be charged.
+// Whether the budget allows `size_bytes` more.
 bool has_room(gltf::Budget& budget, uint64_t size_bytes);
 
-// The buffers of a file as readers see them, and what they are charged to.
+// A file's buffers as readers see them, and the budget that they count against.
 class OpenedBuffers {
 public:
     explicit OpenedBuffers(const GlbBuilder& b);

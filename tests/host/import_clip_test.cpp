@@ -1,4 +1,4 @@
-// Clips: their keys, channels and interpolations.
+// Animation clips: keys, channels and interpolations.
 #include "import/readers.h"
 #include "tests/host/compile_cases.h"
 #include "tests/host/import_cases.h"
@@ -21,7 +21,7 @@ TEST(Import, Interpolations) {
     sampler(b)["output"] = b.add<float>({0, 0, 0, 0, 0, 0, 0, 1, 9, 9, 9, 9, 8, 8, 8, 8, 0, 0, 1, 0, 0, 0, 0, 0},
                                         "VEC4", kFloat);
     const Asset asset = loaded(b);
-    EXPECT_TRUE(asset.warnings.empty());  // a tangent of length zero is no fault
+    EXPECT_TRUE(asset.warnings.empty());  // a tangent of length zero is valid
     EXPECT_EQ(asset.clips[0].tracks[0].interpolation, Interpolation::kCubicSpline);
     EXPECT_EQ(asset.clips[0].tracks[0].values.size(), 24u);
     sampler(b)["interpolation"] = "BEZIER";
@@ -67,7 +67,7 @@ TEST(Import, KeyTimes) {
     EXPECT_TRUE(has_warning(none, "animations[0].channels[0]: has no keys"));
 }
 
-// A clip of one translation with such keys: x is the number of the key, from 1 on.
+// A clip with one translation track and keys at these times. x is the number of the key, starting at 1.
 GlbBuilder with_keys(const std::vector<float>& times_s, const char* interpolation = "LINEAR") {
     GlbBuilder b = tiny_character();
     std::vector<float> values;
@@ -109,7 +109,8 @@ TEST(Import, KeyTimesThatGoBackAreSorted) {
     expect_keys(with_keys({2, 1}, "CUBICSPLINE"), {1, 2}, {0.2f, 2, 0.02f, 0.1f, 1, 0.01f});
     expect_keys(with_keys({5}), {5}, {1});
 
-    // At one time the value jumps: the interval before ends at the first key, the interval behind begins at the last.
+    // The value jumps at a key time: the interval before ends at the first such key, the interval after begins at the
+    // last.
     asset = expect_keys(with_keys({0, 0.5f, 0.5f, 0.5f, 1}), {0, before(0.5f), 0.5f, 1}, {1, 2, 4, 5});
     EXPECT_EQ(asset.warnings.size(), 1u);
     EXPECT_TRUE(has_warning(asset, input + "2 of the clip's 5 keys have the time of another one"));
@@ -118,7 +119,8 @@ TEST(Import, KeyTimesThatGoBackAreSorted) {
     EXPECT_TRUE(has_warning(asset, input + "2 of the clip's 4 keys have the time"));
     expect_keys(with_keys({1, 1, 2}, "CUBICSPLINE"), {before(1.0f), 1, 2},
                 {0.1f, 1, 0.01f, 0.2f, 2, 0.02f, 0.3f, 3, 0.03f});
-    // The last one alone: steps, at 0, where floats have no time between, and where the difference is no normal float.
+    // Only the last key is kept for steps, at 0, where floats have no time between, and where the difference is not a
+    // normal float.
     expect_keys(with_keys({0, 1, 1, 2}, "STEP"), {0, 1, 2}, {1, 3, 4});
     expect_keys(with_keys({0, 0, 0}), {0}, {3});
     expect_keys(with_keys({before(1.0f), 1, 1}), {before(1.0f), 1}, {1, 3});
@@ -126,7 +128,7 @@ TEST(Import, KeyTimesThatGoBackAreSorted) {
     expect_keys(with_keys({1e-33f, 1e-33f}), {1e-33f}, {2});
 }
 
-// Which keys of the file they are is known only while they are read.
+// Which of the file's keys to keep is known only while they are read.
 TEST(Import, WhatSortsKeysIsGivenBack) {
     GlbBuilder b = tiny_character();
     b.json["buffers"][0]["byteLength"] = b.bin.size();
@@ -161,7 +163,7 @@ TEST(Import, MendedKeysAreOneWarningAClip) {
     EXPECT_TRUE(has_warning(loaded(with_keys({0, 3, 2, 1})), place + "2 of the clip's 4 keys are earlier"));
 }
 
-// Keys that share a time play as three.js plays them; keys that go back play as if they had been sorted.
+// Keys that share a time play as in three.js. Keys that go back in time play as if they had been sorted.
 TEST(Import, MendedKeysPlay) {
     const auto tip_x = [](const GlbBuilder& b, double time_s) {
         const Character character = *compile_character(loaded(b));
@@ -170,7 +172,7 @@ TEST(Import, MendedKeysPlay) {
         const auto tip = std::find(names.begin(), names.end(), "tip") - names.begin();
         return pose->model_from_joint.at(size_t(tip)).row[0][3];
     };
-    constexpr double kBound = 1e-3;  // of packed clips
+    constexpr double kBound = 1e-3;  // for packed clips
     const GlbBuilder back = with_keys({0, 2, 1, 3});
     EXPECT_NEAR(tip_x(back, 0.5), 2, kBound);
     EXPECT_NEAR(tip_x(back, 1.5), 2.5, kBound);
@@ -182,14 +184,14 @@ TEST(Import, MendedKeysPlay) {
     EXPECT_NEAR(tip_x(jump, 1.5), 3.5, kBound);
     EXPECT_NEAR(tip_x(with_keys({1, 1, 1}), 0.5), 1, kBound);
     EXPECT_NEAR(tip_x(with_keys({1, 1, 1}), 1), 3, kBound);
-    // Tangents of 0.03 and 0.2 per second where it goes from the third to the second key.
+    // Tangents of 0.03 and 0.2 per second between the file's third and second key.
     const double middle = (3 + 2) / 2.0 + (0.03 - 0.2) / 8;
     EXPECT_NEAR(tip_x(with_keys({0, 2, 1, 3}, "CUBICSPLINE"), 1.5), middle, kBound);
 }
 
 // ---- Key times before 0
 
-// A clip of one channel with a sampler of its own; of weights, for the mesh's three morph targets.
+// A clip of one channel with its own sampler. Weights are for the mesh's three morph targets.
 GlbBuilder with_curve(const char* path, const char* interpolation, const std::vector<float>& times_s,
                       const std::vector<float>& values) {
     GlbBuilder b = tiny_character();
@@ -204,7 +206,7 @@ GlbBuilder with_curve(const char* path, const char* interpolation, const std::ve
     return b;
 }
 
-// The only curve of a clip, as a track of node 0; three weights at a time are as a translation.
+// The clip's only track, as a track of node 0. Three weights per time are treated like a translation.
 AssetTrack curve_of(const AssetClip& clip) {
     AssetTrack out;
     if (!clip.tracks.empty()) {
@@ -235,7 +237,7 @@ TEST(Import, ACurveThatBeginsBeforeZeroIsCutThere) {
               std::pair("CUBICSPLINE", Interpolation::kCubicSpline)}) {
             SCOPED_TRACE(std::string(path) + ", " + name);
             std::vector<float> values = plain;
-            if (interpolation == Interpolation::kCubicSpline) {  // the keys before and after are the tangents
+            if (interpolation == Interpolation::kCubicSpline) {  // per key, the tangents before and after the value
                 values.clear();
                 const size_t width = plain.size() / times_s.size();
                 for (size_t i = 0; i < plain.size() * 3; ++i)
@@ -275,7 +277,7 @@ TEST(Import, KeysBeforeZeroAtTheEdges) {
     track = track_of(with_keys({-2, -1}, "CUBICSPLINE"));
     EXPECT_EQ(track.values, (std::vector<float>{0.2f, 0, 0, 2, 0, 0, 0.02f, 0, 0}));
 
-    // Keys are sorted first, and what comes last at one time goes on from there.
+    // Keys are sorted first. Of several keys at one time, the last one's value goes on.
     GlbBuilder b = with_keys({1, -1, -1});
     const Asset asset = loaded(b);
     EXPECT_EQ(asset.clips[0].tracks[0].values, (std::vector<float>{2, 0, 0, 1, 0, 0}));

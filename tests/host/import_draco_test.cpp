@@ -1,4 +1,4 @@
-// What KHR_draco_mesh_compression has packed.
+// Importing meshes compressed with KHR_draco_mesh_compression.
 #include "import/draco.h"
 #include "tests/host/import_cases.h"
 
@@ -71,7 +71,7 @@ TEST(Import, DracoLeavesMorphTargetsAlone) {
     expect_refused(b, "meshes[0].primitives[0].targets[0].POSITION", "has 1 elements, but POSITION has 4");
 }
 
-// A mesh counts while it is there, and what decoding it takes only until it is decoded.
+// A decoded mesh counts against the budget while it exists; the decoder's own memory counts only during decoding.
 TEST(Import, DracoGivesItsMemoryBack) {
     GlbBuilder b = draco_character(draco::MESH_EDGEBREAKER_ENCODING);
     b.json["buffers"][0]["byteLength"] = b.bin.size();
@@ -79,7 +79,7 @@ TEST(Import, DracoGivesItsMemoryBack) {
     const JsonView primitive = file.root().required_array("meshes")[0].required_array("primitives")[0];
     {
         const gltf::DracoMesh mesh(*primitive.extension("KHR_draco_mesh_compression"), file.buffers, file.budget);
-        // 2 triangles of 12 bytes; 4 vertices of 12, 4 and 16 bytes, and 4 for each attribute.
+        // 2 triangles of 12 bytes; 4 vertices of 12, 4 and 16 bytes, and 4 more per vertex for each attribute.
         EXPECT_TRUE(has_room(file.budget, gltf::kMemoryLimitBytes - 200));
         EXPECT_FALSE(has_room(file.budget, gltf::kMemoryLimitBytes - 199));
         gltf::AccessorFormat format{.type = "VEC3", .component_count = 3, .count = 4};

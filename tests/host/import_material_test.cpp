@@ -1,4 +1,4 @@
-// Materials, textures and images.
+// Importing materials, textures and images.
 #include "tests/host/import_cases.h"
 
 #include <cmath>
@@ -35,7 +35,7 @@ TEST(Import, Materials) {
     EXPECT_EQ(asset.materials[0].image, 0u);
     EXPECT_EQ(asset.materials[1].image, kNone);
     EXPECT_EQ(asset.materials[1].alpha_mode, AlphaMode::kBlend);
-    EXPECT_EQ(asset.materials[2].image, 0u);  // read once
+    EXPECT_EQ(asset.materials[2].image, 0u);  // imported only once
     EXPECT_EQ(asset.materials[2].alpha_mode, AlphaMode::kOpaque);
     EXPECT_EQ(asset.materials[3].image, kNone);
     ASSERT_EQ(asset.images.size(), 1u);
@@ -125,7 +125,7 @@ TEST(Import, MaterialsHaveAllTexturesThatShareTheirCoordinates) {
     expect_refused(b, "materials[0].normalTexture.index", "index 5");
 }
 
-// KHR_texture_transform: scaled, then turned, then moved.
+// KHR_texture_transform: scale, then rotate, then translate.
 TEST(Import, TextureCoordinatesAreThoseThatTheTextureIsLookedUpBy) {
     GlbBuilder b = tiny_character();
     attributes(b)["TEXCOORD_1"] = b.add<float>({0.25f, 0.5f, 1, 0, 0, 1}, "VEC2", kFloat);
@@ -205,7 +205,7 @@ TEST(Import, ColoursOfSpecularGlossinessAreReadWhereThereAreNoOthers) {
     EXPECT_EQ(loaded(b).materials[0].base_color, (std::array<float, 4>{1, 0, 0, 1}));
 }
 
-// A character without its texture is still a character.
+// A missing texture does not make the character invalid.
 TEST(Import, MissingImages) {
     for (const char* uri :
          {"missing.png", "../up.png", "/etc/passwd", "http://localhost/a.png", "data:image/png;base64", "C:\\a.png"}) {

@@ -1,4 +1,4 @@
-// Meshes: attributes, influences, indices.
+// Importing meshes: attributes, influences, indices.
 #include "tests/host/import_cases.h"
 #include "tests/test_rig.h"
 
@@ -13,14 +13,14 @@ TEST(Import, NormalsThatAreMissingAreMade) {
     EXPECT_EQ(asset.meshes[0].primitives[0].normals, (std::vector<Vec3<float>>(3, {0, 0, 1})));
 
     b = tiny_character();
-    overwrite(b, kNormals, 3, 1.0f);  // of the second, which looks along x
+    overwrite(b, kNormals, 3, 1.0f);  // of the second vertex, which points along x
     overwrite(b, kNormals, 5, 0.0f);
-    overwrite(b, kNormals, 8, 0.0f);  // of the third
+    overwrite(b, kNormals, 8, 0.0f);  // of the third vertex
     asset = loaded(b);
     EXPECT_TRUE(has_warning(asset, "1 of 3 vertices have no normal"));
     EXPECT_EQ(asset.meshes[0].primitives[0].normals, (std::vector<Vec3<float>>{{0, 0, 1}, {1, 0, 0}, {0, 0, 1}}));
 
-    overwrite(b, kPosition, 3, 0.0f);  // a triangle of no area: nobody knows
+    overwrite(b, kPosition, 3, 0.0f);  // a triangle of zero area: its normal is unknown
     asset = loaded(b);
     EXPECT_EQ(asset.meshes[0].primitives[0].normals[2], (Vec3<float>{}));
     EXPECT_TRUE(compile_character(asset));
@@ -36,7 +36,7 @@ TEST(Import, VertexAttributes) {
     Asset asset = loaded(b);
     const AssetPrimitive& p = asset.meshes[0].primitives[0];
     EXPECT_EQ(p.normals[0], (Vec3<float>{0, 0, 1}));
-    EXPECT_EQ(p.normals[1], (Vec3<float>{0, 0, 1}));  // mended
+    EXPECT_EQ(p.normals[1], (Vec3<float>{0, 0, 1}));  // replaced
     EXPECT_TRUE(has_warning(asset, "meshes[0].primitives[0].attributes.NORMAL: has values that are not finite"));
     EXPECT_EQ(p.texcoords[0], (std::array<float, 2>{0, 1}));
     EXPECT_EQ(p.colors[0], (std::array<float, 4>{1, 0.5f, 0, 1}));
@@ -95,7 +95,7 @@ TEST(Import, Quantised) {
     EXPECT_EQ(p.texcoords[2], (std::array<float, 2>{5, 6}));
 }
 
-// A triangle's vertices, of five that two primitives share. Nobody names number 3, which is broken.
+// The vertices of two triangles among five that two primitives share. No primitive uses number 3, which is broken.
 GlbBuilder shared_vertices() {
     GlbBuilder b = tiny_character();
     std::vector<float> positions, normals, texcoords, colors, weights, moved;
@@ -172,7 +172,7 @@ TEST(Import, VerticesThatTrianglesNameAllKeepTheirOrder) {
     const Asset asset = loaded(b);
     EXPECT_EQ(asset.meshes.at(0).primitives.at(0).indices, (std::vector<uint32_t>{2, 0, 1}));
     EXPECT_EQ(asset.meshes[0].primitives[0].positions, (std::vector<Vec3<float>>{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}));
-    // Without indices, also those of a triangle that is incomplete.
+    // Without indices, this includes the vertices of an incomplete triangle.
     attributes(b) = {{"POSITION", b.add<float>({1, 1, 1, 2, 2, 2, 3, 3, 3, 4, 4, 4}, "VEC3", kFloat)}};
     b.json["nodes"][0].erase("skin");
     primitive(b).erase("indices");
@@ -201,13 +201,13 @@ TEST(Import, IntegersWhereTheyAreNotAllowedAreNormalised) {
     GlbBuilder b = good;
     b.json["meshes"][0]["primitives"].push_back(primitive(b));
     EXPECT_TRUE(has_warning(loaded(b), "8 of 12 attributes")) << "one line for all";
-    // KHR_mesh_quantization allows texture coordinates that are not normalised: they stay as they are.
+    // KHR_mesh_quantization allows unnormalised texture coordinates. They stay as they are.
     b = good;
     b.json["extensionsUsed"] = {"KHR_mesh_quantization"};
     const Asset quantized = loaded(b);
     EXPECT_EQ(quantized.meshes.at(0).primitives.at(0).texcoords.at(1), (std::array<float, 2>{13107, 0}));
     EXPECT_EQ(quantized.warnings, (std::vector<std::string>{place + "NORMAL: 3" + normalised}));
-    // Signed colours, or 32 bits, mean nothing.
+    // Signed and 32-bit colours are not defined.
     b = good;
     attributes(b)["COLOR_0"] = b.add<int8_t>({1, 2, 3, 4, 5, 6, 7, 8, 9}, "VEC3", kInt8);
     expect_refused(b, "meshes[0].primitives[0].attributes.COLOR_0", "must not be 8-bit integers");
@@ -230,7 +230,7 @@ TEST(Import, NormalsOfAWrongFormatAreMade) {
     }
 }
 
-// The one that needs the most joints is named, whichever primitive has it.
+// The error names the primitive that needs the most joints, whichever it is.
 TEST(Import, TheLargestJointOfAMeshIsChecked) {
     GlbBuilder b = tiny_character();
     b.json["meshes"][0]["primitives"].push_back(primitive(b));
@@ -244,7 +244,7 @@ TEST(Import, TheLargestJointOfAMeshIsChecked) {
 
 TEST(Import, Influences) {
     const std::string place = "meshes[0].primitives[0].attributes";
-    // Two sets, the second of normalised integers.
+    // Two sets of influences, the second with normalised integers.
     GlbBuilder b = tiny_character();
     attributes(b)["JOINTS_1"] = b.add<uint16_t>({1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0}, "VEC4", kUint16);
     attributes(b)["WEIGHTS_1"] = b.add<uint8_t>({255, 0, 0, 0, 51, 0, 0, 0, 0, 0, 0, 0}, "VEC4", kUint8);
@@ -259,11 +259,11 @@ TEST(Import, Influences) {
     expect_refused(b, place, "there are 2 sets of JOINTS, but 1 of WEIGHTS");
 
     b = tiny_character();
-    overwrite<uint8_t>(b, kVertexJoints, 3, 200);  // of weight 0
+    overwrite<uint8_t>(b, kVertexJoints, 3, 200);  // with weight 0
     EXPECT_EQ(loaded(b).meshes[0].primitives[0].influence_joints[3], 0);
     overwrite<uint8_t>(b, kVertexJoints, 4, 2);
     expect_refused(b, place + ".JOINTS_0", "vertex 1 follows joint 2, but skins[0] has 2");
-    b.json["nodes"][0].erase("skin");  // nobody uses the joints
+    b.json["nodes"][0].erase("skin");  // nothing uses the joints
     EXPECT_TRUE(load(b).ok());
     b = tiny_character();
     overwrite(b, kWeights, 1, -0.5f);
@@ -292,7 +292,7 @@ TEST(Import, WeightsThatAreNotFiniteAreZero) {
     EXPECT_EQ(p.influence_weights, (std::vector<float>{0.25f, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0}));
     EXPECT_EQ(p.influence_joints, (std::vector<uint16_t>{0, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0}));
 
-    // None is left: each vertex follows its first joint, or the skin's first where that has no such joint.
+    // If no weight is valid, each vertex follows its first joint, or the skin's first if the skin has no such joint.
     for (size_t i = 0; i < 12; ++i) overwrite(b, kWeights, i, kNan);
     for (size_t i = 0; i < 12; ++i) overwrite<uint8_t>(b, kVertexJoints, i, i == 8 ? 200 : 1);
     asset = loaded(b);
@@ -303,7 +303,7 @@ TEST(Import, WeightsThatAreNotFiniteAreZero) {
     const Character character = *compile_character(asset);
     const auto positions = reference_positions(character, *reference_pose(character, {}));
     ASSERT_EQ(positions.size(), 3u);
-    // The tip stands at (1, -2, -3); its inverse bind matrix moves by (-1, 2, 3).
+    // The tip is at (1, -2, -3). Its inverse bind matrix translates by (-1, 2, 3).
     EXPECT_EQ(positions[1], (Vec3<double>{1, 0, 0}));
     EXPECT_EQ(positions[2], (Vec3<double>{0, 1, 0}));
     const auto turned = reference_pose(character, {.first = {.clip = 0, .time_s = 1, .loop = false}});
@@ -313,7 +313,7 @@ TEST(Import, WeightsThatAreNotFiniteAreZero) {
     ASSERT_EQ(character.warnings.size(), 2u);
     EXPECT_NE(character.warnings[1].find("3 of 3 skinned vertices"), std::string::npos) << character.warnings[1];
 
-    // A second set has weight: the joints of the first mean nothing.
+    // If only a second set has weights, the joints of the first have no effect.
     attributes(b)["JOINTS_1"] = b.add<uint8_t>({1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0}, "VEC4", kUint8);
     attributes(b)["WEIGHTS_1"] = b.add<float>({1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0}, "VEC4", kFloat);
     EXPECT_EQ(loaded(b).meshes[0].primitives[0].influence_joints[16], 0);
@@ -356,7 +356,7 @@ TEST(Import, Modes) {
     expect_refused(b, "meshes[0].primitives[0].mode", "99 is unknown");
 }
 
-// So a file of a few kilobytes could be gigabytes of vertices, or of names.
+// Otherwise a file of a few kilobytes could become gigabytes of vertices or names.
 TEST(Import, MeshesCountForEachNodeThatShowsThem) {
     constexpr uint64_t kVertices = 99'999;  // 32 bytes, influences of 24 and an index of 4 each
     GlbBuilder b = tiny_character();

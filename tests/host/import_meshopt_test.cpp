@@ -1,4 +1,4 @@
-// What EXT_meshopt_compression and KHR_meshopt_compression have packed.
+// Importing buffers compressed with EXT_meshopt_compression and KHR_meshopt_compression.
 #include "tests/host/import_cases.h"
 
 #include <meshoptimizer.h>
@@ -41,7 +41,7 @@ std::vector<unsigned char> encoded_vertices(const void* data, size_t count, size
 
 GlbBuilder meshopt_character() {
     GlbBuilder b = tiny_character();
-    // Positions as they are, indices as triangles, the rotations through the quaternion filter, normals octahedral.
+    // Positions unfiltered, indices as triangles, rotations with the quaternion filter, normals octahedral.
     const std::vector<float> positions{0, 0, 0, 1, 0, 0, 0, 1, 0};
     compress_view(b, kPosition, encoded_vertices(positions.data(), 3, 12), 12, 3, {{"mode", "ATTRIBUTES"}});
     const std::vector<unsigned> indices{0, 1, 2};
@@ -80,7 +80,7 @@ TEST(Import, Meshopt) {
     EXPECT_NEAR(asset.clips.at(0).tracks.at(0).values[6], std::sqrt(0.5f), 1e-3);
     EXPECT_NEAR(asset.clips.at(0).tracks.at(0).values[7], std::sqrt(0.5f), 1e-3);
 
-    // The other filter and the other mode.
+    // The remaining filter and mode.
     GlbBuilder b = tiny_character();
     const std::vector<float> times{0, 1};
     std::vector<uint32_t> exponential(2);
@@ -96,7 +96,7 @@ TEST(Import, Meshopt) {
     EXPECT_EQ(other.meshes.at(0).primitives.at(0).indices, (std::vector<uint32_t>{0, 1, 2}));
 }
 
-// Its newer form: the same, and more that is refused by name.
+// The newer extension: the same, except that more is refused, by the extension's name.
 TEST(Import, MeshoptOfKhronos) {
     const auto renamed = [](const GlbBuilder& b) {
         std::string text = b.json.dump();

@@ -1,4 +1,4 @@
-// Morph targets and their weights.
+// Importing morph targets and their weights.
 #include "tests/host/import_cases.h"
 #include "tests/test_rig.h"
 
@@ -65,8 +65,8 @@ TEST(Import, MorphTargets) {
     EXPECT_TRUE(loaded(b).meshes[0].target_names.empty());
 }
 
-// UniVRM writes a mesh so: all primitives have the same vertices and targets, and each names some of the vertices. With
-// all of them in each primitive these would take 240 MB, and their accessors as much again.
+// UniVRM writes meshes in this way: all primitives share the vertices and targets, and each uses some of the vertices.
+// If each primitive kept all of them, they would take 240 MB, and their accessors as much again.
 TEST(Import, PrimitivesThatShareMorphTargetsKeepTheirOwnVertices) {
     GlbBuilder b = tiny_character();
     const std::array<float, 3> moved{7, 8, 9};
@@ -160,7 +160,7 @@ TEST(Import, BrokenMorphTargets) {
     refused([](GlbBuilder& b) { b.json["nodes"][0]["weights"] = {1}; }, "nodes[0].weights",
             "has 1 numbers, but the mesh has 2 morph targets");
     refused([](GlbBuilder& b) { b.json["nodes"][0]["weights"] = {0, 1e40}; }, "nodes[0].weights[1]", "");
-    // Many targets over one accessor cost a file nothing.
+    // Many targets that share one accessor take almost no space in a file.
     GlbBuilder b = tiny_character();
     b.json["accessors"].push_back({{"componentType", kFloat}, {"count", 100'000}, {"type", "VEC3"}});
     attributes(b) = {{"POSITION", 8}};

@@ -1,4 +1,4 @@
-// Nodes, scenes and skins.
+// Importing nodes, scenes and skins.
 #include "tests/host/import_cases.h"
 #include "tests/test_rig.h"
 
@@ -15,13 +15,13 @@ TEST(Import, NodeMatrix) {
     EXPECT_TRUE(asset.warnings.empty());
     const Trs<double>& t = asset.nodes[1].parent_from_node;
     EXPECT_EQ(t.translation, (Vec3<double>{5, 6, 7}));
-    EXPECT_EQ(t.scale, (Vec3<double>{-2, 3, 4}));  // the mirror goes to x
+    EXPECT_EQ(t.scale, (Vec3<double>{-2, 3, 4}));  // the mirroring moves to x
     const AffineT<double> m = to_affine(t);
     const double expected[3][3] = {{0, 0, -4}, {2, 0, 0}, {0, 3, 0}};
     for (int r = 0; r < 3; ++r)
         for (int c = 0; c < 3; ++c) EXPECT_NEAR(m.row[size_t(r)][size_t(c)], expected[r][c], 1e-12);
 
-    // All quadrants of the conversion to a quaternion.
+    // Covers all branches of the conversion to a quaternion.
     for (int turn = 0; turn < 64; ++turn) {
         const Trs<double> in{normalized(Quaternion<double>{double(turn % 4) - 1.5, double(turn / 4 % 4) - 1.4,
                                                            double(turn / 16) - 1.3, 0.2}),
@@ -44,7 +44,7 @@ TEST(Import, OddNodeMatrices) {
     EXPECT_TRUE(has_warning(loaded(b), "nodes[1].matrix: has shear"));
     b.json["nodes"][1]["translation"] = {1, 2, 3};
     EXPECT_TRUE(has_warning(loaded(b), "nodes[1]: has both"));
-    // Flat matrices keep a unit rotation.
+    // Matrices that flatten still give a unit rotation.
     for (const GltfJson& flat : {GltfJson{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1},
                                  GltfJson{0, 0, 0, 0, 0, 1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1},
                                  GltfJson{0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1}}) {
@@ -85,7 +85,7 @@ TEST(Import, NodeTree) {
     expect_refused(b, "nodes[2].children[0]", "-1");
     b.json["nodes"][2]["children"] = {0.5};
     expect_refused(b, "nodes[2].children[0]", "0.5");
-    b.json["nodes"][2]["children"] = {0.0};  // an integer too
+    b.json["nodes"][2]["children"] = {0.0};  // counts as an integer
     EXPECT_EQ(loaded(b).nodes[0].parent, 2u);
     b.json["nodes"] = {7};
     expect_refused(b, "nodes[0]", "must be an object");
@@ -95,7 +95,7 @@ TEST(Import, DeepChain) {
     constexpr uint32_t kDepth = 200'000;
     GlbBuilder b = tiny_character();
     b.json["nodes"][2]["children"] = {3};
-    // As text: so many objects of a JSON library take longer than all that is tested
+    // Inserted as text: as JSON objects, so many would take longer than all that is tested
     const std::string text = b.gltf(), nodes = b.json["nodes"].dump();
     const size_t end_of_nodes = text.find(nodes) + nodes.size() - 1;
     ASSERT_EQ(text[end_of_nodes], ']');
@@ -116,7 +116,7 @@ TEST(Import, Scenes) {
     GlbBuilder b = tiny_character();
     b.json["nodes"][2]["mesh"] = 0;            // without skin: follows node 2 rigidly
     b.json["nodes"].push_back({{"mesh", 0}});  // in no scene
-    b.json["nodes"].push_back({{"skin", 0}});  // no mesh
+    b.json["nodes"].push_back({{"skin", 0}});  // has no mesh
     Asset asset = loaded(b);
     ASSERT_EQ(asset.mesh_instances.size(), 2u);
     EXPECT_EQ(asset.mesh_instances[1].node, 2u);
@@ -154,7 +154,7 @@ TEST(Import, WhatIsHiddenIsNotDrawn) {
     b.json["nodes"][2]["mesh"] = 0;
     EXPECT_EQ(loaded(b).mesh_instances.size(), 2u);
     hide(b, 1, false);
-    hide(b, 2, true);  // below a hidden node that does not help
+    hide(b, 2, true);  // below a hidden node, though marked as visible
     for (const bool with_scene : {true, false}) {
         if (!with_scene) b.json.erase("scenes"), b.json.erase("scene");
         const Asset asset = loaded(b);
@@ -189,7 +189,7 @@ TEST(Import, Skins) {
     overwrite(b, kInverseBinds, 20, kNan);
     expect_refused(b, "skins[0].inverseBindMatrices", "matrix 1 is not finite");
     overwrite(b, kInverseBinds, 20, 0.0f);
-    overwrite(b, kInverseBinds, 19, kNan);  // the fourth row is not used
+    overwrite(b, kInverseBinds, 19, kNan);  // in the fourth row, which is not used
     EXPECT_TRUE(load(b).ok());
     b.json["skins"][0]["skeleton"] = 3;
     expect_refused(b, "skins[0].skeleton", "index 3");

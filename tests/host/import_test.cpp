@@ -1,4 +1,4 @@
-// Files as a whole: their JSON, their parts, what they leave out; and those that others made.
+// Importing whole files: their JSON, their parts, unneeded parts, and files from other sources.
 #include "tests/files.h"
 #include "tests/host/import_cases.h"
 #include "tests/shared.h"
@@ -57,7 +57,7 @@ TEST(Import, NoFile) {
     const auto directory = load_asset(folder.path());
     ASSERT_FALSE(directory.ok());
     EXPECT_EQ(directory.error().message, "not a regular file: " + folder.path().string());
-    // A pipe without a writer must not be waited for.
+    // Opening a pipe without a writer must not block.
     const fs::path pipe = folder.path() / "pipe.glb";
     ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
     EXPECT_FALSE(load_asset(pipe).ok());
@@ -154,11 +154,11 @@ TEST(Import, JsonIsBounded) {
     expect_refused(load("{\"asset\": {\"version\": nan}}"), ErrorCode::kInvalidFile, "", "JSON cannot be read");
     expect_refused(load("{\"a\":\"\n\x85\xFF\"}"), ErrorCode::kInvalidFile, "", "JSON cannot be read");
     expect_refused(load("{}"), ErrorCode::kInvalidFile, "asset", "missing");
-    // 40 MB of empty objects would take gigabytes.
+    // 40 MB of empty objects would take gigabytes when parsed.
     std::string many = "{\"asset\":{\"version\":\"2.0\"},\"nodes\":[{}";
     for (int i = 0; i < 13'000'000; ++i) many += ",{}";
     expect_refused(load(many + "]}"), ErrorCode::kLimit, "", "12 times the size of the file");
-    // One line, whatever the file says, and not a long one.
+    // An error is one short line, whatever the file contains.
     GlbBuilder b = tiny_character();
     sampler(b)["interpolation"] = "a\nb\xE2\x80\xA8" + std::string(10'000, 'x');
     const auto result = load(b);
@@ -197,7 +197,7 @@ TEST(Import, Extensions) {
     expect_refused(load(b), ErrorCode::kUnsupported, "extensionsRequired[1]", "EXT_mesh_gpu_instancing");
 }
 
-// Cameras, lights, extras and the like are not looked at.
+// Cameras, lights, extras and the like are not read.
 TEST(Import, UnneededPartsMayBeBroken) {
     GlbBuilder b = tiny_character();
     b.json["cameras"] = {1, "two", {{"type", "perspective"}}};
@@ -207,7 +207,7 @@ TEST(Import, UnneededPartsMayBeBroken) {
     b.json["accessors"][kPosition]["min"] = "wrong";
     b.json["materials"] = {{{"extensions", {{"KHR_materials_sheen", "soft"}}}}};
     b.json["nodes"][1]["name"] = 5;
-    b.json["accessors"].push_back({{"bufferView", 1234}});  // not used
+    b.json["accessors"].push_back({{"bufferView", 1234}});  // not used by anything
     const Asset asset = loaded(b);
     EXPECT_TRUE(has_warning(asset, "nodes[1].name"));
     EXPECT_EQ(asset.warnings.size(), 1u);
@@ -272,13 +272,13 @@ TEST(Import, InvalidFiles) {
     const fs::path folder = shared_folder("invalid");
     if (!fs::exists(folder)) GTEST_SKIP() << "no shared folder";
     const std::set<std::string> must_refuse{
-        // The file as a whole.
+        // Invalid files as a whole.
         "empty.gltf", "space.gltf", "null.gltf", "array.gltf", "deep_json.gltf", "nan_literal.gltf", "version_1.gltf",
         "glb_cut_1.glb", "glb_cut_3.glb", "glb_cut_11.glb", "glb_cut_15.glb", "glb_cut_20.glb", "glb_cut_03.glb",
         "glb_cut_09.glb", "glb_total_small.glb", "glb_chunk_big.glb", "glb_chunk_zero.glb", "glb_nobin.glb",
         "glb__only_header.glb", "glb__length_mismatch.glb", "GltfImporter__Test__version-legacy.gltf",
         "GltfImporter__Test__version-unsupported.gltf",
-        // Indices and trees that lie.
+        // Invalid indices and trees.
         "joint_negative.gltf", "joint_float.gltf", "joint_string.gltf", "node_self_child.gltf", "scene_index_oor.gltf",
         "mesh_index_oor.gltf", "skeleton_oor.gltf", "ibm_oor.gltf", "anim_sampler_oor.gltf", "anim_node_oor.gltf",
         "vjoint_oor.glb", "node__node_loop.gltf", "node__node_loop_scene.gltf", "node__node_parent_override.gltf",
@@ -287,15 +287,15 @@ TEST(Import, InvalidFiles) {
         "GltfImporter__Test__scene-invalid-cycle-deep.gltf", "GltfImporter__Test__scene-invalid-multiple-parents.gltf",
         "mesh_data__index_buffer_oob.gltf", "mesh_data__index_buffer_primitive_restart.gltf",
         "GltfImporter__Test__mesh-invalid-sparse-indices.gltf",
-        // Counts, types and bounds that lie.
+        // Invalid counts, types and bounds.
         "ibm_short.gltf", "ibm_comp.gltf", "anim_in_huge.gltf", "anim_in_vec3.gltf", "anim_out_vec3.gltf",
         "anim_interp.gltf", "rot_3.gltf", "trs_huge.gltf", "scale_string.gltf", "bv_past_end.gltf",
         "bv_off_overflow.gltf", "bv_negative.gltf", "bv_stride_1.gltf", "acc_off.gltf", "acc_type.gltf",
         "acc_comp.gltf", "buffer_huge.gltf", "joints_float.gltf", "weights_missing.gltf", "mode_99.gltf",
         "animation__sampler_output_count_invalid.gltf", "mesh__unequal_joints.gltf",
-        // URIs.
+        // Invalid URIs.
         "uri_traversal.gltf", "uri_abs.gltf", "uri_dev.gltf", "uri_http.gltf", "uri_no_comma.gltf", "uri_percent.gltf",
-        // Values.
+        // Invalid values.
         "key_nan.glb", "quat_nan.glb"};
     const std::set<std::string> must_load{"chain_deep.gltf",
                                           "animation_data__invalid_input_values.gltf",

@@ -1,4 +1,4 @@
-// Side files on disk: what their names may look like.
+// Side files on disk: which names they may have.
 #include "tests/files.h"
 #include "tests/host/import_cases.h"
 
@@ -29,12 +29,12 @@ TEST(ImportUri, NamesStayInTheFolder) {
         expect_refused(with_uri(uri), ErrorCode::kInvalidFile, place, "leads out of the file's folder by '..'");
     expect_refused(with_uri("data/.."), ErrorCode::kInvalidFile, place, "not a file name");
 
-    // Where a backslash is no separator, a name can have it.
+    // If a backslash is not a separator, a file name can contain one.
     if (fs::path("a\\b").has_parent_path()) return;
     EXPECT_FALSE(with_uri("a\\b.bin").ok());
     outer.write("folder/a\\b.bin", content);
     EXPECT_TRUE(with_uri("a\\b.bin").ok());
-    // Taken as it is written this one leads out, and as a path it does not.
+    // With the backslash as a plain character this path leads out of the folder; with it as a separator it does not.
     outer.write("folder/x.bin", content);
     EXPECT_TRUE(with_uri("a\\b/../../x.bin").ok());
 }

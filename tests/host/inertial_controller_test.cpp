@@ -1,4 +1,4 @@
-// Inertial plays and transitions: only the new clip plays, and what is kept of the old pose dies away
+// Inertial plays and transitions: only the new clip plays, and the offset from the old pose dies away
 // (docs/controller.md, step 10).
 #include "tests/controller_instance.h"
 
@@ -40,7 +40,7 @@ TEST(InertialController, OnlyTheNewClipPlays) {
     EXPECT_EQ(instance.last.inertial_s, 0) << "a fade that takes no time";
 }
 
-// The rotation of a joint without scale.
+// The angle between two rotation matrices without scale.
 double angle_between(const AffineT<double>& a, const AffineT<double>& b) {
     double trace = 0;
     for (size_t row = 0; row < 3; ++row)
@@ -84,7 +84,7 @@ ControllerLayer going_layer(const std::string& name, FadeKind fade, float fade_s
                              .fade = fade}}};
 }
 
-// What layers make of the trigger, and then of plays on those that have no states.
+// The inertial time after the trigger fires the layers' transitions, and after plays on layers without states.
 float begun_by(std::vector<ControllerLayer> layers, const std::vector<std::pair<uint32_t, float>>& plays = {}) {
     Instance instance({.name = "test", .parameters = {{"go", ParameterType::kTrigger}}, .layers = std::move(layers)});
     instance.update(0.125f);

@@ -1,3 +1,4 @@
+// InstanceNumbers: the allocator of instance slots, which gives the lowest free number first.
 #include "crowd/instance_numbers.h"
 #include "tests/test_rig.h"
 

@@ -1,4 +1,4 @@
-// How many subgroups a SIMD holds, what limits them, and the times that follow.
+// Occupancy: how many subgroups a SIMD holds and what limits them, and the predicted times.
 #include "bench/isa/prediction.h"
 
 #include <gtest/gtest.h>
@@ -6,7 +6,7 @@
 namespace throng::bench {
 namespace {
 
-// 1024 registers of 32 lanes, 16 places, and 128 KiB of shared memory for four SIMDs.
+// A SIMD has 1024 registers of 32 lanes and 16 subgroup slots; four SIMDs share 128 KiB of shared memory.
 TEST(IsaMachines, OccupancyIsTheLeastOfPlacesRegistersAndSharedMemory) {
     const Simd& simd = *find_family("navi21");
     const auto expect = [&](const KernelNeeds& kernel, double subgroups, const char* limit) {
@@ -17,11 +17,11 @@ TEST(IsaMachines, OccupancyIsTheLeastOfPlacesRegistersAndSharedMemory) {
     expect({.subgroup_size = 32, .workgroup_size = 64, .vgprs = 24}, 16, "places");
     expect({.subgroup_size = 32, .workgroup_size = 64, .vgprs = 128}, 8, "registers");
     expect({.subgroup_size = 64, .workgroup_size = 64, .vgprs = 128}, 4, "registers");
-    // In steps of 16 registers
+    // Registers are allocated in steps of 16
     expect({.subgroup_size = 32, .workgroup_size = 64, .vgprs = 65}, 12, "registers");
     // Three workgroups of two subgroups each on four SIMDs
     expect({.subgroup_size = 32, .workgroup_size = 64, .vgprs = 80, .shared_bytes = 38'400}, 1.5, "shared memory");
-    // In steps of 1,024 bytes
+    // Shared memory is allocated in steps of 1,024 bytes
     expect({.subgroup_size = 32, .workgroup_size = 64, .vgprs = 64, .shared_bytes = 4'608}, 12.5, "shared memory");
     expect({.subgroup_size = 64, .workgroup_size = 64, .vgprs = 80, .shared_bytes = 38'400}, 0.75, "shared memory");
 }
@@ -58,7 +58,7 @@ TEST(IsaPrediction, LoopsOverLanesRunOnceForEachLane) {
     EXPECT_EQ((*trips)[3].trips, 32u);
 }
 
-// Ten SIMDs of a gigahertz, and a gigabyte a second.
+// Ten SIMDs at one gigahertz, and one gigabyte per second.
 TEST(IsaPrediction, TheLongestOfIssueWaitsAndMemory) {
     const Machine machine{
         .name = "test", .simd = find_family("navi21"), .simd_count = 10, .clock_ghz = 1, .bytes_per_ns = 1};
@@ -67,7 +67,7 @@ TEST(IsaPrediction, TheLongestOfIssueWaitsAndMemory) {
     // 160 subgroups on each SIMD, 100 clocks each
     EXPECT_DOUBLE_EQ(predict(work, machine).issue_ms, 0.016);
     EXPECT_EQ(predict(work, machine).limit(), "instructions");
-    // 16 at a time, which all wait 10 x 300 clocks
+    // 16 at a time, each waiting 10 x 300 clocks
     work.issued[InstructionClass::kMemoryWait] = 10;
     EXPECT_DOUBLE_EQ(predict(work, machine).latency_ms, 160 / 16 * 3100e-6);
     EXPECT_EQ(predict(work, machine).limit(), "waiting for loads");

@@ -1,4 +1,4 @@
-// Chosen joints, asked at any time.
+// JointSampler: sampling chosen joints at any time.
 #include "tests/test_rig.h"
 
 #include <throng/joint_sampler.h>

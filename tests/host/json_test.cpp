@@ -1,4 +1,4 @@
-// JSON whose values know their place, read as programs write it and as people do.
+// JSON values that know their place in the document; text by programs is read leniently, text by people strictly.
 #include "base/text.h"
 #include "json/json_text.h"
 #include "json/known_names.h"
@@ -96,12 +96,12 @@ TEST(Json, TooMuchIsRefused) {
               "the JSON cannot be read:");
 }
 
-// In any order; of several with one key the last counts.
+// In any order. Of several members with one key, the last one counts.
 TEST(Json, MembersOfProgramsAreFoundByTheirKeys) {
     constexpr uint64_t kCount = 1000;
     std::string text = "{";
     for (uint64_t i = 0; i < kCount; ++i) {
-        const uint64_t key = i * 389 % kCount;  // a permutation
+        const uint64_t key = i * 389 % kCount;  // a permutation of the keys
         text += "\"k" + std::to_string(key) + "\": " + std::to_string(key) + ", ";
     }
     const JsonText json(text + "\"k7\": 70, \"k7\": 77}", JsonAuthor::kProgram);
@@ -117,7 +117,7 @@ TEST(Json, LongKeysAreCutInPlaces) {
     EXPECT_LT(place_of("masks", key).size(), 1000u);
 }
 
-// std::tolower() goes by the locale: in Turkish, 'I' is not the capital of 'i'.
+// std::tolower() depends on the locale: in Turkish, 'I' is not the upper case of 'i'.
 TEST(Text, CaseIsThatOfAscii) {
     EXPECT_EQ(ascii_lower("AZaz09[@`{_\xC4\xB0\xDD"), "azaz09[@`{_\xC4\xB0\xDD");
     std::string alphanumeric;

@@ -1,4 +1,4 @@
-// Light by its definition in double precision: what holds of it whatever the surface.
+// The definition of lighting in double precision: properties that hold for any surface.
 #include "draw/light_reference.h"
 
 #include <gtest/gtest.h>
@@ -9,7 +9,7 @@
 namespace throng {
 namespace {
 
-// What a surface that looks up reflects of the sun alone, of length 1 towards both, as a part of what falls on it.
+// The reflected fraction of the sun's light for a surface facing up, with unit vectors to the sun and the eye.
 double reflected_part(double metallic, double roughness, const Vec3<double>& to_sun, const Vec3<double>& to_eye) {
     const auto vec4 = [](const Vec3<double>& v) {
         return io::vec4{static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z), 1};
@@ -25,13 +25,14 @@ Vec3<double> direction(double height, double turn_rad) {
     return {across * std::cos(turn_rad), height, across * std::sin(turn_rad)};
 }
 
-// Where light grazes what is no metal, up to a fifth more leaves: what lies below does not know all that facets took.
+// At grazing angles a non-metal may reflect up to a fifth too much: the diffuse part does not account for all that the
+// facets reflect.
 TEST(Light, GoesBothWaysAlikeAndNoMoreLeavesMetalThanArrives) {
     for (const double metallic : {0.0, 0.5, 1.0})
         for (const double roughness : {0.3, 0.6, 1.0})
             for (const double height : {0.2, 0.5, 0.9}) {
                 const Vec3<double> to_sun = direction(height, 0);
-                double all = 0;  // into the half of all directions above the surface
+                double all = 0;  // over the hemisphere above the surface
                 constexpr int kSteps = 128;
                 for (int i = 0; i < kSteps; ++i)
                     for (int k = 0; k < kSteps; ++k) {
@@ -46,7 +47,7 @@ TEST(Light, GoesBothWaysAlikeAndNoMoreLeavesMetalThanArrives) {
             }
 }
 
-// What the Khronos PBR Neutral tone mapper promises.
+// A guarantee of the Khronos PBR Neutral tone mapper.
 TEST(Light, ColoursStayWhatTheyAreUntilTheyAreBright) {
     const io::DrawScene scene{.eye = {0, 0, 0, 1}};
     const auto pictured = [&](double red, double green, double blue) {

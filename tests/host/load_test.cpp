@@ -31,7 +31,7 @@ using Files = std::map<std::string, std::string, std::less<>>;
 std::span<const std::byte> bytes_of(const std::string& content) { return std::as_bytes(std::span(content)); }
 Bytes copy_of(const std::string& content) { return {bytes_of(content).begin(), bytes_of(content).end()}; }
 
-// Hands over what is in `files`, and keeps the paths that it was asked for.
+// Returns the content of `files`, and records the requested paths.
 AssetResolver resolver_of(const Files& files, std::vector<std::string>* asked = nullptr) {
     return [&files, asked](std::string_view path) -> Result<Bytes> {
         if (asked) asked->emplace_back(path);
@@ -54,7 +54,7 @@ void expect_error(const Result<Asset>& result, ErrorCode code, const std::string
     EXPECT_EQ(error.text().find('\n'), std::string::npos) << error.text();
 }
 
-// The members of a structure. One that is added fails to compile here: compare it.
+// The members of a struct. Adding one fails to compile here: compare it.
 auto members_of(const AssetNode& node) {
     const auto& [name, parent, parent_from_node] = node;
     return std::tie(name, parent, parent_from_node);
@@ -96,7 +96,7 @@ auto members_of(const AssetMeshInstance& instance) {
 auto members_of(const AssetMaterial& material) { return fields_of(material); }
 auto members_of(const AssetImage& image) { return fields_of(image); }
 
-// Numbers of which there are many are compared bit for bit.
+// Large arrays of numbers are compared bit for bit.
 template <class T>
 bool is_same_asset(const T& a, const T& b) {
     if constexpr (std::is_same_v<T, std::string> || std::is_trivially_copyable_v<T>) {
@@ -129,7 +129,7 @@ void expect_same(const Asset& a, const Asset& b) {
     EXPECT_TRUE(is_same_asset(images, b.images));
 }
 
-// Its buffer and its images in files of their own; two images are one file, and one is in the text.
+// A file with its buffer and images in side files. Two images are the same file, and one is embedded in the text.
 struct WithSideFiles {
     WithSideFiles() {
         files["data/my buffer.bin"] = std::string(reinterpret_cast<const char*>(b.bin.data()), b.bin.size());
@@ -253,7 +253,7 @@ TEST(LoadFromMemory, TheResolverGetsNormalPaths) {
 
 TEST(LoadFromMemory, WithoutAResolverThereAreNoSideFiles) {
     WithSideFiles made;
-    const TemporaryFolder folder;  // where the files are does not matter
+    const TemporaryFolder folder;  // the working directory does not matter
     for (const auto& [path, content] : made.files) folder.write(path, content);
     const fs::path before = fs::current_path();
     fs::current_path(folder.path());
@@ -281,7 +281,7 @@ TEST(LoadFromMemory, TheNameStandsInMessages) {
 
 TEST(LoadFromMemory, IsBoundedAsFilesAre) {
     const std::byte one{};
-    const std::span<const std::byte> huge(&one, gltf::kFileLimitBytes + 1);  // refused before it is looked at
+    const std::span<const std::byte> huge(&one, gltf::kFileLimitBytes + 1);  // refused before its bytes are read
     expect_error(load_asset(huge, "huge.glb"), ErrorCode::kLimit, "huge.glb", "2 GiB");
 }
 
@@ -414,7 +414,7 @@ TEST(LoadPolls, GrowWithTheFile) {
     GlbBuilder large_mesh = b;
     constexpr size_t kVertices = 200'000;
     auto& primitive = large_mesh.json["meshes"][0]["primitives"][0];
-    primitive.erase("indices");  // all vertices are kept
+    primitive.erase("indices");  // so that all vertices are kept
     auto& attributes = primitive["attributes"];
     attributes["POSITION"] = large_mesh.add(std::vector<float>(kVertices * 3), "VEC3", kFloat);
     attributes["NORMAL"] = large_mesh.add(std::vector<float>(kVertices * 3, 1), "VEC3", kFloat);

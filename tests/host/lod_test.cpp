@@ -1,4 +1,4 @@
-// What compile_character() adds for the draw: coarser meshes, and how far clips take the mesh.
+// What compile_character() adds for drawing: levels of detail, and the bounds of clips.
 #include "compile/file/character_file.h"
 #include "compile/mesh/lod.h"
 #include "compile/mesh/triangle_index.h"
@@ -25,8 +25,8 @@ Character with_lods() {
     return *compile_character(*make_creature({.joint_count = 60, .level_count = 15, .face_count = 1500}));
 }
 
-// Of the point from the triangle; C. Ericson, Real-Time Collision Detection, 2005, 5.1.5, by projecting onto the plane
-// and the edges.
+// The distance of a point from a triangle, by projecting onto the plane and the edges (C. Ericson, Real-Time Collision
+// Detection, 2005, 5.1.5).
 double distance_to_face(const Vec3<double>& p, const std::array<Vec3<double>, 3>& t) {
     const Vec3<double> normal = cross(t[1] - t[0], t[2] - t[0]);
     const double squared = dot(normal, normal);
@@ -44,11 +44,11 @@ double distance_to_face(const Vec3<double>& p, const std::array<Vec3<double>, 3>
 
 struct Face {
     std::array<Vec3<double>, 3> corners;
-    double radius = 0;  // about the first corner, for which most faces are found to be too far away
+    double radius = 0;  // about the first corner; a quick test that most faces are too far away
 };
 
-// How far the furthest of some points is from a mesh. A point that is found to be nearer than another one is not looked
-// at further; neighbours often have the same face near them, which is asked first.
+// The distance of the farthest of some points from a mesh. A point is dropped once a face is found nearer than the
+// farthest distance so far. The previous point's nearest face is tried first, since neighbours often share it.
 class FurthestFromMesh {
 public:
     explicit FurthestFromMesh(std::span<const Face> mesh) : mesh_(mesh) {}
@@ -83,8 +83,8 @@ std::vector<Face> triangles_of(std::span<const uint32_t> indices, std::span<cons
     return triangles;
 }
 
-// Of a vertex where the finest level has it from the surface of another one, whose joints may be fewer; and of that
-// one's triangles, in their middles and those of their edges, from the finest.
+// The largest distance from vertices of the finest level to the surface of the given level, which may be skinned by
+// fewer joints, and from the level's triangles (their centres and edge midpoints) to the finest.
 double furthest_from_level(const Character& character, size_t level, const ReferencePose& pose) {
     Character reduced = character;
     reduced.influences = influences_of_lod(character, static_cast<uint32_t>(level + 1));
@@ -113,7 +113,7 @@ double furthest_from_level(const Character& character, size_t level, const Refer
     return furthest;
 }
 
-// Flat at rest, where a few triangles are as good as many; a clip rolls it up.
+// A strip that is flat at rest, where a few triangles are as good as many, and rolled up by a clip.
 Asset make_strip() {
     constexpr uint32_t kColumns = 33, kRows = 5;
     Asset asset{.name = "strip"};
@@ -147,7 +147,7 @@ Asset make_strip() {
     return asset;
 }
 
-// The rest pose, and others at random times of clips, which are not those that the compiler has looked at.
+// The rest pose, and poses at random times of clips, other than those that the compiler has sampled.
 std::vector<ReferencePose> rest_and_random_poses(const Character& character, int count, Random& random) {
     std::vector<ReferencePose> poses{*reference_pose(character, {})};
     while (poses.size() <= static_cast<size_t>(count)) {
@@ -158,7 +158,7 @@ std::vector<ReferencePose> rest_and_random_poses(const Character& character, int
     return poses;
 }
 
-// Broken exporters write such meshes: all triangles have their corners at one place.
+// Broken exporters write such meshes: the corners of all triangles are at one place.
 TEST(Lod, AMeshAtOnePlaceHasNoLevels) {
     Asset asset;
     asset.name = "a point";
@@ -217,7 +217,7 @@ TEST(Lod, WithoutClipsNoJointIsLeftOut) {
     EXPECT_GT(character.lods[0].error, 0) << "or it would be drawn where there is no view";
 }
 
-// Of a chain of joints at rest, of which the last has a vertex, only one moves, by so much.
+// A chain of joints at rest, whose last joint has a vertex. Only `mover` moves, by `by`.
 Character chain_with_one_that_moves(uint32_t joint_count, uint32_t mover, float by) {
     Character character{.clips = {{.duration_s = 1, .row_count = 1}},
                         .times_s = {0},
@@ -254,7 +254,7 @@ TEST(Lod, JointsOfDeepChainsAreWeighedInOneWalk) {
     EXPECT_EQ(std::ranges::count(middle.joint_lods, 1u), kJoints / 2) << "those below it rest";
 }
 
-// Like a jaw in one of many clips, still in the clip's middle.
+// Like a jaw that moves in only one of many clips, and is still in the middle of that clip.
 TEST(Lod, JointsThatMoveOnlyEarlyAndLateInOneClipMove) {
     constexpr uint32_t kJoints = 3, kClips = 40, kMoving = 7;
     Character character = chain_with_one_that_moves(kJoints, kJoints - 1, 0);
@@ -271,7 +271,7 @@ TEST(Lod, JointsThatMoveOnlyEarlyAndLateInOneClipMove) {
     EXPECT_EQ(character.joint_lods, (std::vector<uint32_t>{2, 1, 1})) << "all, or the last joint would stop at once";
 }
 
-// Each triangle has vertices of its own, at places that they share: nothing can be collapsed.
+// Every triangle has its own vertices, at shared positions, so that no edge can be collapsed.
 AssetPrimitive in_pieces(const AssetPrimitive& whole) {
     AssetPrimitive pieces{.influence_count = 4};
     for (const uint32_t index : whole.indices) {
@@ -301,7 +301,7 @@ TEST(Lod, WhatIsInPiecesHasLevelsToo) {
     }
 }
 
-// Of a tetrahedron nothing can be collapsed; of many, clusters of vertices leave the larger ones.
+// A single tetrahedron cannot be decimated. Of many, clustering vertices leaves the larger ones.
 TEST(Lod, WhatComesInManyPiecesHasLevelsToo) {
     AssetPrimitive pieces;
     for (uint32_t i = 0; i < 400; ++i) {
@@ -322,8 +322,8 @@ TEST(Lod, WhatComesInManyPiecesHasLevelsToo) {
     EXPECT_LE(furthest_from_level(character, 0, *reference_pose(character, {})), 1.01 * character.lods[0].error);
 }
 
-// Two strips side by side at rest, which a clip takes apart: a triangle of a cluster of both is as wide as they are
-// apart.
+// Two strips that are adjacent at rest and moved apart by a clip: a triangle of a cluster of both would be as wide as
+// the gap.
 TEST(Lod, WhatMovesApartIsNotJoinedUnseen) {
     Asset asset = make_strip();
     AssetPrimitive& both = asset.meshes[0].primitives[0];
@@ -371,7 +371,7 @@ Asset make_rock() {
             .mesh_instances = {{.node = 0, .mesh = 0}}};
 }
 
-// Of the places of one mesh, how far the furthest is from another one.
+// The largest distance of these places from the mesh.
 double furthest_place(std::span<const Vec3<float>> places, const TriangleIndex& mesh) {
     float furthest = 0;
     uint32_t guess = 0;
@@ -428,7 +428,7 @@ TEST(Lod, WorkGrowsNoFasterThanTheMesh) {
     EXPECT_LE(steps_per_face[1], 1.5 * steps_per_face[0]);
 }
 
-// In poses of which the compiler has looked at few. A man of 356 triangles cannot do with a third of them.
+// Checked in poses few of which the compiler has sampled. A man of 356 triangles needs more than a third of them.
 TEST(Lod, OfSharedCharactersAreCloseAtAThirdOfTheirTriangles) {
     const std::filesystem::path folder = shared_folder("characters");
     if (!std::filesystem::exists(folder)) GTEST_SKIP() << "there is no " << folder;
@@ -495,7 +495,7 @@ TEST(Lod, SmallMeshesHaveNone) {
     EXPECT_TRUE(make_character({.joint_count = 5, .vertex_count = 0}).lods.empty());
 }
 
-// Vertices at random times, also of a clip's last row, lie within its bounds.
+// Vertices at random times, also in a clip's last row, are inside its bounds.
 TEST(Lod, BoundsOfClipsHoldTheirPoses) {
     Random random(2);
     for (const Character& character :
@@ -520,8 +520,8 @@ TEST(Lod, BoundsOfClipsHoldTheirPoses) {
     }
 }
 
-// Skinned by the joints of a level alone, a vertex stays within a third of the level's error of where it is with all of
-// them, in the rest pose and at random times of clips.
+// With only a level's joints, a skinned vertex stays within a third of the level's error of its position with all
+// joints, in the rest pose and at random times of clips.
 TEST(Lod, JointsOfALevelAreEnoughForIt) {
     const Character character = with_lods();
     const uint32_t joint_count = character.rig.joint_count();

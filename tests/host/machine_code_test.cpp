@@ -1,4 +1,4 @@
-// Reading machine code: loops, and instructions by class.
+// Parsing machine code: loops, and instructions by class.
 #include "bench/isa/machine_code.h"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// Morph targets: what the compiler makes of them.
+// Compilation of morph targets.
 #include "morph/morph_reference.h"
 #include "tests/morph_cases.h"
 
@@ -52,7 +52,7 @@ TEST(MorphCompile, CompilesWhatTargetsMove) {
     EXPECT_EQ(character.vertices[1].first_delta, 0u);
     ASSERT_EQ(character.vertices[3].first_delta, 4u);
     EXPECT_EQ(character.morph_deltas[4].normal, (static_cast<uint32_t>(-511) & 1023) << 10 | 128u << 20);
-    // Bounds are of the resting character, with what the default weights add to it.
+    // Bounds are of the character at rest, with the default weights applied.
     Vec3<double> low{1e9, 1e9, 1e9};
     for (const Vec3<double>& p : reference_positions(character, *reference_pose(character, {})))
         low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};

@@ -1,4 +1,4 @@
-// Poses from outside and inertial transitions in the native engine, against the references.
+// The native engine's pose overrides and inertial transitions, against the references.
 #include "bind/skin_format.h"
 #include "blend/blend_reference.h"
 #include "blend/inertia_reference.h"
@@ -80,7 +80,7 @@ TEST(NativeAdjust, PosesFromOutsideLieOverTheClips) {
     std::printf("largest displacement %.1e\n", worst_of_all);
 }
 
-// A clip, then another one all at once, whose difference dies away.
+// Switches from one clip to another at once. The difference between them dies away.
 class InertialScene {
 public:
     static constexpr uint32_t kInstances = 9, kUpdates = 9, kChange = 4;

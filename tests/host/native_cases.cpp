@@ -52,7 +52,7 @@ io::InstanceCursor cursor_of(const Character& character, const Playback& playbac
 
 namespace {
 
-// Rotations half a turn apart have two shortest ways between them, and rounding chooses.
+// Between rotations half a turn apart there are two shortest ways, and rounding chooses one.
 bool has_two_ways(const Character& character, const Playback& playback) {
     const auto pose = [&](const ClipPlayback& of) {
         if (of.clip == kNone) return sample_reference(character, static_cast<uint32_t>(character.clips.size()), 0);

@@ -1,4 +1,4 @@
-// Characters, and what the native engine makes of them beside what the references do.
+// Characters for tests of the native engine against the references.
 #pragma once
 
 #include "native/native.h"
@@ -15,15 +15,15 @@ struct NamedCharacter {
     std::string name;
     Character character;
 };
-// Those of the folder shared/ where it is there, creatures of all kinds, and small ones of all shapes, some with three
-// scales; each with exact and packed keys.
+// The characters of shared/ if it exists, creatures of all kinds, and small rigs of all shapes, some with non-uniform
+// scale. Each with exact and packed keys.
 const std::vector<NamedCharacter>& native_characters();
 
-// What `playback` has as the control stage's cursors.
+// The cursors that the control stage computes for `playback`.
 io::InstanceCursor cursor_of(const Character& character, const Playback& playback);
 Playback random_playback(const Character& character, Random& random);
 
-// Memory at a multiple of 64 bytes with guard words on both sides, filled with NaN.
+// Memory aligned to 64 bytes and filled with NaN, with guard words on both sides.
 class GuardedBytes {
 public:
     explicit GuardedBytes(size_t size);
@@ -37,7 +37,7 @@ private:
     native::AlignedBytes bytes_;
 };
 
-// The largest displacement of a vertex, parts of the character's size.
+// The largest displacement of a vertex, as a fraction of the character's size.
 double displacement(const Character& character, std::span<const Affine> skin, const ReferencePose& wanted);
 
 }  // namespace throng::test

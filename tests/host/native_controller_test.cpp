@@ -1,4 +1,4 @@
-// The controller's kernels as devices without Vulkan run them, against the reference.
+// The controller kernels as devices without Vulkan run them, against the reference.
 #include "control/commands.kernel.h"
 #include "control/controller.kernel.h"
 #include "tests/controller_follow.h"

@@ -1,4 +1,4 @@
-// What a view sees, agents, terrain, rules and skipped updates, as devices without Vulkan compute them.
+// Culling, agents, terrain, procedural rules and skipped updates, as devices without Vulkan compute them.
 #include "bind/bind_io.h"
 #include "cull/cull.kernel.h"
 #include "cull/cull_reference.h"
@@ -26,7 +26,7 @@ namespace {
 
 using namespace test;
 
-// Within a box of half this extent, most ways from the eye.
+// A view that sees a box around the eye, which reaches half of `extent` each way.
 io::CullView view_of_box(float extent, uint32_t update_number) {
     io::CullView view{};
     for (uint32_t axis = 0; axis < 3; ++axis)
@@ -42,7 +42,7 @@ io::CullView view_of_box(float extent, uint32_t update_number) {
     return view;
 }
 
-// Sections of instances with these verdicts, one behind the other, each ascending.
+// The sections of a list that these verdicts give, each in ascending order of instances.
 std::vector<std::vector<uint32_t>> sections_of(const std::vector<uint32_t>& verdicts) {
     std::vector<std::vector<uint32_t>> sections(io::kLodCount + io::kWorkSections);
     for (uint32_t i = 0; i < verdicts.size(); ++i) {
@@ -199,7 +199,7 @@ TEST(NativeCrowd, AgentsFollowTheReference) {
     EXPECT_GT(moved, kAgents * 0.05);
 }
 
-// On a plane that rises along x and z, and beyond its edges.
+// Placements on a plane that rises along x and z, and beyond its edges.
 TEST(NativeCrowd, TerrainLiftsPlacements) {
     std::vector<float> heights;
     for (uint32_t row = 0; row < 5; ++row)
@@ -219,7 +219,7 @@ TEST(NativeCrowd, TerrainLiftsPlacements) {
     EXPECT_EQ(placements[3].row[1][3], 4 * 3);
 }
 
-// Instance 1 goes on, of two entries; all formats are covered by what bind and skin read.
+// Only instance 1, with two palette entries, is interpolated. Tests of bind and skin cover all formats.
 TEST(NativeCrowd, MatricesGoOnTowardsTheirTarget) {
     constexpr uint32_t kPalette = 3;
     Random random(10);
@@ -249,7 +249,7 @@ TEST(NativeCrowd, MatricesGoOnTowardsTheirTarget) {
     }
 }
 
-// Rules of all kinds on a chain, for some updates.
+// Rules of all kinds on a chain, over several updates.
 TEST(NativeCrowd, RulesFollowTheReference) {
     constexpr uint32_t kInstances = 70, kJoints = 12;
     Character character = make_character(
@@ -318,7 +318,7 @@ TEST(NativeCrowd, RulesFollowTheReference) {
         }
     }
     std::ranges::sort(errors);
-    EXPECT_LE(errors[errors.size() * 98 / 100], 1e-4);  // a spring driven past its joint may choose another way back
+    EXPECT_LE(errors[errors.size() * 98 / 100], 1e-4);  // a spring driven past its joint may swing back another way
     EXPECT_LE(errors.back(), 0.02);
 }
 

@@ -1,4 +1,4 @@
-// Poses of layers, as devices without Vulkan make them, against their references.
+// Layered poses as devices without Vulkan compute them, against the references.
 #include "blend/active_clips_reference.h"
 #include "blend/inertia_io.h"
 #include "blend/layered.kernel.h"
@@ -16,10 +16,10 @@ using namespace test;
 
 constexpr uint32_t kLayeredJoints = 70, kLayeredInstances = 40, kLayeredLimit = 5;
 
-// A layer that covers, one with two clips over some joints, and one that adds, for each instance.
+// For each instance: an override layer, one with two clips and a mask, and an additive one.
 struct Layers {
     Character character;
-    std::vector<float> masks;  // of the second layer
+    std::vector<float> masks;  // for the second layer
     std::vector<io::ActiveClip> active_clips;
     std::vector<std::vector<ReferenceLayer>> wanted;  // [instance * kLayeredJoints + joint]
 
@@ -38,7 +38,7 @@ struct Layers {
                 {1, 0.4f,
                  io::kActiveClipBeginsLayer | io::kActiveClipEndsLayer | io::kActiveClipAdditive | io::kActiveClipEnds},
                 true);
-            active_clips.emplace_back();  // beyond the end
+            active_clips.emplace_back();  // beyond the end of the list
         }
     }
 
@@ -118,7 +118,7 @@ TEST(NativeLayered, RotationsInModelSpaceFollowTheReference) {
     }
 }
 
-// One that begins shows at first what was shown, as long as nothing moved; when it is over, the pose alone.
+// A transition starts at the pose that was shown, if that did not move. When it ends, only the pose is left.
 TEST(NativeLayered, InertialTransitionsBeginWhereThePoseWas) {
     Layers layers(some_character(false), false);
     std::vector<io::InstanceInertia> inertias(kLayeredInstances);

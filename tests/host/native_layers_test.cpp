@@ -13,15 +13,15 @@ namespace {
 
 using namespace test;
 
-constexpr double kLayersBound = 1e-5;  // parts of the character's size
+constexpr double kLayersBound = 1e-5;  // as a fraction of the character's size
 constexpr uint32_t kLayersLimit = 9;   // active clips
 constexpr uint32_t kLayersInstances = 21;
 
-// Random layers of an instance, as the control stage would have them, and as the reference does.
+// An instance's random layers, as the control stage outputs them and as the reference takes them.
 struct Layered {
     std::vector<io::ActiveClip> clips;
     ReferencePose wanted;
-    bool has_two_ways = false;  // rotations so far apart that rounding decides
+    bool has_two_ways = false;  // some rotations are so far apart that rounding decides
 };
 
 class LayerMaker {
@@ -32,7 +32,7 @@ public:
             first_poses_.push_back(sample_reference(character, clip, 0));
     }
 
-    // None where the character turns too far for it: the small ones that are made of random numbers.
+    // Empty if the character turns too far for this: the small ones generated from random numbers.
     std::optional<Layered> make() {
         for (uint32_t tried = 0; tried < 100; ++tried) {
             Layered layered = try_once();
@@ -83,7 +83,7 @@ private:
             local.push_back(active_clips_reference(layers));
             for (size_t k = 0; k < layers.size(); ++k)
                 out.has_two_ways |= is_far(layers[k], active_clips_reference(std::span(layers).first(k)));
-            if (out.has_two_ways) return out;  // which is not used
+            if (out.has_two_ways) return out;  // the result is not used
         }
         out.wanted = pose_from_local(character_, local);
         return out;

@@ -1,4 +1,4 @@
-// Morphs and skinned vertices, as devices without Vulkan make them, against their references.
+// Morphs and skinned vertices as devices without Vulkan compute them, against the references.
 #include "bind/bind_io.h"
 #include "control/control_io.h"
 #include "control/controller_io.h"
@@ -101,7 +101,7 @@ TEST(NativeMesh, MorphFollowsTheReference) {
         }
 }
 
-// A skin matrix in a format, behind those before it.
+// Appends a skin matrix in the given format.
 void add_skin_matrix(std::vector<uint32_t>& skin, SkinFormat format, const Trs<double>& trs) {
     const auto add = [&](double number) { skin.push_back(std::bit_cast<uint32_t>(static_cast<float>(number))); };
     const Affine m = to_affine(trs).as<float>();
@@ -119,7 +119,7 @@ void add_skin_matrix(std::vector<uint32_t>& skin, SkinFormat format, const Trs<d
     }
 }
 
-// All of the instances, or those that a list names in a coarser level of detail.
+// All instances, or those listed at a coarser level of detail.
 TEST(NativeMesh, SkinFollowsTheReference) {
     constexpr uint32_t kInstances = 3;
     Character character = make_character({.joint_count = 20, .seed = 5, .morph_count = 3});
@@ -127,7 +127,7 @@ TEST(NativeMesh, SkinFollowsTheReference) {
                palette_count = static_cast<uint32_t>(character.palette.size()),
                section_count = static_cast<uint32_t>(character.sections.size());
     SkinTables tables = make_skin_tables(character, std::array{0u});
-    for (uint32_t lod = 1; lod < io::kLodCount; ++lod)  // all levels alike
+    for (uint32_t lod = 1; lod < io::kLodCount; ++lod)  // all levels are equal
         for (uint32_t s = 0; s < section_count; ++s) tables.sections.push_back(tables.sections[s]);
     std::vector<uint32_t> list{2, 0, 1, 2, 2, 2, 0}, verdicts{io::kVerdictAnimated, 0, 0};
     constexpr uint32_t kShown = 2;
@@ -161,7 +161,7 @@ TEST(NativeMesh, SkinFollowsTheReference) {
                 run.workgroups(io::SkinPush{section_count, vertex_count, palette_count, 0, 0, 1, 0, kShown},
                                listed ? list[io::kListCount] : kInstances);
                 for (uint32_t i = 0; i < kInstances; ++i) {
-                    if (listed && i > 0) {  // not listed, or not animated
+                    if (listed && i > 0) {  // not listed, or skipped
                         EXPECT_TRUE(std::isnan(skinned[i * vertex_count].position.x));
                         continue;
                     }

@@ -1,4 +1,4 @@
-// The kernels that make poses, as devices without Vulkan run them, against their references.
+// The pose kernels as devices without Vulkan run them, against the references.
 #include "bind/bind.kernel.h"
 #include "bind/bind_io.h"
 #include "bind/bind_reference.h"
@@ -93,10 +93,10 @@ void expect_sampled(Character character) {
     }
 }
 
-// The ways that packed tracks take through the kernel.
+// Which paths through the kernel the packed tracks cover.
 struct PackedWays {
     size_t constant_count = 0, step_count = 0, full_count = 0;
-    std::set<uint32_t> left_out;  // of other rotations
+    std::set<uint32_t> left_out;  // omitted components of rotations that are not full
 
     void add(const Character& packed) {
         for (const JointTracks& tracks : packed.tracks)
@@ -118,8 +118,8 @@ struct PackedWays {
 TEST(NativeKernels, SampleFollowsTheReference) {
     PackedWays ways;
     for (const uint32_t joint_count : kJointCounts) {
-        // Many joints, above all with cubic tracks, take seconds to pack, and kernels see only their bits. One joint
-        // gets keys enough that its rotations become full ones.
+        // Packing many joints takes seconds, above all with cubic tracks, and the kernels only see the resulting bits.
+        // The single joint gets enough keys that its rotations become full ones.
         const bool is_one = joint_count == 1;
         const Asset asset = make_asset({.joint_count = joint_count,
                                         .seed = joint_count,
@@ -163,7 +163,7 @@ TEST(NativeKernels, BlendFollowsTheReference) {
     std::vector<io::JointPose> first_poses, second_poses, set_poses;
     for (const Trs<double>& pose : first) first_poses.push_back(to_pose(pose));
     for (const Trs<double>& pose : second) second_poses.push_back(to_pose(pose));
-    // Instance 4 has a pose that was set, half over its own
+    // Instance 4 has a pose override at half weight
     std::vector<uint32_t> overrides{0, 0, 0, 0, 0, 0, 0, 0, 1, std::bit_cast<uint32_t>(0.5f)};
     for (uint32_t i = 0; i < 2 * kJoints; ++i) set_poses.push_back(to_pose(random.trs(1, 0)));
     for (const bool similarity : {false, true}) {
@@ -193,7 +193,7 @@ TEST(NativeKernels, BlendFollowsTheReference) {
     }
 }
 
-// By exact products: bit for bit.
+// Products are exact, so the results must match bit for bit.
 TEST(NativeKernels, ScanIsExact) {
     constexpr uint32_t kInstances = 70;
     const ScanLimits limits{.shared_memory_bytes = 32768, .workgroup_size = 1024, .subgroup_size = 8, .is_cpu = true};
@@ -246,7 +246,7 @@ TEST(NativeKernels, ScanOfSimilaritiesFollowsTheReference) {
     for (uint32_t j = 0; j < kJoints; ++j) EXPECT_LE(matrix_error(model[j], wanted[j], 1), 1e-5);
 }
 
-// In each format.
+// In every format.
 TEST(NativeKernels, BindFollowsTheReference) {
     constexpr uint32_t kJoints = 30, kInstances = 5;
     for (const uint32_t palette_count : {1u, 64u, 130u}) {
@@ -300,7 +300,7 @@ TEST(NativeKernels, BindFollowsTheReference) {
     }
 }
 
-// Halves are those of the IEEE: compared with the compiler's own.
+// Halves are IEEE: compared with the compiler's own conversion.
 TEST(NativeKernels, HalvesAreRoundedToTheNearest) {
     for (uint32_t half = 0; half < 0x10000; ++half) {
         const float number = io::float_of(half);

@@ -1,4 +1,4 @@
-// How many rows the native engine and GPUs make of a character's clips, and what they refuse.
+// How many rows of keys the native engine and GPUs make from clips, and when that is refused.
 #include "base/failure.h"
 #include "native/gpu_rows.h"
 #include "native/native_rig.h"
@@ -18,7 +18,7 @@ namespace {
 
 using namespace test;
 
-// The error of a rig of all joints; of none where it can be made.
+// The error from creating a rig of all joints. Empty if it can be created.
 std::optional<Error> error_of_rig(const Character& character) {
     try {
         NativeRig(character, {.keeps_model = true});
@@ -35,7 +35,7 @@ void expect_too_many_rows(const Character& character) {
     EXPECT_TRUE(contains(error->message, "1024 MiB of rows")) << error->text();
 }
 
-// Two joints, 1,000 times the character's size apart: the first turns between two rotations, from key to key.
+// Two joints, 1,000 times the character's size apart. The first alternates between two rotations from key to key.
 Character swinging(uint32_t row_count, uint32_t row_stride) {
     Character character{.name = "swinging",
                         .clips = {{.row_count = row_count, .row_stride = row_stride}},
@@ -52,14 +52,14 @@ Character swinging(uint32_t row_count, uint32_t row_stride) {
     return character;
 }
 
-// A character made by hand can say that each of billions of rows is the same one: none is looked at.
+// A hand-made character can claim that billions of rows are all the same one. None may be read.
 TEST(NativeRows, AreRefusedWhereThereAreTooManyRowsOfKeys) {
     Character character = swinging(4'000'000'000, 0);
     for (JointTracks& tracks : character.tracks) tracks.scale |= kTrackAnimated;
     expect_too_many_rows(character);
 }
 
-// A turn between two keys becomes up to 256 rows where what turns is long.
+// A turn between two keys becomes up to 256 rows if the rotated parts are long.
 TEST(NativeRows, AreRefusedWhereArcsNeedTooMany) {
     EXPECT_FALSE(error_of_rig(swinging(100, 1)));
     expect_too_many_rows(swinging(40'000, 1));

@@ -1,4 +1,4 @@
-// Runs kernels as devices without Vulkan do, over vectors.
+// Runs kernels over vectors, as devices without Vulkan do.
 #pragma once
 
 #include "gpu/kernel_code.h"
@@ -19,10 +19,10 @@ std::vector<T> unwritten(size_t count) {
     return out;
 }
 
-// A kernel and the vectors that it reads and writes, which must stay where they are.
+// A kernel and the vectors that it reads and writes, which must not move.
 class NativeRun {
 public:
-    // `constants`: constant_id 1, 2, …
+    // `constants`: values for constant_id 1, 2, …
     explicit NativeRun(const NativeKernel* kernel, std::vector<uint32_t> constants = {}, uint32_t workgroup_size = 0)
         : kernel_(there(kernel)),
           workgroup_size_(workgroup_size != 0 ? workgroup_size : kernel->workgroup_size),
@@ -39,7 +39,7 @@ public:
         return *this;
     }
 
-    // Those of the second half first: no workgroup may rely on another one.
+    // Runs the second half first: no workgroup may depend on an earlier one.
     template <class Push>
     void workgroups(const Push& push, uint32_t count) {
         ASSERT_EQ(kernel_.push_bytes, sizeof push);

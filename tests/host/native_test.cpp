@@ -1,4 +1,4 @@
-// The native engine against the double-precision reference, with every instruction set that the machine has.
+// The native engine against the double-precision reference, with every instruction set that the machine supports.
 #include "bind/skin_format.h"
 #include "tests/host/native_cases.h"
 
@@ -11,7 +11,7 @@ namespace {
 
 using namespace test;
 
-constexpr double kNativeBound = 1e-5;  // parts of the character's size; 2e-5 m for a man
+constexpr double kNativeBound = 1e-5;  // as a fraction of the character's size; 2e-5 m for a man
 
 struct Scene {
     Scene(const Character& of, uint32_t count, uint64_t seed) : character(of) {

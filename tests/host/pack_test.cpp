@@ -1,5 +1,4 @@
-// Packed clips: what decoding gives back, and how far the skin is from that of exact keys, measured here at the
-// vertices.
+// Packed clips: what decoding gives, and how far the skin is from that of exact keys, measured here at the vertices.
 #include "compile/clip/clip_packer.h"
 #include "compile/limits.h"
 #include "compile/clip/packed_track.h"
@@ -23,7 +22,7 @@ namespace {
 
 using namespace test;
 
-constexpr double kExactKeys = 1e-6;  // of the size: what rows added for cubic tracks leave
+constexpr double kExactKeys = 1e-6;  // of the size: what the rows added for cubic tracks leave
 const std::vector<double> kBounds{1e-3, 1e-4, 1e-5};
 
 PackedTrack track_at(const Character& character, uint32_t position) {
@@ -32,7 +31,8 @@ PackedTrack track_at(const Character& character, uint32_t position) {
     return std::bit_cast<PackedTrack>(keys);
 }
 
-// Largest displacement of a vertex in a clip, as a part of the character's size: at every row of either, and between.
+// The largest displacement of a vertex in a clip, as a fraction of the character's size, at both clips' rows and
+// between.
 double vertex_error(const Character& exact, const Character& packed, uint32_t clip, size_t most_times) {
     std::vector<double> times_s;
     for (const Character* c : {&exact, &packed})
@@ -66,8 +66,8 @@ bool has_full_rotation(const Character& character, uint32_t clip) {
     return false;
 }
 
-// Within each bound. The one thing whose bits are given, not chosen, are full rotations: clips with such may miss a
-// small bound, if the least bound does too, and must say so. Calls visit(packed, bound) for each bound.
+// Checks each bound. Only full rotations have a fixed number of bits: clips with them may miss a small bound if the
+// smallest bound misses it, too, and must report so. Calls visit(packed, bound) for each bound.
 template <class Visit>
 void expect_within(const Asset& asset, const std::vector<double>& bounds, size_t most_times, const Visit& visit) {
     const Character exact = compiled(asset, {.error = 0, .lods = false});
@@ -98,7 +98,7 @@ void expect_within(const Asset& asset, const std::vector<double>& bounds, size_t
     expect_within(asset, bounds, most_times, [](const Character&, double) {});
 }
 
-// One joint that skins a triangle a metre and a half across, and a clip to fill.
+// One joint with a triangle about a metre and a half across, and an empty clip.
 struct OneJoint {
     Asset asset{.name = "one joint"};
 
@@ -215,7 +215,7 @@ TEST(Pack, EqualConstantsAreStoredOnce) {
     EXPECT_EQ(packed.clips[1].row_stride, 0u);
 }
 
-// A tremble below the bound is a constant; ten times above it, it is not.
+// A tremble smaller than the bound becomes a constant; one ten times the bound does not.
 TEST(Pack, ATrackWithinTheToleranceBecomesAConstant) {
     for (const double tremble : {1e-5, 1e-2}) {
         OneJoint one;
@@ -255,7 +255,7 @@ TEST(Pack, StepTracksHoldAndSwitchAtTheirKeys) {
     expect_within(one.asset, {1e-4}, 1000);
 }
 
-// Also a switch that is too small to be measured is where it was.
+// Even a step too small to be measured stays at its time.
 TEST(Pack, RowsWhereAStepTrackChangesAreKept) {
     OneJoint one;
     std::vector<float> times_s, values;
@@ -318,8 +318,8 @@ TEST(Pack, AnUnreachableBoundIsSaid) {
     EXPECT_NE(packed.warnings[0].find("0.0001 %"), std::string::npos) << packed.warnings[0];
 }
 
-// A full rotation, whose bits are given, beside joints whose bits are chosen: a bound just above what the finest keys
-// cost.
+// A full rotation, with its fixed number of bits, beside joints with variable bits: the bound is just above the error
+// of the finest keys.
 TEST(Pack, ABoundThatTheFinestKeysKeepIsKept) {
     OneJoint one;
     one.spin(2, 9, {1, 2, 3});
@@ -344,8 +344,8 @@ TEST(Pack, ABoundThatTheFinestKeysKeepIsKept) {
     }
 }
 
-// Where there is no room for rows along an arc, a straight line replaces it, and its error is found between the rows: a
-// quarter turn lags 0.9 degrees behind, at a vertex 1 m away.
+// If the limit on rows leaves none for an arc, a straight line replaces it. Its error must be measured between the
+// rows: a quarter turn lags by 0.9 degrees, at a vertex 1 m away.
 TEST(Pack, ArcsWithoutRowsAreMeasured) {
     OneJoint one;
     one.spin(0.25, 90, {0, 0, 1});
@@ -360,7 +360,7 @@ TEST(Pack, ArcsWithoutRowsAreMeasured) {
     EXPECT_LT(limited.error, 0.0157 * 1.5) << "at a corner of the box";
 }
 
-// The importer writes several keys at one time as neighbouring floats: nothing between them counts.
+// The importer writes several keys at one time as adjacent floats. Times between them do not count.
 TEST(Pack, AJumpIsNoArc) {
     OneJoint one;
     std::vector<float> values;
@@ -379,7 +379,7 @@ TEST(Pack, AJumpIsNoArc) {
         const auto got = reference_positions(packed, *reference_pose(packed, playback));
         for (size_t v = 0; v < wanted.size(); ++v) EXPECT_LE(length(got[v] - wanted[v]), 1e-4 * double{exact.size});
     }
-    // Points are measured between all rows where one arc is long: 30 degrees here, with no room for rows.
+    // If one arc is long, points are measured between all rows: here 30 degrees, with no rows left.
     std::copy_n(values.begin() + 4, 4, values.begin());
     const Quaternion<double> q = axis_angle({0, 0, 1}, 130 * std::numbers::pi / 180);
     values[14] = static_cast<float>(q.z);
@@ -391,7 +391,7 @@ TEST(Pack, AJumpIsNoArc) {
     EXPECT_LT(pack_clip(arc, clips[0], boxes, {1e-4 * double{arc.size}, 1}).error, 2e-3) << "of 30 degrees, not of 98";
 }
 
-// 1 of 65 rows shows the joint, and it is none of those at which sensitivities are taken.
+// Only 1 of 65 rows shows the joint, and sensitivities are not sampled there.
 TEST(Pack, WhatIsHiddenInMostRowsMovesWhenItIsShown) {
     OneJoint one;
     std::vector<float> times_s, scales, rotations;
@@ -462,7 +462,7 @@ TEST(Pack, PosesThatAreNotFiniteAreRefused) {
         << packed.error().text();
 }
 
-// A few megabytes that would take hours. One joint alone moves, without which exact keys would take long as well.
+// A file of a few megabytes that would take hours. Only one joint moves, otherwise exact keys would take long, too.
 TEST(Pack, MoreThanCanBeMeasuredIsRefused) {
     THRONG_SKIP_WHERE_SANITIZED();
     Asset asset = make_asset({.joint_count = 65'535, .shape = RigShape::kStar, .clip_count = 0, .vertex_count = 3});
@@ -488,7 +488,7 @@ std::vector<std::filesystem::path> shared_characters() {
     return files;
 }
 
-// Of all clips of some characters.
+// Sizes of all clips of some characters.
 struct ClipSizes {
     uint64_t packed_bytes = 0, raw_bytes = 0;
 
@@ -499,7 +499,7 @@ struct ClipSizes {
             raw_bytes += clip.raw_size_bytes;
         }
         packed_bytes += of_clips_bytes;
-        // All that is uploaded, but for the rest pose and the words behind the last row.
+        // Everything that is uploaded except the rest pose and the words behind the last row.
         const size_t joint_count = packed.rig.joint_count();
         const size_t uploaded_bytes = packed.keys.size() * 16 + packed.words.size() * 4 + packed.times_s.size() * 4 +
                                       packed.tracks.size() * 16;
@@ -522,8 +522,8 @@ TEST(Pack, RealCharactersKeepTheBoundAndShrinkTenfold) {
     EXPECT_GE(static_cast<double>(sizes.raw_bytes) / static_cast<double>(sizes.packed_bytes), 10.0);
 }
 
-// Keys of a joint make up for what those above it are off by. A layer with a mask can take them without those above:
-// here each joint with all below it from one clip, the others, exact, from the next clip.
+// A joint's keys compensate for errors of the joints above it. A masked layer may use them without those: here each
+// joint and its descendants come from one clip, and the others, exact, from the next clip.
 double masked_error(const Character& exact, const Character& packed, uint32_t clip, double time_s) {
     const auto local = sample_reference(exact, clip, time_s), packed_local = sample_reference(packed, clip, time_s);
     const auto next = static_cast<uint32_t>((clip + 1) % exact.clips.size());

@@ -1,4 +1,4 @@
-// How a skeleton is cut into pieces, one for each invocation.
+// Cutting a skeleton into pieces, one per invocation.
 #include "scan/pieces.h"
 #include "scan/pieces_io.h"
 #include "tests/test_rig.h"
@@ -68,7 +68,7 @@ TEST(Pieces, AChainIsCutEvenlyAndAStarToo) {
     }
 }
 
-// A walk in the table, followed with a stack as the shader does, meets each joint's parent where the word says.
+// Walks the table with a stack, as the shader does: each joint's parent must be where its word says.
 TEST(Pieces, TheTableLeadsEachWalkToItsParents) {
     for (const RigShape shape :
          {RigShape::kChain, RigShape::kStar, RigShape::kComb, RigShape::kBinary, RigShape::kRandom, RigShape::kBushy}) {
@@ -102,8 +102,8 @@ TEST(Pieces, TheTableLeadsEachWalkToItsParents) {
     }
 }
 
-// What ../shared/design/gpu.md found with a prototype: 376 to 508 multiplications for 300 joints in 32 pieces, 18 to 27
-// on the longest lane.
+// ../shared/design/gpu.md found with a prototype: 376 to 508 multiplications for 300 joints in 32 pieces, 18 to 27 on
+// the longest lane.
 TEST(Pieces, DoLittleMoreThanOneMultiplicationAJoint) {
     for (const RigShape shape : {RigShape::kRandom, RigShape::kBushy, RigShape::kComb, RigShape::kChain}) {
         const ScanRig rig(make_parents(shape, 300));

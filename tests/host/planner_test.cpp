@@ -1,4 +1,4 @@
-// The planner: what it chooses, what it says, and the costs that it chooses by.
+// The planner: which scan methods it chooses, its explanations, and the costs behind its choices.
 #include "base/failure.h"
 #include "bench/scan_fit.h"
 #include "bench/skeletons.h"
@@ -38,7 +38,7 @@ const ScanCosts kHardwareCosts{.launch_ms = 0.003,
                                .bytes_per_ns = 800,
                                .origin = "test"};
 
-// Numbered depth first, as the compiler does.
+// Numbered depth first, as by the compiler.
 ScanRig random_rig(uint32_t joint_count, bool uniform_scale) {
     return ScanRig(bench::make_skeleton(bench::SkeletonShape::kRandom, joint_count, joint_count / 5, 1), uniform_scale);
 }
@@ -119,12 +119,12 @@ TEST(Planner, SaysWhyInOneLine) {
     EXPECT_EQ(reason.find('\n'), std::string::npos);
 }
 
-// A GPU with many characters waits for memory, however deep they are; one with few has invocations to spare.
+// With many characters a GPU is bound by memory, however deep the skeletons are. With few it has idle invocations.
 TEST(Planner, AGpuStreamsManyAndSharesFew) {
     for (const uint32_t vendor : {0x10DEu, 0x1002u, 0x8086u, 0u}) {
         const ScanCosts costs = built_in_hardware_costs(vendor);
         for (const uint32_t levels : {15u, 30u, 60u, 120u}) {
-            if (kSanitized && levels > 15) break;  // planning is the same code for all
+            if (kSanitized && levels > 15) break;  // planning uses the same code for all of them
             const ScanRig rig(bench::make_skeleton(bench::SkeletonShape::kRandom, 300, levels, 1), true);
             const ExplainedChoice many = choose_scan("auto", rig, 10'000, kHardware, costs),
                                   few = choose_scan("auto", rig, 1, kHardware, costs);
@@ -153,7 +153,7 @@ TEST(ScanCosts, AreReadAsTheyAreWritten) {
     }
 }
 
-// Times that follow the model exactly lead back to constants that predict them.
+// From times that follow the model exactly, tuning must find constants that predict them.
 TEST(ScanTune, FindsTheCostsBehindObservations) {
     for (const auto& [limits, truth, start] : {std::tuple{kSoftware, kSoftwareCosts, kHardwareCosts},
                                                std::tuple{kHardware, kHardwareCosts, kSoftwareCosts}}) {

@@ -1,4 +1,4 @@
-// Rules that move joints: their plan, and what the definition promises.
+// Procedural rules: the order in which they are planned, and guarantees of the reference.
 #include "tests/procedural_cases.h"
 
 #include <gtest/gtest.h>
@@ -29,7 +29,7 @@ TEST(ProceduralPlan, ASubtreeBecomesItsLongestChainsInRanks) {
     }
     EXPECT_EQ(plan.chains[0].joints.size(), 5u);
     EXPECT_EQ(plan.spring_count, 15u);
-    // No chain has the rank of one before it that it touches, or whose joints it hangs on.
+    // No two chains of the same rank touch each other, or depend on each other's joints.
     for (size_t b = 0; b < plan.chains.size(); ++b)
         for (size_t a = 0; a < b; ++a) {
             const auto touches = [&](const PlannedChain& reader, const PlannedChain& writer) {
@@ -42,7 +42,7 @@ TEST(ProceduralPlan, ASubtreeBecomesItsLongestChainsInRanks) {
         }
 }
 
-// A spring that keeps out of what another rule moves comes after it, and before what moves that once more.
+// A spring must come after the rule that moves its collider, and before a rule that moves the collider again.
 TEST(ProceduralPlan, CollidersAreReadWhenTheyStandStill) {
     const Character character = make_character({.joint_count = 31, .shape = RigShape::kBinary});
     const auto child_from = [&](size_t first) {
@@ -102,7 +102,7 @@ TEST(ProceduralReference, WindBendsAChainItsWayAndNotPastIt) {
     }
 }
 
-// The wind's effect is the same however long the crowd has run: its clock keeps its digits.
+// Sway is equally precise however long the crowd has run: the wind clock keeps its precision.
 TEST(ProceduralReference, SwayGoesOnAfterDays) {
     WindClock clock;
     clock.set({.velocity = {1, 0, 0}, .gust = 1, .wavelength = 0.3f});
@@ -181,8 +181,8 @@ TEST(ProceduralReference, SpringsStayOutOfColliders) {
         local = rest_of(character);
         reference.update(local, {.world_from_model = {}, .wind = {}, .instance = 0, .time_step_s = 1.0 / 60});
     }
-    // They lie on it: gravity would have them hang straight down. A bone's length is kept after it was pushed out,
-    // which may cost a part of the way.
+    // The joints lie on the collider; without it, gravity would make them hang straight down. After a joint is pushed
+    // out, its bone's length is restored, which may undo a part of the push.
     for (uint32_t joint = 1; joint < 8; ++joint) {
         const Vec3<double> at = place_of(character, local, joint);
         EXPECT_GT(std::hypot(at.x - 0.2, at.y + 9), 8.55 * 0.98) << "joint " << joint;

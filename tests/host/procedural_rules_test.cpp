@@ -1,4 +1,4 @@
-// What rules that move joints do, against angles and places that are worked out here.
+// Procedural rules against angles and positions calculated in the tests.
 #include "tests/procedural_cases.h"
 
 #include <gtest/gtest.h>
@@ -13,12 +13,12 @@ namespace {
 
 constexpr double kRightAngle = std::numbers::pi / 2;
 
-// How far a joint of chain() is turned from +y towards +x, in its parent.
+// The angle of a joint of chain() from +y towards +x, relative to its parent.
 double turned_rad(const Trs<double>& parent_from_joint) {
     return -2 * std::atan2(parent_from_joint.rotation.z, parent_from_joint.rotation.w);
 }
 
-// A pose after one update by one rule.
+// The pose after one update with one rule.
 Locals moved_by(const ProceduralRule& rule, const Character& character, Locals local,
                 const ProceduralReference::Moment& moment) {
     const ProceduralRules rules{.targets = {}, .rules = {rule}};
@@ -28,15 +28,15 @@ Locals moved_by(const ProceduralRule& rule, const Character& character, Locals l
 
 // ---- Reach
 
-// A limb in any pose, of any lengths, below any placement, mirrored ones too, and where its rule takes the middle
-// joint.
+// A limb with a random pose, lengths and placement, which may be mirrored, and the position to which its rule moves the
+// middle joint.
 struct Reaching {
-    Vec3<double> upper, middle, end, goal, pole;  // world; where the pose has them
+    Vec3<double> upper, middle, end, goal, pole;  // world space, before the rule
     Vec3<double> wanted_middle(const Vec3<double>& side) const;
     Vec3<double> got_middle;
 };
 
-// At the corner of a triangle of which all sides are known, which lies on `side` of the way to the goal.
+// The corner of a triangle with three known sides, on the given `side` of the line to the goal.
 Vec3<double> Reaching::wanted_middle(const Vec3<double>& side) const {
     const Vec3<double> to_goal = normalized(goal - upper), across = normalized(side - to_goal * dot(side, to_goal));
     const double a = length(middle - upper), b = length(end - middle), c = length(goal - upper);
@@ -79,7 +79,7 @@ TEST(ProceduralRules, ALimbBendsToTheSideToWhichThePoseHasItBent) {
     Random random(5);
     for (int i = 0; i < 300; ++i) {
         const Reaching limb = reach_somewhere(character, random, false);
-        // The shortest way from where the whole limb points to where the goal is
+        // The shortest rotation from the limb's direction to the direction of the goal
         const Vec3<double> straight = normalized(limb.end - limb.upper), to_goal = normalized(limb.goal - limb.upper),
                            axis = cross(straight, to_goal);
         const Quaternion<double> swing = axis_angle(normalized(axis), std::atan2(length(axis), dot(straight, to_goal)));
@@ -99,7 +99,7 @@ TEST(ProceduralRules, AStraightLimbBendsTowardsThePole) {
 
 // ---- Springs
 
-// A part of where an oscillator has begun, without speed, that is left after some time.
+// The remaining fraction of an oscillator's initial displacement, released at rest, after some time.
 double oscillation(double frequency_hz, double damping, double time_s) {
     const double omega = 2 * std::numbers::pi * frequency_hz, decay = damping * omega,
                  other = omega * std::sqrt(std::abs(1 - damping * damping));
@@ -109,8 +109,8 @@ double oscillation(double frequency_hz, double damping, double time_s) {
                        : times(std::cosh(other * time_s), std::sinh(other * time_s) / other);
 }
 
-// A character that is moved aside by little, all at once. The error of a step, which is backward Euler's, adds up to
-// half of the step times the square of 2 pi frequency, in a second: 0.011.
+// The character is suddenly moved by a small distance. The step error of backward Euler adds up to half the step times
+// (2 pi frequency)^2 per second: 0.011.
 TEST(ProceduralRules, ASpringSwingsAsADampedOscillatorDoes) {
     constexpr double kFrequency_hz = 1.5, kWay = 0.01, kStep_s = 1.0 / 4000;
     const Character character = chain(2);
@@ -136,7 +136,7 @@ TEST(ProceduralRules, ASpringSwingsAsADampedOscillatorDoes) {
     }
 }
 
-// At rest, the spring's pull back and what pulls at its end make a force along the bone.
+// At rest, the spring's restoring force and the forces at the bone's end add up to a force along the bone.
 TEST(ProceduralRules, WindAndGravityPullASpringTheirWay) {
     const Character character = chain(2);
     const ProceduralRules rules{
@@ -208,7 +208,7 @@ TEST(ProceduralRules, WindBendsABoneByItsSpeedAcrossItAndNotPastItsDirection) {
     }
 }
 
-// Of a joint below joint 1, as a part of the farthest; so little that no joint turns into the wind.
+// The sway of a joint below joint 1, as a fraction of the maximum. So small that no joint turns into the wind.
 double sway(float sway_hz, double time_s, uint32_t instance = 0, uint32_t generation = 0) {
     static const Character character = chain(5);
     constexpr double kSpeed = 2, kSway_rad = 1e-4;
@@ -224,7 +224,7 @@ double sway(float sway_hz, double time_s, uint32_t instance = 0, uint32_t genera
 }
 
 TEST(ProceduralRules, PlantsSwayAtTheirFrequency) {
-    // 4 x (1 - |x|) where x goes from -1 to 1 in a cycle
+    // A sway of 4 x (1 - |x|), where x runs from -1 to 1 per cycle
     const std::pair<double, double> cycles_and_places[] = {{0, 0},   {0.0625, -0.4375}, {0.125, -0.75}, {0.25, -1},
                                                            {0.5, 0}, {0.625, 0.75},     {0.75, 1},      {0.875, 0.75}};
     for (const float sway_hz : {0.5f, 2.0f, 8.0f})
@@ -245,13 +245,13 @@ TEST(ProceduralRules, SwayRunsOutwardsAndDiffersBetweenInstances) {
     }
 }
 
-// Gusts with a wavelength of 10 in a wind of 2 units/s: they come by every 5 s. An eighth of a wavelength on the
-// waves, of which the others are 2.7 and 7.1 times shorter, are at 0.75, 0.8775 and -0.6975, by their share 0.49875.
+// Gusts with a wavelength of 10 in a wind of 2 units/s pass every 5 s. An eighth of a wavelength along, the three waves
+// (the others are 2.7 and 7.1 times shorter) are at 0.75, 0.8775 and -0.6975, which gives 0.49875 by their shares.
 TEST(ProceduralRules, GustsTravelWithTheWind) {
     const Character character = chain(2);
     constexpr double kSpeed = 2, kBend_rad = 0.01, kGust = 0.5, kEighth = 0.49875;
     struct Case {
-        Vec3<double> instance;  // its place
+        Vec3<double> instance;  // its position
         double joint_x, time_s, gust;
     };
     for (const Case& one : {Case{{0, 0, 0}, 0, 0, 0},
@@ -260,7 +260,7 @@ TEST(ProceduralRules, GustsTravelWithTheWind) {
                             {{-1, 0, 0}, -0.25, 0, -kEighth},
                             {{0, 3, 7}, 0, 0, 0},  // across
                             {{0, 0, 0}, 0, 0.625, -kEighth},
-                            {{1, 0, 0}, 0.25, 0.625, 0},  // gone along with
+                            {{1, 0, 0}, 0.25, 0.625, 0},  // moving with the wind
                             {{2.5, 0, 0}, 0, 0.625, kEighth}}) {
         Locals local = rest_of(character);
         local[1].translation.x = one.joint_x;

@@ -12,7 +12,7 @@ Vec3<double> xyz(const io::vec4& v) { return {v.x, v.y, v.z}; }
 io::vec4 vec4_of(const Vec3<double>& v, double w = 0) {
     return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z), static_cast<float>(w)};
 }
-// The row whose product with a place is `along` times the way there from `from`.
+// The row whose dot product with a place is `along` times the vector from `from` to the place.
 io::vec4 row_along(const Vec3<double>& along, const Vec3<double>& from) { return vec4_of(along, -dot(along, from)); }
 
 io::DrawScene make_scene(uint32_t width, uint32_t height, uint32_t map_size) {
@@ -51,7 +51,7 @@ double encoded(double linear) {
     return 255 * (color <= 0.0031308 ? 12.92 * color : 1.055 * std::pow(color, 1 / 2.4) - 0.055);
 }
 
-// What `draw` writes to memory with guards around it, to which this member of the frame points.
+// What `draw` writes to a guarded buffer, to which this member of the frame is set.
 template <class Value, class Draw>
 std::vector<Value> written(const raster::Frame& frame, Value* raster::Frame::*member, size_t count, NativeIsa isa,
                            const Draw& draw) {
@@ -99,7 +99,7 @@ void RasterPicture::finish() {
     for (const DrawData& draw : drawn_) {
         std::vector<RasterVertex> vertices;
         std::vector<uint32_t> corners;
-        // The last vertices first: what is where is told by corners alone
+        // Vertices in reverse order, so that only the corners tell which is which
         for (size_t i = 3 * draw.triangles.size(); i-- > 0;) {
             const RasterCorner& corner = draw.triangles[i / 3][i % 3];
             vertices.push_back(
@@ -112,7 +112,7 @@ void RasterPicture::finish() {
         draws_.add(*draw.material, vertices, corners, draw.is_mirrored);
     }
     draws_.set(frame, raster::kernel_of(native_isas().front()));
-    // As floats have them from here on
+    // From here on, with the precision that the draws keep
     for (size_t d = 0; d < drawn_.size(); ++d)
         for (size_t i = 0, count = 3 * drawn_[d].triangles.size(); i < count; ++i) {
             RasterCorner& corner = drawn_[d].triangles[i / 3][i % 3];

@@ -1,5 +1,5 @@
-// Small pictures for the kernels of the native renderer, made by hand: which triangle each sample shows is set rather
-// than found; and what they should look like, in double precision.
+// Small hand-made pictures for the native renderer's kernels, with the expected colours in double precision. Which
+// triangle each sample shows is set, not rasterised.
 #pragma once
 
 #include "draw/light_reference.h"
@@ -27,27 +27,26 @@ struct RasterCorner {
 };
 using RasterTriangle = std::array<RasterCorner, 3>;
 
-// Seen by a camera at (0.3, 1.5, 4) that looks along -z and a little down, and by a sun with a shadow map of random
-// heights.
+// Seen by a camera at (0.3, 1.5, 4) that looks along -z and slightly down. The sun's shadow map has random heights.
 class RasterPicture {
 public:
     RasterPicture(uint32_t width, uint32_t height, uint32_t sample_count, uint64_t seed);
 
     io::DrawScene scene{};
-    raster::Frame frame;  // all of it but what finish() sets
+    raster::Frame frame;  // complete except for what finish() sets
 
     raster::Material& add_material() { return materials_.emplace_back(); }
     const raster::Texture* add_texture(const Picture& picture, raster::TexelKind kind);
-    // Returns its number.
+    // Returns the draw's number.
     uint32_t add_draw(const raster::Material& material, std::span<const RasterTriangle> triangles,
                       bool is_mirrored = false);
     void add_line(const Vec3<float>& color);
-    // The map is empty but for these columns and rows, and the kernels are told where.
+    // Clears the map except for these columns and rows, and tells the kernels which cells hold something.
     void keep_heights(uint32_t first, uint32_t end);
-    // After all has been added: what points into what.
+    // To be called after everything has been added: sets the pointers.
     void finish();
 
-    // `of_draw`: kLines for a line
+    // `of_draw` is kLines for a line.
     static constexpr uint32_t kLines = 0xFFFFFFFE, kNothing = 0xFFFFFFFF;
     struct Shown {
         uint32_t of_draw = kNothing, triangle = 0;
@@ -56,17 +55,17 @@ public:
 
     // Whether the ray through a pixel's centre meets the plane of a triangle in front of the eye.
     bool is_before(uint32_t x, uint32_t y, const Shown& shown) const;
-    // Linear, by the samples.
+    // The expected linear colour, averaged over the samples.
     Vec3<double> expected(uint32_t x, uint32_t y) const;
-    // By this kernel, so many rows at a time; with guards around it.
+    // The picture that this kernel resolves, `rows_each` rows at a time, with guards around it.
     std::vector<uint8_t> resolved(NativeIsa isa, uint32_t rows_each) const;
-    // All that has been added, as this kernel rasterises it: show() has no say in these.
+    // Everything that has been added, rasterised by this kernel; show() does not affect these.
     std::vector<uint64_t> drawn_picture(NativeIsa isa) const;
     std::vector<float> drawn_map(NativeIsa isa) const;
-    // All pixels are as expected, rounded: but for 0.7 of 255.
+    // All pixels must match the expected ones within 0.7 of 255, which allows for rounding.
     void expect_resolved();
 
-    // What a triangle has at a place of the picture, in pixels.
+    // A triangle's interpolated values at a position in the picture, in pixels.
     struct At {
         Vec3<double> place, normal, color;
         double alpha = 1;
@@ -75,7 +74,7 @@ public:
         bool is_before_eye = true;
     };
     At at(const RasterTriangle& triangle, bool is_mirrored, double x, double y) const;
-    // The same as the sun sees it, at a place in texels.
+    // The same from the sun's view, at a position in texels.
     At at_map(const RasterTriangle& triangle, double x, double y) const;
     double map_height(int column, int row) const {
         return map_[static_cast<size_t>(row) * frame.map_size + static_cast<size_t>(column)];
@@ -84,7 +83,7 @@ public:
 private:
     struct DrawData {
         const raster::Material* material;
-        std::vector<RasterTriangle> triangles;  // as floats have them
+        std::vector<RasterTriangle> triangles;  // with float precision
         bool is_mirrored;
     };
     Vec3<double> ray(double x, double y) const;
@@ -105,7 +104,7 @@ private:
 
 // Texels of random colours.
 Picture noise(uint32_t width, uint32_t height, uint64_t seed);
-// What the texture has at a place, as samplers read it; the steps are those to the next pixels.
+// The texture's filtered value, as samplers read it. The steps are the differences to the next pixels.
 std::array<double, 4> sampled_reference(const raster::Texture& texture, const raster::Sampling& sampling,
                                         const std::array<double, 2>& texcoord, const std::array<double, 2>& step_x,
                                         const std::array<double, 2>& step_y);

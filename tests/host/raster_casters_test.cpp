@@ -1,4 +1,4 @@
-// Which cells of the shadow map may hold anything.
+// Which cells of the shadow map may contain anything.
 #include "raster/casters.h"
 #include "tests/test_rig.h"
 
@@ -7,10 +7,10 @@
 namespace throng::test {
 namespace {
 
-constexpr uint32_t kMapSize = 100;  // no whole number of cells
+constexpr uint32_t kMapSize = 100;  // not a whole number of cells
 
-// Whether texels whose centres lie between `least` and `greatest` are read with a cell's first texel or a later one of
-// it, which are those and three more.
+// Whether a cell reads any texel whose centre is between `least` and `greatest`. A cell reads its own texels and three
+// more.
 bool may_read(uint32_t cell, float least, float greatest) {
     const float first = static_cast<float>(cell << raster::kCellShift),
                 end = static_cast<float>((cell + 1) << raster::kCellShift) + 3;
@@ -35,7 +35,7 @@ TEST(RasterCasters, AreCountedWhereTheirHeightsAreRead) {
         const uint32_t side = raster::cells_of_map(kMapSize);
         ASSERT_EQ(counts.size(), size_t{side} * side);
         for (uint32_t i = 0; i < counts.size(); ++i) {
-            uint32_t least = 0, most = 0;  // boxes, and boxes with some texels around them
+            uint32_t least = 0, most = 0;  // boxes, and boxes with a margin of some texels
             for (const raster::Draw& draw : draws) {
                 const auto& box = draw.map_box;
                 const auto reads = [&](float margin) {

@@ -1,4 +1,4 @@
-// What the kernels of the native renderer are given to draw, and the memory that it points to.
+// Draws for the native renderer's kernels, with the memory that they point to.
 #pragma once
 
 #include "native/aligned.h"
@@ -23,14 +23,14 @@ public:
     // `corners`: three for each triangle.
     void add(const raster::Material& material, std::span<const RasterVertex> vertices,
              std::span<const uint32_t> corners, bool is_mirrored);
-    // Has the frame draw all of them: keeps their vertices by this kernel, and sorts them by their distance.
+    // Makes the frame draw all of them: transforms their vertices with this kernel, and sorts the draws by distance.
     void set(raster::Frame& frame, const raster::Kernel& kernel, bool farthest_first = false);
 
     size_t count() const { return draws_.size(); }
     uint32_t first_id(size_t draw) const { return draws_[draw].first_id; }
     double size(size_t draw) const { return draws_[draw].size; }
     uint32_t draw_of(uint32_t id) const { return draw_of_ids_[id / raster::kIdBlock]; }
-    // As set() has kept it.
+    // As stored by set().
     Vec3<double> place(size_t draw, size_t vertex) const;
     Vec3<double> normal(size_t draw, size_t vertex) const;
 
@@ -50,7 +50,7 @@ private:
     std::vector<uint32_t> draw_of_ids_, nearest_first_;
 };
 
-// A normal as kernels keep it: on an octahedron, 16 bits each way.
+// Decodes a normal as the kernels store it: octahedral, 16 bits per component.
 Vec3<double> unpacked_normal(float packed);
 
 }  // namespace throng::test

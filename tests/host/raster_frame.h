@@ -1,4 +1,4 @@
-// A frame of the renderer for processors, of triangles whose places on the screen are known to the subpixel.
+// A frame of the native renderer, with triangles whose screen positions are known to the subpixel.
 #pragma once
 
 #include "raster/kernels.h"
@@ -12,7 +12,7 @@ namespace throng::test {
 
 struct ScreenVertex {
     int32_t x, y;  // subpixels of the picture
-    float w = 1;   // a power of two: then nothing is rounded
+    float w = 1;   // powers of two avoid rounding
 };
 
 class RasterFrame {
@@ -22,22 +22,22 @@ public:
 
     explicit RasterFrame(uint32_t sample_count);
 
-    // `corners`: three for each triangle. Of a masked material, every third vertex from the first on has no alpha.
+    // `corners`: three per triangle. With a masked material, vertices 0, 3, 6, … have alpha 0.
     raster::Material& material() { return materials_.emplace_back(); }
     void add(const std::vector<ScreenVertex>& vertices, const std::vector<uint32_t>& corners,
              const raster::Material& material, bool is_mirrored = false);
-    // As add(), of vertices of the world: x, y, and the distance from the eye.
+    // Like add(), with vertices in world space: x, y, and the distance from the eye.
     void add_world(const std::vector<Vec3<float>>& vertices, const std::vector<uint32_t>& corners,
                    const raster::Material& material, bool is_mirrored = false);
     void add_line(const raster::Line& line, bool is_depth_tested);
 
-    // Draws tile by tile, into memory with guards around it; then samples() and map() are those of the frame.
+    // Draws tile by tile into guarded memory. Afterwards samples() and map() are the frame's.
     void draw(NativeIsa isa, uint32_t tile_side = kSize, bool farthest_first = false);
     const std::vector<uint64_t>& samples() const { return samples_; }
     const std::vector<float>& map() const { return map_; }
     const raster::Frame& frame() const { return frame_; }
     raster::Frame& frame() { return frame_; }
-    // The triangle that a sample shows, counted over all draws and then lines; or -1.
+    // The triangle that a sample shows, numbered across all draws and then lines, or -1.
     int triangle_at(size_t sample) const;
     static float depth_of(uint64_t sample);
 

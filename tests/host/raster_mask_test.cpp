@@ -1,4 +1,4 @@
-// What masks leave of triangles in the pictures and shadow maps of the native renderer.
+// Alpha masks on triangles in pictures and shadow maps of the native renderer.
 #include "tests/host/raster_cases.h"
 
 #include <cmath>
@@ -9,7 +9,8 @@ namespace {
 constexpr float kCutoff = 0.4f;
 constexpr double kNear = 2e-3;  // alphas this near to the cutoff may be rounded to either side
 
-// A square before the camera, with a texture of random alphas. All that its two triangles have is linear in the place.
+// A square in front of the camera, with a texture of random alphas. Its triangles' attributes are linear in the
+// position.
 struct Square {
     Square(uint32_t sample_count, bool is_masked) : picture(96, 64, sample_count, 1) {
         material.is_masked = is_masked;
@@ -28,7 +29,7 @@ struct Square {
         picture.add_draw(material, triangles);
         picture.finish();
     }
-    // Where `place_at` finds a pixel or texel, and its neighbours.
+    // The alpha where `place_at` finds the pixel or texel and its neighbours.
     template <class PlaceAt>
     double alpha(const PlaceAt& place_at, uint32_t x, uint32_t y) const {
         constexpr double kStep = 1e-3;
@@ -94,7 +95,7 @@ TEST(RasterMask, ShadowsHaveWhatPasses) {
     }
 }
 
-// Whatever the map begins at, a texel of its grid is covered alike: shadows do not shimmer while the map moves.
+// Wherever the map begins, its grid's texels are covered alike, so shadows do not shimmer while the map moves.
 TEST(RasterMask, WhatIsBlendedIsCoveredByTheGridOfTheMap) {
     constexpr uint32_t kMoved[2]{5, 3};
     const auto map_of = [&](NativeIsa isa, bool is_moved) {

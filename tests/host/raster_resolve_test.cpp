@@ -1,4 +1,4 @@
-// What the native renderer makes of samples: pictures made by hand, against the light's definition in double precision.
+// Resolving samples in the native renderer: hand-made pictures against the definition of lighting in double precision.
 #include "tests/host/raster_cases.h"
 
 #include <cmath>
@@ -9,7 +9,8 @@ namespace {
 using raster::TexelKind;
 using Shown = RasterPicture::Shown;
 
-// Around all that the camera sees, at some distance; of random normals, colours and texture coordinates.
+// A triangle around everything that the camera sees, at a random distance, with random normals, colours and texture
+// coordinates.
 RasterTriangle wide_triangle(const io::DrawScene& scene, Random& random, double texcoord_extent = 3) {
     const double turn = random.between(0, 6.2), way_around = random.chance(0.5) ? 1 : -1;
     const auto xyz = [](const io::vec4& v) { return Vec3<double>{v.x, v.y, v.z}; };
@@ -28,7 +29,7 @@ RasterTriangle wide_triangle(const io::DrawScene& scene, Random& random, double 
     return triangle;
 }
 
-// Each sample shows one of these, or nothing.
+// Makes each sample show one of these, or nothing.
 void show_any(RasterPicture& picture, Random& random, const std::vector<Shown>& of) {
     for (uint32_t y = 0; y < picture.frame.height; ++y)
         for (uint32_t x = 0; x < picture.frame.width; ++x)
@@ -38,7 +39,7 @@ void show_any(RasterPicture& picture, Random& random, const std::vector<Shown>& 
             }
 }
 
-// A picture of one material, on a few triangles.
+// Checks a picture of a few triangles with one material.
 void expect_material(const raster::Material& material, RasterPicture& picture, double texcoord_extent = 3) {
     Random random(11);
     std::vector<RasterTriangle> triangles;
@@ -55,7 +56,7 @@ void expect_material(const raster::Material& material, RasterPicture& picture, d
 
 TEST(RasterResolve, GroundAndSky) {
     for (const uint32_t samples : {1u, 4u})
-        for (const uint32_t width : {61u, 9u}) {  // 9: a pixel is half of a grid's cell and more
+        for (const uint32_t width : {61u, 9u}) {  // 9: a pixel is larger than half of a grid cell
             RasterPicture picture(width, width, samples, 1);
             picture.finish();
             picture.expect_resolved();
@@ -71,7 +72,7 @@ TEST(RasterResolve, ShadowsAreLookedUpNearCasters) {
     picture.keep_heights(21, 34);
     picture.finish();
     picture.expect_resolved();
-    // Nowhere else: no height is read where there is said to be none
+    // With a table that says no cell has anything, no height is read
     const std::vector<uint32_t> none(size_t{raster::cells_of_map(64)} * raster::cells_of_map(64));
     RasterPicture told(61, 61, 1, 4), unshadowed(61, 61, 1, 4);
     told.frame.casters = none.data();
@@ -102,7 +103,7 @@ TEST(RasterResolve, PlainMaterials) {
         }
 }
 
-// A pixel of which a triangle covers a sample, but not the middle: colours are extrapolated there, but not below 0.
+// A pixel with a covered sample but an uncovered centre: colours are extrapolated there, but not below 0.
 TEST(RasterResolve, ColoursBesideATriangle) {
     RasterPicture picture(37, 37, 4, 4);
     raster::Material& material = picture.add_material();
@@ -120,7 +121,7 @@ TEST(RasterResolve, ColoursBesideATriangle) {
 }
 
 TEST(RasterResolve, TexturesNearAndFar) {
-    // From texels of many pixels to many texels a pixel
+    // From many pixels per texel to many texels per pixel
     for (const double extent : {0.05, 1.0, 20.0, 400.0}) {
         RasterPicture picture(23, 17, 4, 5);
         raster::Material& material = picture.add_material();
@@ -186,7 +187,7 @@ TEST(RasterResolve, TrianglesThatCrossTheNearPlane) {
     picture.expect_resolved();
 }
 
-// More materials than are kept apart, in a row of more pixels than are resolved together; lines over them.
+// More materials than are handled separately, in a row of more pixels than are resolved together, with lines on top.
 TEST(RasterResolve, ManyMaterialsAndLines) {
     RasterPicture picture(2100, 2, 4, 8);
     Random random(12);
@@ -206,7 +207,7 @@ TEST(RasterResolve, ManyMaterialsAndLines) {
     picture.expect_resolved();
 }
 
-// What has no area is shaded like anything else, with whatever colour, and reads no texels that are not there.
+// Triangles without area may get any colour, but must not read texels out of bounds.
 TEST(RasterResolve, TrianglesWithoutArea) {
     RasterPicture picture(8, 1, 1, 9);
     raster::Material& material = picture.add_material();

@@ -1,4 +1,4 @@
-// What the renderer for processors draws, before it is lit: samples against Vulkan's rules, counted in integers.
+// Rasterisation in the native renderer, before lighting: samples against Vulkan's rules, computed with integers.
 #include "tests/host/raster_frame.h"
 
 #include <gtest/gtest.h>
@@ -22,7 +22,7 @@ using ScreenTriangle = std::array<ScreenVertex, 3>;
 struct Sample {
     int x, y;  // subpixels
 };
-// Vulkan's standard places, of one and of four.
+// Vulkan's standard sample locations, for one and four samples.
 Sample sample_at(size_t index, uint32_t sample_count) {
     static constexpr Sample kFour[4]{{96, 32}, {224, 96}, {32, 160}, {160, 224}};
     const auto pixel = static_cast<int>(index / sample_count);
@@ -34,7 +34,7 @@ int64_t cross_of(const ScreenVertex& a, const ScreenVertex& b, const Sample& p) 
     return int64_t{b.x - a.x} * (p.y - a.y) - int64_t{b.y - a.y} * (p.x - a.x);
 }
 
-// What a triangle covers: by the rule of top and left edges, of either winding.
+// The samples that a triangle covers: by the top-left rule, for either winding.
 class Coverage {
 public:
     explicit Coverage(ScreenTriangle t) {
@@ -54,7 +54,7 @@ public:
             if (cross_of(edge.a, edge.b, p) < edge.least) return false;
         return true;
     }
-    // Calls visit(index, place) for each sample of the picture that is covered. Asks for those in the triangle's box.
+    // Calls visit(index, place) for each covered sample of the picture. Tests only the triangle's bounding box.
     template <class Visit>
     void visit_samples(uint32_t sample_count, const Visit& visit) const {
         const auto pixel_of = [](int subpixel) { return static_cast<size_t>(std::clamp(subpixel >> 8, 0, kSize - 1)); };
@@ -67,7 +67,7 @@ public:
 private:
     struct Edge {
         ScreenVertex a, b;
-        int64_t least;  // cross product of a sample that is covered
+        int64_t least;  // the smallest cross product of a covered sample
     };
     Sample low_{1, 1}, high_{0, 0};
     std::array<Edge, 3> edges_{};
@@ -82,7 +82,7 @@ double depth_at(const ScreenTriangle& t, const Sample& p) {
     return depth * RasterFrame::kNear;
 }
 
-// Some are a fraction of a pixel large, others reach out of the picture.
+// Some are smaller than a pixel, others reach beyond the picture.
 ScreenTriangle random_triangle(Random& random, int largest) {
     const double size = 256 * std::exp(random.between(std::log(0.2), std::log(largest)));
     const double x = random.between(-20, kSize + 20) * 256, y = random.between(-20, kSize + 20) * 256;
@@ -97,11 +97,11 @@ ScreenTriangle random_triangle(Random& random, int largest) {
 class RasterTest : public testing::TestWithParam<NativeIsa> {};
 INSTANTIATE_TEST_SUITE_P(InstructionSets, RasterTest, testing::ValuesIn(native_isas()), [](const auto& of) {
     std::string name(name_of(of.param));
-    std::erase(name, '-');  // which GoogleTest does not take
+    std::erase(name, '-');  // not allowed in GoogleTest's names
     return name;
 });
 
-// Of these tests the expectation takes longer than what is tested: it is made once for all instruction sets.
+// Computing the expected result takes longer than the tested code, so it is computed once for all instruction sets.
 TEST(Raster, CoversTheSamplesOfATriangleAndNoOthers) {
     for (const uint32_t sample_count : {1u, 4u}) {
         Random random(sample_count);
@@ -135,7 +135,7 @@ TEST(Raster, CoversTheSamplesOfATriangleAndNoOthers) {
 }
 
 TEST_P(RasterTest, TrianglesThatMeetCoverEachSampleOnce) {
-    // A picture full of small and large ones, whose corners are shared
+    // A picture filled with small and large triangles that share corners
     Random random(3);
     for (const int cells : {5, 90}) {
         const int step = kSize * 256 / cells + 1;
@@ -160,7 +160,7 @@ TEST_P(RasterTest, TrianglesThatMeetCoverEachSampleOnce) {
         all.add(vertices, corners, material);
         all.draw(GetParam());
         EXPECT_TRUE(std::ranges::none_of(all.samples(), [](uint64_t sample) { return sample == 0; }));
-        // Each sample shows a triangle that covers it: there are no others that could have hidden it
+        // Each sample shows a triangle that covers it. There are no others that could hide it
         for (size_t i = 0; i < all.samples().size(); ++i) {
             const Sample at = sample_at(i, 4);
             const auto t = static_cast<size_t>(all.triangle_at(i)) * 3;
@@ -256,7 +256,7 @@ void expect_same_in_tiles(NativeIsa isa, const TileCase& of) {
         }
         frame.add(vertices, corners, of.has_masks && random.chance(0.5) ? masked : opaque);
     };
-    // Large ones in front hide most of what comes behind.
+    // Large triangles in front hide most of those behind.
     add(0.125f, 200, 8);
     for (int i = 0; i < 60; ++i) add(2, 10, 50);
     for (int i = 0; of.has_lines && i < 10; ++i) {
@@ -285,7 +285,7 @@ TEST_P(RasterTest, TilesAndOrderChangeNothing) {
 }
 
 TEST_P(RasterTest, LeavesOutBacksOfMaterialsWithOneSide) {
-    // Clockwise, y down; where the map is, too
+    // Clockwise, with y down, also in the map
     const ScreenTriangle t{{{34 * 256, 34 * 256}, {60 * 256, 34 * 256}, {34 * 256, 60 * 256}}};
     const ScreenTriangle small{{{34 * 256, 34 * 256}, {35 * 256, 34 * 256}, {34 * 256, 35 * 256}}};
     for (const ScreenTriangle& of : {t, small})
@@ -302,7 +302,7 @@ TEST_P(RasterTest, LeavesOutBacksOfMaterialsWithOneSide) {
             }
 }
 
-// A triangle of the world, as rays from the eye meet it.
+// A triangle in world space, intersected with rays from the eye.
 class MetByRays {
 public:
     explicit MetByRays(const std::array<Vec3<float>, 3>& corners) {
@@ -311,8 +311,8 @@ public:
         normal_ = cross(b - a, c - a);
         offset_ = dot(normal_, a);
     }
-    // Whether the ray through a sample meets it behind the near plane, and how surely: how far the ray's plane is from
-    // an edge's, as an angle.
+    // Whether the ray through a sample hits the triangle behind the near plane, and the margin: the angle between the
+    // ray and the plane through the nearest edge.
     std::pair<bool, double> meets(const Sample& at) const {
         const double half = kSize * 128;
         const Vec3<double> ray{at.x / half - 1, at.y / half - 1, 1};
@@ -339,7 +339,7 @@ TEST(Raster, ClipsWhatReachesBehindTheEyeOrFarAway) {
     Random random(9);
     size_t inside = 0, outside = 0;
     for (int round = 0; round < 200; ++round) {
-        const double size = round % 2 == 0 ? 4 : 1e5;  // and beyond the guard
+        const double size = round % 2 == 0 ? 4 : 1e5;  // also beyond the guard band
         std::array<Vec3<float>, 3> corners;
         for (Vec3<float>& corner : corners)
             corner = Vec3<double>{random.between(-size, size), random.between(-size, size), random.between(-3, 5)}
@@ -409,7 +409,7 @@ TEST_P(RasterTest, TheMapHasTheGreatestHeightsLessTheirSlope) {
     }
 }
 
-// Most of these reach so far that their subpixels are no longer exact as floats.
+// Most of these reach so far out that floats cannot represent their subpixels exactly.
 TEST_P(RasterTest, ClipsWhatReachesFarOutOfTheMap) {
     Random random(17);
     size_t inside = 0, outside = 0;
@@ -423,7 +423,7 @@ TEST_P(RasterTest, ClipsWhatReachesFarOutOfTheMap) {
         RasterFrame frame(1);
         frame.add_world({corners.begin(), corners.end()}, {0, 1, 2}, frame.material());
         frame.draw(GetParam());
-        // In texels
+        // Converts to texels
         std::array<Vec3<double>, 3> at;
         for (size_t k = 0; k < 3; ++k) {
             at[k] = corners[k].as<double>();
@@ -444,7 +444,7 @@ TEST_P(RasterTest, ClipsWhatReachesFarOutOfTheMap) {
                 covered = covered && side > 0;
                 nearest_edge = std::min(nearest_edge, std::abs(side));
             }
-            if (nearest_edge < 0.05) continue;  // rounding may decide
+            if (nearest_edge < 0.05) continue;  // too close: rounding may decide
             const double height = at[0].z + slope_x * (x - at[0].x) + slope_y * (y - at[0].y),
                          wanted = covered ? std::max(height - 1.5 * slope, 0.0) : 0;
             ASSERT_NEAR(static_cast<double>(frame.map()[i]), wanted, 1e-4 + 0.02 * slope) << round << ", texel " << i;
@@ -455,8 +455,7 @@ TEST_P(RasterTest, ClipsWhatReachesFarOutOfTheMap) {
     EXPECT_GT(outside, 50'000u);
 }
 
-// Scales gone wrong: whatever is drawn stays within its memory, and triangles with a corner that is no number are left
-// out.
+// With extreme scales, drawing must stay inside its memory. Triangles with a NaN corner are left out.
 TEST_P(RasterTest, TakesCornersThatAreExtremeOrNoNumbers) {
     constexpr float kMost = std::numeric_limits<float>::max();
     Random random(19);
@@ -492,7 +491,7 @@ TEST_P(RasterTest, LinesAreHiddenOrCoverAll) {
     RasterFrame frame(4);
     raster::Material& material = frame.material();
     material.is_double_sided = true;
-    // A wall over the left half, nearer than all lines
+    // A wall over the left half, in front of all lines
     frame.add({{0, 0, 0.5f}, {0, kSize * 256, 0.5f}, {kSize * 128, 0, 0.5f}, {kSize * 128, kSize * 256, 0.5f}},
               {0, 1, 2, 2, 1, 3}, material);
     frame.add_line(line_across(-0.5f, -0.25f, 2), true);
@@ -545,7 +544,7 @@ TEST_P(RasterTest, SkinsVerticesAndTheirNormals) {
                 const float numbers[8]{place.x, place.y, place.z, 1, normal.x, normal.y, normal.z, 0};
                 std::ranges::copy(numbers, floats(bind) + size_t{v} * 8);
                 float left = 1;
-                // One alone where some mirror, since blends of mirroring and other ones may be flat
+                // Only one influence if some mirror, since blends of mirroring and other matrices may be flat
                 for (uint32_t i = 0; i < influence_count; ++i) {
                     const float weight = i + 1 == influence_count ? left : some_mirror ? 0 : left * 0.6f;
                     left -= weight;
@@ -583,7 +582,7 @@ TEST_P(RasterTest, SkinsVerticesAndTheirNormals) {
                 EXPECT_NEAR(static_cast<double>(out[0]), place.x, 2e-5);
                 EXPECT_NEAR(static_cast<double>(out[kFour]), place.y, 2e-5);
                 EXPECT_NEAR(static_cast<double>(out[2 * kFour]), place.z, 2e-5);
-                // The normal of two tangents that have been transformed, on the side that the vertex's was
+                // The normal of two transformed tangents, on the same side as the vertex normal
                 const Vec3<double> normal{double{in[4]}, double{in[5]}, double{in[6]}};
                 const Vec3<double> along = normalized(
                     cross(normal, std::abs(normal.x) < 0.9 ? Vec3<double>{1, 0, 0} : Vec3<double>{0, 1, 0}));

@@ -1,4 +1,4 @@
-// Textures of the native renderer: their mips. How they are read is tested where they are seen (raster_resolve_test).
+// The mip levels of the native renderer's textures. Sampling is tested in raster_resolve_test.
 #include "raster/texture.h"
 
 #include "tests/host/raster_cases.h"
@@ -13,7 +13,7 @@ using Texels = std::vector<std::array<double, 4>>;  // 0..1
 
 double linear(double part) { return part <= 0.04045 ? part / 12.92 : std::pow((part + 0.055) / 1.055, 2.4); }
 
-// As Vulkan defines a blit with a linear filter, to half of the size.
+// A blit to half of the size with a linear filter, as Vulkan defines it.
 Texels halved(const Texels& from, int width, int height) {
     const int to_width = std::max(width / 2, 1), to_height = std::max(height / 2, 1);
     Texels to;

@@ -1,4 +1,4 @@
-// Files that are created whole, on file systems that cannot do all that is made use of.
+// create_file() on file systems that lack hard links, or also renameat2() without replacing: files are written whole.
 #include "base/replace_file.h"
 #include "tests/files.h"
 
@@ -28,7 +28,7 @@ struct RefusedCall {
     unsigned reason;  // errno
 };
 
-// From now on the system refuses these calls to the process. False if it cannot be told to.
+// From now on these system calls fail in this process. Returns false if that cannot be set up.
 bool refuse_calls(const std::vector<RefusedCall>& calls) {
     std::vector<sock_filter> filter{BPF_STMT(BPF_LD | BPF_W | BPF_ABS, offsetof(seccomp_data, nr))};
     for (const RefusedCall& call : calls) {
@@ -40,7 +40,7 @@ bool refuse_calls(const std::vector<RefusedCall>& calls) {
     return prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) == 0 && prctl(PR_SET_SECCOMP, SECCOMP_MODE_FILTER, &program) == 0;
 }
 
-// Runs the work in a process of its own and returns its exit code.
+// Runs `work` in a child process and returns its exit code.
 int in_own_process(const std::function<int()>& work) {
     const pid_t process = fork();
     if (process == 0) _exit(work());

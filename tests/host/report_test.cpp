@@ -1,5 +1,5 @@
-// The benchmark's report: every method in it, nothing fetched, nothing that a record says taken for markup or for a
-// command, and one clear error for what is missing. Figures need gnuplot, which ./run installs.
+// The benchmark report: it contains every method, loads nothing from elsewhere, escapes records so that they cannot
+// become markup or commands, and gives one clear error for missing data. Figures need gnuplot, which ./run installs.
 #include "base/failure.h"
 #include "bench/report/gnuplot.h"
 #include "bench/report/html.h"
@@ -63,7 +63,7 @@ TEST(Report, HasEachMethodInFigureTableAndLegend) {
     for (const std::string& method : kMethods) {
         EXPECT_GE(count_of(html, "data-series=\"" + method + "\"><title>" + method), 2u) << method;  // in both figures
         EXPECT_EQ(count_of(html, "data-method=\"" + method + "\""), 1u) << method;
-        EXPECT_GE(count_of(html, "</span>" + method), 4u) << method;  // a table a level, and the legend
+        EXPECT_GE(count_of(html, "</span>" + method), 4u) << method;  // one table per level, and the legend
     }
     EXPECT_EQ(count_of(html, "<svg"), 2u);
     EXPECT_EQ(count_of(html, "<b>75.0</b>"), 1u) << "the fastest of 15 levels is bold";
@@ -212,7 +212,7 @@ TEST(Summary, HasALineForEachTimeBesideItsPrediction) {
     EXPECT_EQ(count_of(section, "60 levels"), 0u) << "updates have a section of their own";
 }
 
-// Of the records that are kept. Left out are runs with several cameras, about which records say nothing.
+// For the committed records. Runs with several cameras are left out, since records do not store the camera.
 TEST(Summary, NoTwoRowsOfADeviceAreAlike) {
     size_t rows = 0;
     for (const auto& entry : std::filesystem::directory_iterator(THRONG_SOURCE_DIR "/bench/results")) {

@@ -1,3 +1,4 @@
+// Result: access to its value or error, expect(), and aborts on misuse.
 #include <throng/result.h>
 
 #include <gtest/gtest.h>

@@ -1,4 +1,5 @@
-// Clips of a rig with the same names that is held, turned, scaled or built in another way; all worked out by hand.
+// Transferring clips between rigs with the same names but different parents, orientation, scale or structure. Expected
+// results are calculated by hand.
 #include <throng/character.h>
 #include <throng/reference.h>
 
@@ -18,7 +19,7 @@ struct Part {
     bool is_joint = true;
 };
 
-// Joints and what holds them, without a mesh.
+// Joints and their parents, without a mesh.
 Asset rig_of(const char* name, const std::vector<Part>& parts) {
     Asset asset{.name = name};
     AssetSkin skin;
@@ -31,7 +32,7 @@ Asset rig_of(const char* name, const std::vector<Part>& parts) {
     return asset;
 }
 
-// The same with a clip of these tracks of two keys, and no skin.
+// The same without a skin, and with a clip of these tracks of two keys.
 Asset clip_of(const std::vector<Part>& parts, const std::vector<AssetTrack>& tracks) {
     Asset asset = rig_of("moves.glb", parts);
     asset.skins.clear();
@@ -53,7 +54,7 @@ AssetTrack turning(uint32_t node, const Quaternion<double>& begin, const Quatern
     return track;
 }
 
-// Where a joint is at the end of the clip that is added.
+// The position of a joint at the end of the transferred clip.
 Vec3<double> place_at_end(Asset asset, const Asset& from, const std::string& joint) {
     const Result<void> added = add_clips(asset, from);
     EXPECT_TRUE(added) << added.error().text();
@@ -83,7 +84,7 @@ TEST(RigTransfer, FitRigsThatAreHeldInAnotherWay) {
     expect_near(place_at_end(of_cm, clip_of(in_m, {moving(1, {0, 1, 0}, {0, 1, 2})}), "Head"), {0, 1.7, 2},
                 "hips walk");
 
-    // Bones that are keyed with their rest, and scales too.
+    // Keys that equal the clip's rest pose, and a scale track.
     const Asset hips_in_cm = rig_of(
         "hips.glb",
         {{"Hips", kNone, {.translation = {0, 1, 0}, .scale = {0.01, 0.01, 0.01}}}, {"Head", 0, at(0, 70, 0)}});
@@ -95,7 +96,7 @@ TEST(RigTransfer, FitRigsThatAreHeldInAnotherWay) {
                              "Head"),
                 {1, 1.7, 0}, "a unit in the scale of a joint");
 
-    // A bone more than the clip knows of.
+    // The rig has a bone that the clip does not.
     const Asset with_neck = rig_of(
         "neck.glb", {{"Chest", kNone, at(0, 1, 0)}, {"Neck", 0, at(0, 0.3, 0)}, {"Head", 1, at(0, 0.5, 0)}});
     expect_near(place_at_end(with_neck,
@@ -104,7 +105,7 @@ TEST(RigTransfer, FitRigsThatAreHeldInAnotherWay) {
                              "Head"),
                 {0, 1.8, 1}, "a neck more");
 
-    // The same pose in model space, whatever is turned: a body whose Head is 0.7 above its Hips in `from`.
+    // The pose in model space is the same whatever is turned: the Head is 0.7 above the Hips in `from`.
     const Asset lying_armature = rig_of("lying.glb", {{"Armature", kNone, turned, false},
                                                       {"Hips", 0, {.rotation = upright, .translation = {0, 0, 1}}},
                                                       {"Head", 1, at(0, 0.7, 0)}});
@@ -142,7 +143,7 @@ TEST(RigTransfer, FitRigsThatAreHeldInAnotherWay) {
         {0, 1.7, 2}, "a lifted joint holds the rig, which the clip does not have");
 }
 
-// A few bones of many.
+// Only a few of many bones.
 TEST(RigTransfer, LegsKeepTheirLengthAmongManyBonesThatAreAlike) {
     std::vector<Part> parts{{"Hips", kNone, {.translation = {0, 1, 0}}},
                             {"Thigh", 0, {.translation = {0, -0.5, 0}}},
@@ -164,7 +165,7 @@ TEST(RigTransfer, LegsKeepTheirLengthAmongManyBonesThatAreAlike) {
     EXPECT_NEAR(hips.y - foot.y, 1, 1e-6);
 }
 
-// What hangs on "Spine2" cannot turn with it.
+// "Spine2" is missing in the rig, so its descendants cannot turn with it.
 TEST(RigTransfer, NameWhatTurnsAndIsNotThere) {
     const auto at = [](double y) { return Trs<double>{.translation = {0, y, 0}}; };
     const Quaternion<double> turn = axis_angle<double>({0, 0, 1}, 1);
@@ -177,7 +178,7 @@ TEST(RigTransfer, NameWhatTurnsAndIsNotThere) {
     EXPECT_EQ(asset.warnings,
               (std::vector<std::string>{"moves.glb: 2 of its 4 animated nodes ('Spine2', 'Tail') are not in short.glb; "
                                         "what is below 'Spine2' will be turned differently"}));
-    // One that only goes somewhere turns nothing.
+    // A missing joint that only translates turns nothing.
     asset.warnings.clear();
     from.clips[0].tracks[1] = moving(1, {0, 0.3f, 0}, {0, 0.5f, 0});
     ASSERT_TRUE(add_clips(asset, from));
@@ -186,7 +187,7 @@ TEST(RigTransfer, NameWhatTurnsAndIsNotThere) {
         (std::vector<std::string>{"moves.glb: 2 of its 4 animated nodes ('Spine2', 'Tail') are not in short.glb"}));
 }
 
-// As clothes have that were exported with a skeleton of their own.
+// Clothes are often exported with their own copy of the skeleton.
 TEST(RigTransfer, MoveAllJointsOfAName) {
     const auto at = [](double y) { return Trs<double>{.translation = {0, y, 0}}; };
     Asset asset = rig_of(

@@ -1,4 +1,4 @@
-// States that somebody has forged: refused, or gone on from, but never a crash. Natively, so that sanitizers see it.
+// Forged crowd states: refused or accepted, but never a crash. On the native device, so that sanitizers check it.
 #include "base/crc64.h"
 #include "control/controller_io.h"
 #include "tests/test_rig.h"
@@ -33,7 +33,7 @@ void mend_checksum(std::vector<std::byte>& forged) {
     std::memcpy(forged.data() + end, &checksum, sizeof checksum);
 }
 
-// The state with another command in place of one that waits in it.
+// The state with the pending command `waiting` replaced by `other`.
 std::vector<std::byte> with_command(std::vector<std::byte> state, const io::ControlCommand& waiting,
                                     const io::ControlCommand& other) {
     const auto found = std::ranges::search(state, std::as_bytes(std::span(&waiting, 1)));
@@ -73,7 +73,7 @@ TEST(ForgedState, NeverACrash) {
         std::vector<std::byte> forged = saved;
         for (uint32_t words = 1 + random.below(24); words > 0; --words) {
             const uint32_t value = random.chance(0.5) ? random.below(300) : static_cast<uint32_t>(random.next());
-            // The head is checked by itself; skin matrices take most of the rest, and nothing goes by them.
+            // The header is checked separately. Most of the rest is skin matrices, on which nothing depends.
             const auto words_of_all = static_cast<uint32_t>((forged.size() - kHead_bytes - sizeof(uint64_t)) / 4);
             const uint32_t from_end = random.below(random.chance(0.5) ? words_of_all : std::min(words_of_all, 800u));
             const size_t at = kHead_bytes + 4 * size_t{words_of_all - 1 - from_end};
@@ -94,7 +94,7 @@ TEST(ForgedState, NeverACrash) {
     EXPECT_TRUE(crowd.save_state().value() == saved);
 }
 
-// A group has what births and inertial plays need only if its settings allow them.
+// A group has the data for births and inertial plays only if its settings allow them.
 TEST(ForgedState, CommandsThatItsGroupCannotObeyAreRefused) {
     const Device device = Device::create({.select = "native"}).value();
     const Character character = make_character({.name = "some", .joint_count = 20});

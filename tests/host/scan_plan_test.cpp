@@ -1,4 +1,4 @@
-// What a scan method plans for a skeleton and what it counts, and what it refuses; no device is involved.
+// Plans of scan methods for a skeleton: their counts, and what they refuse. No device is involved.
 #include "scan/scan_table.h"
 #include "tests/test_rig.h"
 
@@ -45,27 +45,27 @@ TEST(ScanPlan, CountsOfSmallRigsAreThoseByHand) {
     };
     compare("a chain of 5", ScanRig(make_parents(RigShape::kChain, 5)),
             {{"gateau2012_walk", 0 + 1 + 2 + 3 + 4, 4, 0, 0, 4},
-             {"kandar2024_leaves", 4, 4, 0, 0, 4 / 8.0},  // the one leaf of 8 characters in a subgroup
+             {"kandar2024_leaves", 4, 4, 0, 0, 4 / 8.0},  // 8 characters per subgroup, each with one leaf
              {"doubling", 4 + 3 + 1, 3, 2, 5 * 96, 3},
              {"blocks64", 4 + 3 + 1, 3, 3, 5 * 96, 3},
              {"compressed", 0 + 1 + 2 + 3 + 4, 4, 2, 5 * 96, 4},
              {"levels", 4, 4, 4, 96, 4},
              {"serial", 4, 4, 0, 0, 5 / 8.0}});
     compare("a star of 9", ScanRig(make_parents(RigShape::kStar, 9)),
-            {{"gateau2012_walk", 8, 1, 0, 0, 2},  // 9 joints are two subgroups
+            {{"gateau2012_walk", 8, 1, 0, 0, 2},  // 9 joints need two subgroups
              {"kandar2024_leaves", 8, 1, 0, 0, 1},
-             {"doubling", 8, 1, 0, 96, 2},  // of the array that it has no use for
+             {"doubling", 8, 1, 0, 96, 2},  // one element of the array, which it does not need here
              {"blocks64", 8, 1, 1, 9 * 96, 2},
              {"compressed", 8, 1, 2, 9 * 96, 2},
              {"levels", 8, 1, 1, 96, 1},
              {"serial", 8, 8, 0, 0, 9 / 8.0}});
-    // Two blocks: in the second one 6 joints, whose first has its parent outside.
+    // Two blocks. The second has 6 joints, and its first joint's parent is in the first block.
     compare("a chain of 70", ScanRig(make_parents(RigShape::kChain, 70)),
             {{"doubling", 69 + 68 + 66 + 62 + 54 + 38 + 6, 7, 6, 70 * 96, 9 + 9 + 9 + 8 + 7 + 5 + 1},
              {"blocks64", 63 + 62 + 60 + 56 + 48 + 32 + 5 + 4 + 2 + 6, 7, 6, 70 * 96, 9 + 9 + 9 + 7 + 6 + 4 + 1}});
 }
 
-// The longest chain inside a block and the hops out of it, walked joint by joint.
+// The longest chain inside a block and the hops between blocks, counted joint by joint.
 TEST(ScanPlan, MultiplicationsAreThoseOfTheDefinitions) {
     for (const RigShape shape :
          {RigShape::kChain, RigShape::kStar, RigShape::kComb, RigShape::kBinary, RigShape::kRandom, RigShape::kBushy}) {
@@ -95,8 +95,8 @@ TEST(ScanPlan, MultiplicationsAreThoseOfTheDefinitions) {
     }
 }
 
-// No method does with less than a multiplication for each joint that has a parent, nor with a shorter thread than its
-// lanes allow.
+// Every method needs at least one multiplication per joint that has a parent, and its longest thread at least its
+// share.
 TEST(ScanPlan, CountsArePlausible) {
     for (const RigShape shape :
          {RigShape::kChain, RigShape::kStar, RigShape::kComb, RigShape::kBinary, RigShape::kRandom, RigShape::kBushy}) {
@@ -140,7 +140,7 @@ TEST(ScanPlan, APlanNamesItsObstacle) {
     }
 }
 
-// A shared array has an element also where the rig needs none.
+// A shared array has at least one element, even if the rig needs none.
 TEST(ScanPlan, WhatIsDeclaredInSharedMemoryIsCounted) {
     const ScanRig single(make_parents(RigShape::kChain, 1)), star(make_parents(RigShape::kStar, 9)),
         chain(make_parents(RigShape::kChain, 5));
@@ -165,7 +165,7 @@ TEST(ScanPlan, TooManyLoopIterationsAreAnObstacle) {
     EXPECT_EQ(unsupported_reason, "65538 loop iterations of an invocation exceed the device's 65535");
     EXPECT_EQ(plan_scan(*find_scan_method("doubling"), chain, limits, 0).unsupported_reason, "");
     EXPECT_EQ(counts_of("gateau2012_walk", ScanRig(make_parents(RigShape::kChain, 33))).loop_iterations, 32u + 2 + 1);
-    // Of 256 invocations the sixth subgroup has joints 40 to 47, then 296 to 299.
+    // With 256 invocations, the sixth subgroup has joints 40 to 47, then 296 to 299.
     EXPECT_EQ(counts_of("gateau2012_walk", ScanRig(make_parents(RigShape::kChain, 300))).loop_iterations,
               47u + 2 + 299 + 2 + 1);
 }

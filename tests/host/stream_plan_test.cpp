@@ -1,4 +1,4 @@
-// The order of joints that `stream` works on, walked through as the shader does; no device is involved.
+// The order in which `stream` processes joints, simulated as in the shader. No device is involved.
 #include "scan/stream_io.h"
 #include "scan/stream_plan.h"
 #include "tests/test_rig.h"
@@ -15,9 +15,9 @@ namespace {
 
 using namespace test;
 
-using Path = std::vector<uint32_t>;  // a product: joints from the root down
+using Path = std::vector<uint32_t>;  // a product, as the joints from the root down
 
-// What the lanes of one team store, [character][joint].
+// What the lanes of one team store, keyed by (character, joint).
 std::map<std::pair<uint32_t, uint32_t>, Path> walked(const StreamPlan& plan, std::span<const uint32_t> parents) {
     const std::vector<uint32_t> links = stream_links(plan, parents);
     std::map<std::pair<uint32_t, uint32_t>, Path> stored;
@@ -77,7 +77,7 @@ TEST(StreamPlan, EachJointIsTheProductOfItsAncestors) {
             }
 }
 
-// So that a subgroup's stores fill whole lines of the cache.
+// A subgroup's stores then fill whole cache lines.
 TEST(StreamPlan, JointsOfAChunkLieSideBySide) {
     for (const RigShape shape : kRigShapes)
         for (const uint32_t joint_count : {160u, 300u, 1024u}) {
@@ -88,7 +88,7 @@ TEST(StreamPlan, JointsOfAChunkLieSideBySide) {
         }
 }
 
-// So that the bits of one do not depend on who shares its subgroup.
+// A character's bits then do not depend on which others share its subgroup.
 TEST(StreamPlan, CharactersThatShareChunksAreAlike) {
     uint32_t shared = 0;
     for (const RigShape shape : kRigShapes)

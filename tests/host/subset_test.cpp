@@ -1,4 +1,4 @@
-// Subsets, of which a program that has none takes no harm.
+// Test subsets: their filters, and errors for unknown names and for patterns that match no test.
 #include "tests/subset.h"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// How tests compare: what is no number must not pass.
+// The tests' own comparison functions: NaN must not pass.
 #include "tests/test_rig.h"
 
 #include <gtest/gtest.h>

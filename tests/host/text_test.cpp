@@ -1,4 +1,4 @@
-// What printable() leaves of a text from a file.
+// printable(): what it keeps of text from a file.
 #include "base/text.h"
 
 #include <gtest/gtest.h>
@@ -25,7 +25,7 @@ TEST(Printable, ReplacesControlCharacters) {
     EXPECT_EQ(printable(utf8_of(0x2028) + utf8_of(0x2029)), "??") << "other ends of lines";
 }
 
-// Terminals of 8 bits take a byte of 0x9B for the beginning of a command.
+// 8-bit terminals treat the byte 0x9B as the start of a command.
 TEST(Printable, ReplacesBytesThatAreNoUtf8) {
     EXPECT_EQ(printable("a\x9B"
                         "2Jb"),

@@ -1,4 +1,4 @@
-// The loop that a few threads share.
+// ThreadPool and for_each_job(): jobs shared among threads.
 #include "base/thread_pool.h"
 
 #include <gtest/gtest.h>
@@ -41,7 +41,7 @@ TEST(ThreadPool, TakesAsManyThreadsAsAskedFor) {
     EXPECT_GE(ThreadPool(0).concurrency(), 1u);
 }
 
-// Whatever the application has set for its own threads, of which one may have made the pool's.
+// Whatever rounding mode the application has set for its own threads, one of which may have created the pool.
 TEST(ThreadPool, RoundsToTheNearest) {
     const auto third = [] {
         volatile float three = 3;
@@ -55,7 +55,7 @@ TEST(ThreadPool, RoundsToTheNearest) {
     std::array<float, 2> computed{};
     float computed_alone = 0;
     std::atomic<uint32_t> there = 0;
-    for_each_job(pool, 2, [&](uint32_t i) {  // one on each thread
+    for_each_job(pool, 2, [&](uint32_t i) {  // one per thread
         ++there;
         while (there < 2) std::this_thread::yield();
         computed[i] = third();
@@ -95,7 +95,7 @@ TEST(ThreadPool, TakesItsThreadsWhenAnotherCallerIsDone) {
     std::set<std::thread::id> ids;
     std::condition_variable both_there;
     for_each_job(pool, 3, [&](uint32_t i) {
-        if (i == 0) {  // the pool's threads are the other caller's now, and no more when this returns
+        if (i == 0) {  // the other caller has the pool's threads, and returns them before this job ends
             may_end.count_down();
             other.join();
             return;
@@ -103,7 +103,7 @@ TEST(ThreadPool, TakesItsThreadsWhenAnotherCallerIsDone) {
         std::unique_lock lock(mutex);
         ids.insert(std::this_thread::get_id());
         both_there.notify_all();
-        both_there.wait_for(lock, std::chrono::seconds(20), [&] { return ids.size() == 2; });  // or the test fails
+        both_there.wait_for(lock, std::chrono::seconds(20), [&] { return ids.size() == 2; });  // timeout: failure
     });
     EXPECT_EQ(ids.size(), 2u);
 }

@@ -1,4 +1,4 @@
-// The nearest triangle, against a search through all of them and a distance computed another way.
+// TriangleIndex: the nearest triangle, against an exhaustive search and a distance computed in another way.
 #include "compile/mesh/triangle_index.h"
 #include "tests/test_rig.h"
 
@@ -43,7 +43,7 @@ IndexedMesh soup(Random& random, size_t count, double extent, double triangle_si
     return mesh;
 }
 
-// Points; lines, whose corners rounding moves off them; needles; each several times.
+// Points, lines whose corners are slightly off due to rounding, and needles, each several times.
 IndexedMesh degenerate_soup(Random& random) {
     IndexedMesh mesh;
     for (int i = 0; i < 60; ++i) {
@@ -86,7 +86,7 @@ float smallest_of_all(const IndexedMesh& mesh, const Place& p) {
     return smallest;
 }
 
-// Bit for bit, in whichever part of the mesh the search begins; and no more than asked for where that is enough.
+// Expects the exact bits wherever the search begins. With a distance that is enough, the search may end early.
 void expect_nearest(const TriangleIndex& index, const IndexedMesh& mesh, const std::vector<Place>& places,
                     Random& random) {
     for (const Place& p : places) {
@@ -145,7 +145,7 @@ TEST(TriangleIndex, WithoutTrianglesNothingIsNear) {
     EXPECT_EQ(TriangleIndex({}, {}).nearest({0, 0, 0}, 0, 0).squared_distance, std::numeric_limits<float>::infinity());
 }
 
-// What is not finite ends the search too.
+// Non-finite positions also end the search.
 TEST(TriangleIndex, PlacesWithoutEnd) {
     Random random(4);
     const IndexedMesh mesh = soup(random, 100, 1, 0.1);
@@ -160,8 +160,7 @@ double distance_to_segment(const Vec3<double>& p, const Vec3<double>& a, const V
     return length(p - (a + edge * (squared > 0 ? std::clamp(dot(p - a, edge) / squared, 0.0, 1.0) : 0.0)));
 }
 
-// By the weights of the corners (C. Ericson, Real-Time Collision Detection, 2005, 3.4) of the nearest point of the
-// plane.
+// By the barycentric weights of the nearest point in the plane (C. Ericson, Real-Time Collision Detection, 2005, 3.4).
 double distance_to_triangle(const Vec3<double>& p, const Vec3<double>& a, const Vec3<double>& b,
                             const Vec3<double>& c) {
     double nearest = std::min(
@@ -184,7 +183,7 @@ TEST(TriangleIndex, DistancesAreRightOfThinTrianglesToo) {
             const Vec3<double> ab = b.as<double>() - a.as<double>(), ac = c.as<double>() - a.as<double>();
             const Vec3<double> up = normalized(cross(ab, ac));
             for (int i = 0; i < 200; ++i) {
-                // Anywhere, and above the triangle, where a wrong normal shows.
+                // Either anywhere, or above the triangle's interior, where a wrong normal would show.
                 const double v = random.unit(), w = random.between(0, 1 - v);
                 const Vec3<double> above = a.as<double>() + ab * v + ac * w + up * random.between(-1, 1);
                 const Place p = i % 2 == 0 ? place_within(random, 1.5) : above.as<float>();
@@ -197,8 +196,8 @@ TEST(TriangleIndex, DistancesAreRightOfThinTrianglesToo) {
     }
 }
 
-// The boxes and triangles that are looked at grow with the number of levels, not of triangles: for places beside each
-// other, and for such at random, each about as far from the mesh as its triangles are long.
+// The number of boxes and triangles visited grows with the number of levels, not triangles: for adjacent places and
+// random ones, each about as far from the mesh as its triangles are long.
 TEST(TriangleIndex, LooksAtFewTriangles) {
     Random random(6);
     std::vector<double> beside, at_random;

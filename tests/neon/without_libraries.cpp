@@ -1,4 +1,4 @@
-// In the place of libraries that are not there for ARM: files compressed by them are refused, and meshes keep their
+// Stubs for libraries that are not available for ARM: files compressed with them are refused, and meshes keep all their
 // triangles.
 #include "base/failure.h"
 #include "import/draco.h"

@@ -1,4 +1,4 @@
-// Camera paths: smooth, periodic, and looking at what they are to show.
+// Camera paths: smooth, periodic, and aimed at their subject.
 #include "tools/scene/camera_path.h"
 #include "tools/cli/command.h"
 
@@ -23,7 +23,7 @@ CameraSubject subject_of(const Vec3<float>& half) {
 // A crowd, one character, and a vast one.
 const CameraSubject kSubjects[] = {subject_of({40, 1, 30}), subject_of({1, 2, 1.5f}), subject_of({900, 2, 900})};
 
-// Clip space x / w and y / w; infinite behind the camera.
+// x / w and y / w in clip space. Infinite behind the camera.
 Vec3<float> seen_at(const Camera& camera, const Vec3<float>& p) {
     const CrowdView view = *view_of(camera, 1600, 900, {});
     const auto row = [&](size_t r) {
@@ -74,7 +74,7 @@ TEST(CameraPath, HoldsTheCrowdInView) {
             for (const float turn : {0.0f, 1.0f, 2.0f, 3.0f, 4.0f, 5.0f, 6.0f})
                 EXPECT_TRUE(is_seen(orbit, centre + Vec3<float>{half.x * std::sin(turn), 0, half.z * std::cos(turn)}))
                     << turn << " " << frame;
-            // From above the heads some of the crowd, if not its middle.
+            // From above the heads, the flyover sees some of the crowd, though maybe not its middle.
             const Camera flight = CameraPath("flyover:seconds=60").at(frame, subject);
             EXPECT_TRUE(is_seen(flight, flight.target));
             EXPECT_LE(std::abs(flight.target.x - centre.x), half.x + 2 * half.y);

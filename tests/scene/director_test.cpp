@@ -1,4 +1,4 @@
-// What characters with controllers are told.
+// The director: the parameter values that it chooses for characters with controllers.
 #include "tools/scene/director.h"
 
 #include <gtest/gtest.h>
@@ -21,7 +21,7 @@ TEST(Director, RangesAreWhatControllersAskAbout) {
     ASSERT_TRUE(controller) << controller.error().text();
     const auto range = [&](const char* name) { return parameter_range(*controller, controller->find_parameter(name)); };
     EXPECT_EQ(range("speed").least, 0);
-    EXPECT_EQ(range("speed").most, 10);  // above 8 must happen
+    EXPECT_EQ(range("speed").most, 10);  // values above 8 must occur
     EXPECT_EQ(range("side").least, -3.75f);
     EXPECT_EQ(range("side").most, 0);
     EXPECT_EQ(range("height").least, 2);

@@ -1,4 +1,5 @@
-// Formations: as many places as were asked for, apart, the same for the same random numbers; and who stands there.
+// Formations: they have the requested number of places, keep them apart, are reproducible from a seed, and mix the
+// characters.
 #include "tools/cli/command.h"
 #include "tools/scene/scatter.h"
 
@@ -24,7 +25,7 @@ std::vector<double> pitches_of(const std::vector<PlacementKind>& kinds) {
     return pitches;
 }
 
-// The least distance of two places, in half the sum of their pitches.
+// The smallest distance between two places, relative to half the sum of their pitches.
 double least_apart(const std::vector<Place>& places, const std::vector<double>& pitches) {
     double least = std::numeric_limits<double>::infinity();
     for (size_t i = 0; i < places.size(); ++i)
@@ -99,7 +100,7 @@ TEST(Placement, HeadingsFollowTheFormation) {
         EXPECT_NEAR(creature::sine(place.heading_turns), place.x / radius, 1e-9);
         EXPECT_NEAR(creature::cosine(place.heading_turns), place.z / radius, 1e-9);
     }
-    // Along a path those ahead stand where one looks: of one lane, the next is straight ahead.
+    // On a path, characters look along it: in a single lane, the next one is straight ahead.
     const std::vector<Place> lane = placed(Formation::kPath, {{12, 1}});
     for (size_t i = 0; i + 1 < lane.size(); ++i) {
         const double dx = lane[i + 1].x - lane[i].x, dz = lane[i + 1].z - lane[i].z;

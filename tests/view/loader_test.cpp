@@ -1,4 +1,4 @@
-// What the viewer reads in the background.
+// The viewer's background loading.
 #include "tools/view/loader.h"
 #include "tests/tool_runner.h"
 
@@ -14,7 +14,7 @@ namespace {
 using namespace test;
 namespace fs = std::filesystem;
 
-// What has been read to its end is kept in the cache folder, here one of the tests' own.
+// Files that are loaded completely are kept in the cache folder, here one of the tests' own.
 class ViewLoader : public ToolTest {
 protected:
     static void SetUpTestSuite() {

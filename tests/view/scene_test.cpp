@@ -1,4 +1,5 @@
-// The viewer's crowd where its settings, controllers and looks change; on the native device, without a window.
+// The viewer's scene keeps its state when settings, controllers and looks change. On the native device, without a
+// window.
 #include "tools/view/scene.h"
 #include "tests/tool_runner.h"
 #include "tools/cli/command.h"
@@ -21,7 +22,7 @@ protected:
         generate("one.glb", "--joints 40 --levels 12 --faces 600");
     }
 
-    // Three characters: of one file, or the last of another one.
+    // Three characters in all, from `file_count` files.
     static view::Scene scene_of(size_t file_count) {
         const Character character = load_character(file("one.glb")).expect();
         view::Cast cast(std::vector<Character>(file_count, character));
@@ -34,7 +35,7 @@ protected:
     }
 };
 
-// One character plays another clip than those that were chosen for all.
+// One character plays another clip than the one chosen for all.
 void choose_clips(view::Scene& scene) {
     scene.set_group_playback(0, {.own = false, .first = 1, .second = 2, .weight = 0.25f});
     Playback inspected = scene.playback_of(2);

@@ -1,4 +1,4 @@
-// throng view under Xvfb: driven by scripted input, and once by a real keyboard's and mouse's, and looked at.
+// throng view under Xvfb: driven by scripted input, and once by real keyboard and mouse events. Checks screenshots.
 #include "tests/display.h"
 #include "tests/png.h"
 #include "tests/tool_runner.h"
@@ -35,7 +35,7 @@ int distance(const uint8_t* a, const uint8_t* b) {
     return std::abs(a[0] - b[0]) + std::abs(a[1] - b[1]) + std::abs(a[2] - b[2]);
 }
 
-// The part of the rectangle, 0..1, for which `is` says yes.
+// The fraction of the rectangle's pixels, 0..1, for which `is` returns true.
 template <class Is>
 double part(const Rectangle& of, const Is& is) {
     int count = 0;
@@ -69,7 +69,7 @@ protected:
                 {"VK_LAYER_ENABLES", "VK_VALIDATION_FEATURE_ENABLE_SYNCHRONIZATION_VALIDATION_EXT"}};
     }
 
-    // Runs the events, under the validation layer, which must have nothing to say. What stays is in state_.
+    // Runs the events under the validation layer, which must report nothing. The final state is dumped to state_.
     static Outcome view(const std::string& events, std::vector<std::string> arguments = {}) {
         if (std::ranges::find(arguments, "--count") == arguments.end())
             arguments.insert(arguments.end(), {"--count", "12"});
@@ -90,9 +90,9 @@ protected:
     static inline Json state_;
 };
 
-// The part of a window that has no panels; it shows the crowd, and not only the ground.
+// A part of the window without panels. It shows the crowd, not only the ground.
 constexpr Rectangle kMiddle{200, 120, 440, 300};
-// The part of a window with its panels that they leave free.
+// The part of a window that its panels leave free.
 constexpr Rectangle kBesidePanels{304, 40, 636, 236};
 // The ground changes little along a row; characters do.
 double part_with_detail(const Png& picture, const Rectangle& of) {
@@ -158,7 +158,7 @@ TEST_F(View, AClickInspects) {
     };
     EXPECT_LT(dark(seen("none.png")), 0.2);
     EXPECT_GT(dark(seen("one.png")), 0.6);
-    // Beside it there is nobody.
+    // There is no character beside the first one.
     view("4 move 475 120\n5 press left\n6 release left\n8 move 630 20\n", {"--count", "1"});
     EXPECT_EQ(state_["selected"], 0);
     view("4 move 634 200\n5 press left\n6 release left\n8 move 630 20\n", {"--count", "1"});
@@ -170,7 +170,7 @@ TEST_F(View, DrawsSkeletonsInTheColoursOfTheirLevels) {
          {"--count", "4"});
     EXPECT_TRUE(state_["skeletons"]);
     const Png flesh = seen("flesh.png"), bones = seen("bones.png");
-    // Of what the lines have changed: joints near the roots are orange and yellow, those of the tips are blue.
+    // Among the pixels that the lines change: joints near the roots are orange and yellow, those at the tips blue.
     const auto changed_to = [&](const auto& is_color) {
         return part(all_of(bones), [&](int x, int y) {
             const uint8_t *now = bones.at(x, y), *before = flesh.at(x, y);
@@ -349,8 +349,8 @@ TEST_F(View, FollowsTheSizeOfTheWindow) {
         0.02);
 }
 
-// The keyboard and the mouse of the display, through the server and GLFW. Times here only make sure that two events do
-// not fall into one frame.
+// Keyboard and mouse events of the display, through the X server and GLFW. The delays only ensure that no two events
+// fall into one frame.
 TEST_F(View, TakesRealInput) {
     const std::string shot = file("real.png");
     const auto run_command = [](const std::string& words) {
@@ -370,7 +370,7 @@ TEST_F(View, TakesRealInput) {
     });
     EXPECT_EQ(run_command("search --sync --onlyvisible --name '^throng$'"), 0);
     run_command("mousemove 320 200 sleep 0.3 key Tab sleep 0.3 key space sleep 0.3");
-    take_shot();  // the message goes
+    take_shot();  // the message disappears
     const Png before = take_shot();
     run_command("mousedown 1 sleep 0.3 mousemove 420 200 sleep 0.3 mouseup 1 sleep 0.3");
     const Png after = take_shot();
@@ -381,7 +381,7 @@ TEST_F(View, TakesRealInput) {
 }
 
 TEST_F(View, EndsAfterItsFramesWithAPicture) {
-    // The device draws, or the processor where it is the device; by recorded updates too
+    // Drawn by the device, or by the processor if that is the device; also with recorded updates
     std::optional<Png> first;
     for (const std::vector<std::string>& more :
          {std::vector<std::string>{}, {"--renderer", "vulkan"}, {"--path", "device"}}) {
@@ -422,7 +422,7 @@ TEST_F(View, RefusesInOneLine) {
     EXPECT_EQ(run_tool({"view", file("one.glb"), "--count", "200000"}, in_window).exit_code, 2) << "a wrong option";
 }
 
-// How many presses of this key the actions of a frame are.
+// How many times this key counts as pressed, for one frame with these actions.
 std::ptrdiff_t pressed(view::KeyPresses& presses, int key, unsigned character, std::initializer_list<int> actions) {
     for (const int action : actions) {
         presses.add_key(key, action, 0);

@@ -63,7 +63,7 @@ void print_update_row(const Json& record) {
     print_columns(record, {{" %9.3f", "total/median_ms"}, {" %9.2f", "ns_per_joint"}, {"  %.1e\n", "max_error"}});
 }
 
-// Updates by each scan method in turns, as many methods at a time as there is memory for.
+// Runs updates by each scan method in turns, with as many methods at a time as there is memory for.
 class MethodRun {
 public:
     MethodRun(const BenchOptions& options, const std::vector<Character>& characters)
@@ -76,7 +76,7 @@ public:
 
     const Device& device() const { return device_; }
 
-    // If a method fails, those before it are timed and shown all the same.
+    // If a method fails, the methods before it are still timed and shown.
     void run(const std::vector<std::string>& scans) {
         try {
             for (const std::string& scan : scans) {
@@ -94,11 +94,11 @@ public:
 private:
     struct Method {
         Json record;
-        std::optional<Crowd> crowd{};  // none where it does not apply or is wrong
+        std::optional<Crowd> crowd{};  // none if the method does not apply or is wrong
         bench::UpdateTimes times{};
     };
 
-    // All crowds are about as large as the last. Half of the memory is left to whatever else there is.
+    // Assumes that the next crowd is about as large as the last. Leaves half of the memory to everything else.
     bool fits_another() const {
         uint64_t held_bytes = 0, last_bytes = 0;
         for (const Method& method : group_) {
@@ -152,7 +152,7 @@ private:
         add(group);
     }
 
-    // Leaves out those that had no turn before another one failed.
+    // Leaves out methods that were not timed because another one failed before their turn.
     void add(std::vector<Method>& group) {
         for (Method& method : group) {
             if (method.crowd && method.times.count() == 0) continue;
@@ -185,7 +185,7 @@ private:
     const Scatter field_;
     const Json files_;
     Measured measured_;
-    std::vector<Method> group_;  // whose crowds there are now
+    std::vector<Method> group_;  // whose crowds exist
 };
 
 void print_head(const Device& device, const std::vector<Character>& characters, const BenchOptions& options) {

@@ -80,7 +80,8 @@ private:
     std::optional<bench::BaselineCrowd> baseline_;
 };
 
-// One clip at any time; or two clips with each of the weights, different clips if the character has several.
+// Playbacks of each clip at random times, or of two clips with each of the weights; the two differ if the character has
+// several.
 std::vector<Playback> playbacks_to_compare(const Character& character, bool blended, uint64_t seed) {
     constexpr uint32_t kMoments = 32;
     constexpr std::array kOne{1.0f};
@@ -104,7 +105,7 @@ std::vector<Playback> playbacks_to_compare(const Character& character, bool blen
     return out;
 }
 
-// Distances of all vertices at 32 moments between what the GPU shows and the reference of the same playback.
+// How far all vertices, at 32 moments, are from where the reference of the same playback has them, mm.
 Json errors_of(const Device& device, const Method& method, const Character& character, bool blended, uint64_t seed) {
     constexpr double kMm = 1000;  // a unit of the model is a metre
     const std::vector<Playback> playbacks = playbacks_to_compare(character, blended, seed);
@@ -149,7 +150,8 @@ Json record_of(const Device& device, const Method& method, const Character& char
     return record;
 }
 
-// Checks each method, then times them in turns: A B C A B C …; median_ms, p5_ms, p95_ms, max_error and stages.
+// Checks each method, then times them in turns: A B C A B C … Adds median_ms, p5_ms, p95_ms, max_error and stages_ms to
+// the records.
 void time_methods(const Device& device, const std::vector<Method>& methods, const Character& character,
                   const BaselineOptions& options, std::vector<Json>& records) {
     const std::vector<Playback> playbacks =

@@ -19,8 +19,8 @@ struct ControlOptions {
     bool json = false;
 };
 
-// A crowd with up to so many joints is measured with all of them; in a larger one characters get fewer, as small ones
-// in the distance have
+// The most joints in a measured crowd. In larger crowds each character gets fewer joints, but at least 40, as small
+// characters in the distance have
 constexpr uint64_t kMostJoints = 4'000'000;
 
 void print_control_row(const Json& record) {

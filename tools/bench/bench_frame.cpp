@@ -69,7 +69,7 @@ public:
     explicit FrameRun(const FrameOptions& options)
         : options_(options), device_(open_vulkan_device(options.device)), measured_(options.json) {}
 
-    // A run with other keys is another configuration, so that one report can hold the records of both.
+    // A run with other keys counts as another configuration, so that one report can hold the records of both.
     void measure(std::string configuration, const Character& character, const Character* exact, uint32_t count) {
         const std::string keys = keys_text(character);
         if (options_.compile.error != CompileSettings().error) configuration += ", keys " + keys;
@@ -92,7 +92,7 @@ public:
         const uint32_t count = options_.characters(generated.characters);
         const std::string configuration = std::to_string(count) + " x " + std::to_string(generated.joints) + ", " +
                                           std::to_string(generated.levels) + " levels";
-        if (!generated_.insert(configuration).second) return;  // --count makes some of them the same
+        if (!generated_.insert(configuration).second) return;  // with --count some are the same
         print_progress(configuration + ": compiling");
         const Asset asset = unwrap(
             make_creature({.joint_count = generated.joints, .level_count = generated.levels, .seed = options_.seed}));

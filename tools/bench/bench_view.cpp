@@ -32,7 +32,7 @@ void print_view_row(const Json& record) {
     if (record.contains("times_faster"))
         print_columns(record, {{"%7.2f ", "times_faster"}});
     else
-        std::printf("%7s ", "");  // everything was not measured
+        std::printf("%7s ", "");  // there is no time of everything to compare with
     const Json stages = record.value("stages", Json::object());
     for (const auto& [stage, stage_ms] : stages.items())
         std::printf(" %s %.2f,", stage.c_str(), stage_ms.get<double>());

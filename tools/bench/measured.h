@@ -23,10 +23,11 @@ void add_report_option(Command command, std::string& file);
 
 void write_text(const std::string& path, const std::string& text);
 
-// --isa: an instruction set, or "all". Returns the fastest first. Throws UsageError if this machine lacks the set.
+// --isa: an instruction set, or "all". chosen_isas() returns the fastest first, and throws UsageError if this machine
+// lacks the set.
 void add_isa_option(Command command, std::string& isa);
 std::vector<NativeIsa> chosen_isas(const std::string& isa);
-// --threads, and its default.
+// --threads; or_all_and_one() adds its default: all processors, and one.
 void add_threads_option(Command command, std::vector<uint32_t>& threads);
 std::vector<uint32_t> or_all_and_one(std::vector<uint32_t> threads);
 
@@ -43,7 +44,7 @@ public:
 
     const std::vector<Json>& all() const { return all_; }
     std::string lines() const;
-    // Writes the report if a file is named. Throws if a record is wrong, with a message that says `what` is.
+    // Writes the report if a file is named. Throws if a record is marked wrong, with the message "`what` is wrong".
     void finish(const std::string& report, const std::string& what) const;
 
 private:
@@ -63,9 +64,9 @@ struct Column {
 };
 void print_columns(const Json& record, std::initializer_list<Column> columns);
 
-// Prints why a record has no times; returns whether it has none. `not_done` is printed for a method that does not
-// apply. `field` names the error of a wrong result, if the record has it; `off` is printed after its number, if that is
-// finite. If "found" says that there are more or fewer "characters", that is printed instead.
+// Returns whether a record has no times, and prints why. If the method does not apply, that is `not_done` and the
+// reason. If the result is wrong, it is the number of characters where "found" differs from "characters"; otherwise the
+// error that `field` names, if the record has it, with `off` after the number if that is finite.
 bool print_untimed(const Json& record, const char* not_done, const std::string& off = " of the size off",
                    const std::string& field = "max_error");
 

@@ -18,7 +18,7 @@ struct TuneOptions {
     bool quick = false, dry_run = false, json = false;
 };
 
-// The constants of a GPU that is not in this machine.
+// Predicts the costs of a GPU that is not in this machine.
 void run_predicted(const TuneOptions& options) {
     const auto machine = std::ranges::find(bench::machines(), options.predicted, &bench::Machine::name);
     const auto [costs, scan_count, median_slack, largest_slack] = bench::predict_scan_costs(
@@ -30,7 +30,7 @@ void run_predicted(const TuneOptions& options) {
                 scan_count, median_slack, largest_slack);
 }
 
-// Before the work: whether the costs can be kept.
+// Checks, before the measurements, that their result can be kept.
 void check_cache(const std::filesystem::path& file) {
     std::error_code error;
     if (!std::filesystem::create_directories(file.parent_path(), error) && error)

@@ -14,7 +14,8 @@
 namespace throng::tools {
 namespace {
 
-// Device memory that one more instance costs: its state, placement, cursors and skin matrices (the arena is shared).
+// Device memory for one more instance: its state, cursors, placement, skin matrices and shown morphs (the arena is
+// shared).
 size_t instance_bytes(const Character& character) {
     return 36 + 36 + sizeof(Affine) + character.palette.size() * sizeof(Affine) +
            character.morphs.size() * sizeof(ShownMorph);
@@ -80,7 +81,7 @@ uint64_t morph_bytes(const Character& character) {
            (character.morph_tracks.size() + character.morph_times_s.size() + character.morph_values.size()) * 4;
 }
 
-// How many times smaller than 10 floats per joint and row, and the error if there is one.
+// The size, how many times smaller that is than 10 floats per joint and row, and the error if there is one.
 std::string compression_text(uint64_t size_bytes, uint64_t raw_size_bytes, double error, bool packed) {
     char size[64], percent[32] = "exact";
     std::snprintf(size, sizeof(size), "%8.1f KiB  %5.1f : 1  ", static_cast<double>(size_bytes) / 1024,
@@ -216,7 +217,7 @@ nlohmann::json joints_json(const Rig& rig) {
     return joints;
 }
 
-// As a tree, likewise in order: parents come first.
+// As a tree, also in the order of the joint numbers: parents come first.
 void print_joints(const Rig& rig) {
     constexpr uint32_t kMostShown = 40;  // levels; deeper lines are not indented further
     std::vector<uint32_t> levels(rig.joint_count());

@@ -83,7 +83,7 @@ nlohmann::json to_json(const Character& character, const Pose& pose, std::option
         joint_world.push_back(column_major(pose.model_from_joint[joint]));
     }
     for (const MeshSection& section : character.sections) {
-        // Spread evenly over the primitive if not all are asked for.
+        // If not all vertices are asked for, takes some that are spread evenly over the primitive.
         const uint32_t count = std::min(vertex_limit.value_or(section.vertex_count), section.vertex_count);
         nlohmann::json indices = nlohmann::json::array(), positions = nlohmann::json::array();
         for (uint32_t i = 0; i < count; ++i) {

@@ -57,7 +57,7 @@ ChildOutput run_child_program(std::vector<std::string> name_and_arguments, const
                             std::fflush(in.get()) == 0;
     if (!is_written)
         throw Failure(ErrorCode::kFile, program, std::string("no room for its input: ") + std::strerror(errno));
-    std::rewind(in.get());  // the child starts where the file stands
+    std::rewind(in.get());  // the child reads from the file's position
 
     posix_spawn_file_actions_t files;
     posix_spawn_file_actions_init(&files);

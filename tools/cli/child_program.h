@@ -13,7 +13,7 @@ struct ChildOutput {
 };
 
 // Finds a program by its name and runs it to its end, with `input` as its standard input. Throws kFile if there is no
-// room for a temporary file, and if the system does not tell how the program ended, as where SIGCHLD is ignored.
+// memory for its streams, or if the system does not tell how the program ended, as where SIGCHLD is ignored.
 ChildOutput run_child_program(std::vector<std::string> name_and_arguments, const std::string& input);
 
 }  // namespace throng

@@ -48,11 +48,11 @@ Device open_device(const std::string& select);
 // A Vulkan device, for commands that measure its kernels.
 Device open_vulkan_device(const std::string& select);
 
-// Progress, of all files together, is printed if it is not handed to `hooks`.
+// Prints the progress of all files together, unless `hooks` receives it.
 std::vector<Character> load_characters(const std::vector<std::string>& files, const CompileSettings& settings,
                                        const LoadHooks& hooks = {});
 
-// How far a clip with root motion moves its character in one cycle. Needs rows.
+// How far a clip with root motion moves its character in one cycle. The clip must have root rows.
 struct Cycle {
     Cycle(const Character& character, const Clip& clip);
 
@@ -79,7 +79,7 @@ uint32_t find_clip(const Character& character, const std::string& name_or_index)
 // Prints warnings to stderr, a line each.
 void print_warnings(const std::vector<std::string>& warnings);
 
-// One line that is rewritten, where stderr is a terminal; nothing otherwise.
+// Rewrites one line of stderr if that is a terminal; otherwise prints nothing.
 void print_progress(const std::string& text);
 
 void print_json(const nlohmann::json& json);

@@ -43,7 +43,7 @@ std::vector<FileOnDisk> side_files(const std::string& file) {
                 const std::string uri = item.required_string("uri");
                 if (gltf::is_data_uri(uri)) continue;
                 const auto named = as_result([&] { return gltf::resolve_side_file(uri, folder, file); });
-                if (!named) continue;  // the list may have valid ones
+                if (!named) continue;  // later entries may be valid
                 if (auto side_file = on_disk(*named, uri + " of " + file)) found.push_back(std::move(*side_file));
             }
     };

@@ -35,7 +35,7 @@ private:
     uint64_t crc_ = 0;
 };
 
-// Adds the build of the code that compiles: another build of the library has another size or time.
+// Adds the build of the library that compiles: another build has another size or time.
 bool add_build(Key& key) {
     Result<Character> (*const compiles)(const Asset&, const CompileSettings&, const LoadHooks&) = &compile_character;
     Dl_info library{};
@@ -48,14 +48,14 @@ bool add_build(Key& key) {
     return true;
 }
 
-// Whether the JSON of a file may name side files, whose changes the key would not show. A key can also be written with
-// escapes; exporters escape other letters than these.
+// Whether a file's JSON may refer to side files, whose changes the key would not show. The name "uri" can also be spelt
+// with escapes of its letters, which exporters have no reason to escape.
 bool may_have_side_files(std::string_view json) {
     constexpr std::array<std::string_view, 4> kSigns{"\"uri\"", "\\u0075", "\\u0072", "\\u0069"};
     return std::ranges::any_of(kSigns, [&](std::string_view sign) { return json.find(sign) != json.npos; });
 }
 
-// Adds all of a .glb file that has no side files. False if it is anything else.
+// Adds the content of a .glb file that has no side files. False if it is anything else.
 bool add_file(Key& key, const std::string& file) {
     struct Head {
         char magic[4];
@@ -83,7 +83,7 @@ bool add_file(Key& key, const std::string& file) {
     return true;
 }
 
-// Where the character is or would be kept; none if it cannot be.
+// Where the character is, or would be, kept; none if it cannot be kept.
 std::optional<fs::path> kept_file(const std::string& file, const CompileSettings& settings) {
     const fs::path folder = cache_folder();
     Key key;
@@ -97,7 +97,7 @@ std::optional<fs::path> kept_file(const std::string& file, const CompileSettings
     return folder / "characters" / name.data();
 }
 
-// Removes the characters that have been unused for longest.
+// Removes the characters that have been unused longest.
 void remove_oldest(const fs::path& folder) {
     struct Kept {
         fs::file_time_type used;
@@ -129,7 +129,7 @@ Result<Character> load_kept_character(const std::string& file, const CompileSett
         }
     }
     Result<Character> character = load_character(file, settings, hooks);
-    // A file that was changed after its checksum was taken may have been compiled in its new form
+    // A file that changed after its checksum was taken may have been compiled in its new form
     if (!character || !kept || kept_file(file, settings) != kept) return character;
     fs::create_directories(kept->parent_path(), unimportant);
     if (!unimportant && save_character(*character, *kept)) remove_oldest(kept->parent_path());

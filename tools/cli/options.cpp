@@ -25,7 +25,7 @@ Check check_of(const CLI::Validator& validator) {
     return {[validator](const std::string& text) { return validator(text); }, validator.get_description()};
 }
 
-// The innermost command that the words have selected.
+// The innermost command that the arguments select.
 const CLI::App& innermost(const CLI::App& app) {
     const std::vector<CLI::App*> given = app.get_subcommands();
     return given.empty() ? app : innermost(*given.back());
@@ -51,7 +51,7 @@ std::string unexpected(const CLI::App& command, const std::string& word) {
     return "not expected: " + name + (near.empty() ? "" : "; did you mean --" + std::string(near) + "?");
 }
 
-// The first of the words that was not expected.
+// The first of the unexpected words, in the order of the command line.
 std::string first_of(const std::vector<std::string>& unexpected, int argc, char** argv) {
     for (int i = 1; i < argc; ++i)
         if (std::ranges::find(unexpected, argv[i]) != unexpected.end()) return argv[i];
@@ -172,7 +172,7 @@ Command Command::add_subcommand(const std::string& name, const std::string& desc
 }
 
 void Command::require_subcommand(const std::string& names) {
-    app_->require_subcommand(0, 1);  // none is said below: with 1, a misspelt one would not be named
+    app_->require_subcommand(0, 1);  // a missing one is reported below; 1 would hide the name of a misspelt one
     app_->callback([app = app_, names] {
         if (app->get_subcommands().empty()) throw CLI::RequiredError("A command: " + names);
     });
@@ -209,7 +209,7 @@ void run_command_line(int argc, char** argv, void (*add_commands)(Command app)) 
     CLI::App app{"throng: GPU skeletal animation for crowds"};
     app.name("throng");
     app.set_version_flag("--version", version());
-    app.require_subcommand(0, 1);  // none is said below: with 1, a misspelt one would not be named
+    app.require_subcommand(0, 1);  // a missing one is reported below; 1 would hide the name of a misspelt one
     app.footer("'throng COMMAND --help' has examples. Exit code: 0 done, 1 failed, more than 1 a wrong option.");
     add_commands(Command(app));
     const auto help_of_command = [&] { return " (" + name_of(innermost(app)) + " --help)"; };

@@ -69,7 +69,7 @@ class Command {
 public:
     explicit Command(CLI::App& app) : app_(&app) {}
 
-    // Once it is named, options given before its name are refused.
+    // If the subcommand is named, options given before its name are refused.
     Command add_subcommand(const std::string& name, const std::string& description);
     // One of its subcommands must be given; `names` is what a message calls them.
     void require_subcommand(const std::string& names);
@@ -119,8 +119,8 @@ private:
     CLI::App* app_;
 };
 
-// Runs the one of the commands added by `add_commands` that the arguments name, or prints help. Throws UsageError, and
-// what that command throws.
+// Runs the command that the arguments name, one of those that `add_commands` adds, or prints help. Throws UsageError,
+// and whatever the command throws.
 void run_command_line(int argc, char** argv, void (*add_commands)(Command app));
 
 // --device, for every command that uses one.
@@ -139,7 +139,7 @@ std::string renderer_name(bool is_native);  // as that option takes it
 // --error: PERCENT of the character's size, or 'exact'. Refused with a compiled file, which has its own.
 void add_error_option(Command command, CompileSettings& settings);
 
-// --root-motion: JOINT. Added beside --error, and refused as that is.
+// --root-motion: JOINT. Added beside --error, and like it refused with a compiled file.
 void add_root_motion_option(Command command, CompileSettings& settings);
 
 // -o and --out, required.

@@ -1,4 +1,4 @@
-// What the command line and the records of benchmarks call the path by which a group is updated.
+// The name of the path by which a group is updated, on the command line and in the records of benchmarks.
 #pragma once
 
 #include <throng/crowd.h>

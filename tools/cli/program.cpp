@@ -26,12 +26,12 @@ void become(const OwnProgram& program, char** argv) {
 
 int run_program(int argc, char** argv, void (*run)(int argc, char** argv)) {
     std::signal(SIGXFSZ, SIG_IGN);  // a file that gets too large is an error with a message
-    std::signal(SIGCHLD, SIG_DFL);  // if the parent ignored it, nobody would learn how a child program ended
+    std::signal(SIGCHLD, SIG_DFL);  // if the parent ignored it, waitpid() could not tell how a child ended
     try {
         run(argc, argv);
     } catch (const UsageError& error) {
         print_progress("");
-        // Words of the command line may hold anything
+        // Arguments may contain anything
         std::cerr << "throng: " << printable(error.what(), std::string::npos) << "\n";
         return 2;
     } catch (const std::exception& error) {

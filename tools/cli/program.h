@@ -5,7 +5,7 @@
 
 namespace throng::tools {
 
-// A command that is a program of its own, so that those who only draw need not build the benchmarks or the viewer.
+// A command that is a program of its own, so that people who only draw need not build the benchmarks or the viewer.
 struct OwnProgram {
     const char *command, *program, *description;
 };

@@ -31,7 +31,7 @@ std::string layer_label(const ControllerLayer& layer) {
     return label({layer.name + " (" + how + ")"});
 }
 
-// Like motion_text(), but gives only the number of many clips, which keeps the node narrow.
+// Like motion_text(), but gives only the number of clips if there are many, which keeps the node narrow.
 std::string short_motion_text(const ControllerState& state) {
     if (state.points.size() <= 3) return motion_text(state);
     return std::to_string(state.points.size()) + " clips by " + state.x_parameter +

@@ -65,8 +65,8 @@ std::string factor_text(float number, const std::string& parameter) {
 
 namespace {
 
-// A transition with an `exit` waits until its state has played that far: a state that stands still never leads
-// anywhere, which looks like a bug of the game. `reason_of` says why a state stands still; empty if it does not.
+// A transition with an `exit` waits until its state has played that far. If the state stands still, the transition is
+// never taken, which looks like a bug of the game. `reason_of` says why a state stands still; empty if it does not.
 template <class ReasonOf>
 void warn_of_exits(std::vector<std::string>& warnings, const Controller& controller, const ReasonOf& reason_of) {
     for (const ControllerLayer& layer : controller.layers)
@@ -92,7 +92,7 @@ std::vector<std::string> controller_warnings(const Controller& controller) {
             if (transition.fade == FadeKind::kInertial && transition.fade_s == 0)
                 warnings.push_back(controller.name + ": layer '" + layer.name + "': the inertial fade to '" +
                                    transition.to + "' has no 'fade_s', so the pose jumps");
-        std::multimap<std::string_view, std::string_view> next;  // what leads away from "" can be taken in any state
+        std::multimap<std::string_view, std::string_view> next;  // transitions from "" can be taken in any state
         for (const ControllerTransition& transition : layer.transitions) next.emplace(transition.from, transition.to);
         std::set<std::string_view> reached;
         std::vector<std::string_view> open{layer.states[0].name, ""};

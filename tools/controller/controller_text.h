@@ -31,7 +31,7 @@ std::vector<std::string> controller_warnings(const Controller& controller);
 // without length.
 std::vector<std::string> controller_warnings(const Controller& controller, const Character& character);
 
-// A graph in Graphviz's language: a cluster a layer, a node a state, an edge a transition.
+// A graph in Graphviz's language: a cluster for each layer, a node for each state, an edge for each transition.
 std::string controller_graph(const Controller& controller);
 
 }  // namespace throng::tools

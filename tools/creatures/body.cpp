@@ -69,7 +69,7 @@ std::vector<uint32_t> share_out(uint32_t joint_count, uint32_t wish, uint32_t fe
             capacity += length.back();
         }
     }
-    // There may be a little too much room: every site gives up its share.
+    // If there is more room than there are joints, every site gives up its share.
     uint64_t before = 0;
     for (uint32_t& joints : length) {
         const uint64_t after = before + joints;

@@ -2,8 +2,8 @@
 
 namespace throng::creature {
 
-// Quadratic B-spline over the bounds: three joints, smooth, half each of both neighbours where two bones meet. A
-// smaller `blend` keeps the middle of each bone stiff.
+// A quadratic B-spline over the bounds: it is smooth, up to three joints move a point, and where two bones meet each
+// has half of the weight. A smaller `blend` keeps the middle of each bone stiff.
 Influences influences_at(const Bones& bones, double t, double scale) {
     const auto& b = bones.bounds;
     const size_t last = bones.joints.size() - 1;

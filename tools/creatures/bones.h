@@ -5,14 +5,14 @@
 
 namespace throng::creature {
 
-// Joints along a limb and the interval of the outline that each moves; bounds ascend, one more than joints. By default
-// the root alone.
+// Joints along a limb, and the interval of the outline that each moves. The bounds ascend; there is one more of them
+// than joints. By default the root moves everything.
 struct Bones {
     std::vector<uint32_t> joints{0};
     std::vector<double> bounds{0, 1};
-    // If not empty, it takes the place of joints[0]: the limb grows out of flesh that several joints move
+    // If not empty, takes the place of joints[0]: the limb grows out of flesh that several joints move
     Influences base{};
-    double blend = 1;  // the part of a bone over which it gives way to its neighbour, at each of its ends
+    double blend = 1;  // the part of a bone, at each of its ends, in which its neighbour's weight sets in
 };
 
 // The joints at t of the outline, with weights that sum to `scale`.
@@ -23,7 +23,7 @@ Bones bones_of(const Chain& chain);
 // Bones for a piece that does not bend by itself.
 Bones stiff(Influences base);
 
-// Both together; their weights already sum to 1.
+// All influences of both, whose weights together already sum to 1.
 Influences joined(Influences a, const Influences& b);
 Influences scaled(Influences influences, double scale);
 

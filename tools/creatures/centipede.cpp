@@ -32,7 +32,7 @@ Outline leg_outline(const Outline& trunk, double t, double side) {
     return {{hip, 0.026}, at(0.30, 0.26, 0.023), at(0.60, 0.25, 0.018), at(0.88, 0.10, 0.011), at(1, 0, 0)};
 }
 
-// The last pair, behind it, and the antennae before it.
+// The last pair of legs, behind the body, and the antennae in front of it.
 Outline trail_outline(const Outline& trunk, double side) {
     const double z = trunk.at(kTailAt).center.z;
     return {{{side * 0.03, 0.16, z}, 0.03},
@@ -142,7 +142,7 @@ public:
                  .open_start = false,
                  .sides = {8},
                  .segments = {7}});
-        // Legs that the face budget cannot show are left out evenly.
+        // If the face budget cannot show all legs, the ones left out are spread evenly.
         add_limbs("antenna", {.paint = fading(c.head, c.leg), .segments = {6}});
         add_limbs("tail", {.paint = fading(c.leg, c.foot), .sides = {4}, .segments = {5}});
         add_limbs("leg", {.paint = fading(c.leg, c.foot), .sides = {4}, .segments = {4}});
@@ -201,7 +201,7 @@ private:
 enum Clip { kIdle, kWalk, kCurl };
 
 constexpr double kBodyWaves = 2, kLegWaves = 4;                           // along the body at a time
-double bend_of_wave(uint32_t clip) { return clip == kWalk ? 4.2 : 1.5; }  // radians a length, at most
+double bend_of_wave(uint32_t clip) { return clip == kWalk ? 4.2 : 1.5; }  // radians over its length, at most
 double coil(double loop) { return 0.5 - 0.5 * cosine(loop); }
 double relaxed(uint32_t clip, double loop) { return clip == kCurl ? 1 - coil(loop) : 1; }
 
@@ -222,7 +222,7 @@ Bend bend_of_leg(const Moment& m) {
 Bend bend_of_trunk(const Moment& m) {
     const double wave = relaxed(m.clip, m.loop) * bend_of_wave(m.clip) *
                         sine((m.clip == kCurl ? 0 : m.loop) - kBodyWaves * m.along());
-    const double gentle = 1.0 / (m.chain.joint_count + 4);  // so that few joints do not kink the body
+    const double gentle = 1.0 / (m.chain.joint_count + 4);  // so that a body of few joints does not kink
     return {0, gentle * (wave + (m.clip == kCurl ? coil(m.loop) * (3.2 + 7.5 * m.along()) : 0))};
 }
 

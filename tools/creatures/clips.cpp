@@ -1,4 +1,4 @@
-// Writes the plans down as keys.
+// Samples the planned motion into keys.
 #include "tools/creatures/clips.h"
 
 #include <numeric>
@@ -48,7 +48,7 @@ public:
     }
 
 private:
-    // The part of the loop done at each key; 0 again at the last.
+    // The part of the loop that has passed at each key; 0 again at the last.
     std::vector<double> loops_of(const ClipPlan& plan) const {
         std::vector<double> out;
         for (uint32_t tick = 0; tick <= plan.ticks; tick += ticks_per_key_)

@@ -13,8 +13,9 @@ struct ClipPlan {
     uint32_t ticks;  // of 1/30 s
 };
 
-// Turns of a joint relative to its rest, radians: pitch lowers the limb's end (towards -up), yaw swings it to its left
-// of up and forward, roll turns it about itself. A clip holds whole periods of every wave, so that the loop closes.
+// Turns of a joint relative to its rest pose, radians: pitch lowers the limb's end (towards -up), yaw swings it to the
+// left (towards cross(up, forward)), roll turns it about itself. A clip holds whole periods of every wave, so that the
+// loop closes.
 struct Bend {
     double pitch = 0, yaw = 0, roll = 0;
 };
@@ -23,7 +24,7 @@ struct Bend {
 struct Moment {
     const Chain& chain;
     uint32_t k;
-    uint32_t clip;  // of the plans
+    uint32_t clip;  // index of the plan
     double loop;    // the part of the clip that has passed, in turns
 
     double along() const { return (k + 0.5) / chain.joint_count; }
@@ -34,7 +35,7 @@ struct Moment {
     }
 };
 
-// The whole body's motion: the root joint is moved in model space, about itself.
+// The whole body's motion: an offset of the root joint in model space, and a turn about itself.
 struct RootMotion {
     Vec offset;
     Bend bend;

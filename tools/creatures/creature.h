@@ -33,10 +33,10 @@ Result<CreatureKind> creature_kind(const std::string& name);
 //   willow     calm, gust
 //   walker     idle, walk, run, wave
 //   centipede  idle, walk, curl
-// Deterministic in the settings: own random numbers and trigonometry, IEEE arithmetic only (compile with
-// -ffp-contract=off if the compiler fuses multiply-adds unasked, as GCC does on 64-bit Arm). Keys: 30 a second, fewer
-// if all clips together would pass 64 MiB. Errors: kInvalidArgument, the place names the option; kOutOfMemory.
-// Thread-safe.
+// Deterministic in the settings: it uses its own random numbers and trigonometry, and IEEE arithmetic only (compile
+// with -ffp-contract=off if the compiler fuses multiply-adds by default, as GCC does on 64-bit Arm). There are 30 keys
+// a second, or fewer if all clips together would exceed 64 MiB. Errors: kInvalidArgument, where the place names the
+// option; kOutOfMemory. Thread-safe.
 Result<Asset> make_creature(const CreatureSettings& settings);
 
 }  // namespace throng

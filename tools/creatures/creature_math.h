@@ -14,7 +14,8 @@ namespace throng::creature {
 using Vec = Vec3<double>;
 using Rotation = Quaternion<double>;
 
-// The sine of `turns` whole turns; 1e-10 off at most. std::sin differs between C libraries in its last bit.
+// The sine of `turns` whole turns, with an error of at most 1e-10. std::sin differs between C libraries in its last
+// bit.
 inline double sine(double turns) {
     double x = turns - std::floor(turns + 0.5);  // -0.5 … 0.5
     if (x > 0.25) x = 0.5 - x;

@@ -72,8 +72,8 @@ Vec wing_point(Vec point, const Build& b, double side) {
     return {point.x * side, point.y, point.z};
 }
 
-// Deals the joints out: the longest chain (root and tail) first, then trunk, legs, wings, jaw and toes as far as joints
-// and levels allow, and the rest as tendrils over the back.
+// Distributes the joints: first the longest chain (root and tail), then trunk, legs, wings, jaw and toes as far as
+// joints and levels allow. The rest become tendrils over the back.
 class Dealer : Builder {
 public:
     explicit Dealer(const CreatureSettings& settings) : Builder(settings), random_(settings.seed) {
@@ -116,7 +116,7 @@ private:
         if (trunk > 0) head_joint_ = body_.joint_count() - 1;
         for (const Chain& chain : body_.chains)
             for (uint32_t k = 0; k < chain.joint_count; ++k) {
-                const bool forward = chain.step < 0;  // joints ascend along the axis, bounds between 0 and 1
+                const bool forward = chain.step < 0;  // keeps joints in order along the axis, bounds between 0 and 1
                 axis_bones_.joints.insert(forward ? axis_bones_.joints.begin() : axis_bones_.joints.end(),
                                           chain.first_joint + k);
                 axis_bones_.bounds.insert(forward ? axis_bones_.bounds.begin() + 1 : axis_bones_.bounds.end() - 1,
@@ -228,7 +228,7 @@ private:
         }
     }
 
-    // Where tendril pair `index` of `count` grows: rows from the crest downwards, each from the head to the tail.
+    // Where tendril pair `index` of `count` grows: in rows from the crest downwards, each from the head to the tail.
     struct Site {
         double t, angle_turns;
     };
@@ -346,7 +346,8 @@ struct Membrane {
         return {chain.outline.at(t).center, influences_at(bones_of(chain), t, weight)};
     }
 
-    // The point u of the way from the arm to the border, v of the way from the first finger to the next edge.
+    // A point of the sheet: u of the way from the arm to the border, v of the way from the first finger to the next
+    // edge.
     SkinPoint at(double u, double v) const {
         // Starts a little beyond the wrist: the fingers meet there, and the first triangles would vanish.
         if (second) u = std::max(0.01, u);
@@ -356,7 +357,7 @@ struct Membrane {
         if (second) {
             const SkinPoint b = on_limb(*second, reach, v);
             Vec position = lerp(a.position, b.position, v);
-            position.y -= 0.14 * v * (1 - v) * u;  // hangs through
+            position.y -= 0.14 * v * (1 - v) * u;  // sags
             return {position, joined(a.influences, b.influences)};
         }
         constexpr double kShoulderAt = 0.47, kHipAt = 0.65;  // on the axis
@@ -473,7 +474,8 @@ private:
         const bool left = arm.side > 0;
         const Membrane membrane{first, second, arm, left ? dragon_.left_flank : dragon_.right_flank,
                                 dragon_.axis_bones};
-        // At the flank, two for every three rings of the arm, which carries the sheet from its second third on.
+        // Across the sheet at the flank, two edges for every three rings of the arm, which carries it from its second
+        // third on.
         add(Sheet{.at = [=](double u, double v) { return membrane.at(u, v); },
                   .paint = changing(colors_.back, {{0, 0.35, colors_.membrane}, {0.7, 1, colors_.accent}}),
                   .mirrored = !left,  // up is outside on both wings
@@ -490,12 +492,12 @@ private:
 enum Clip { kIdle, kWalk, kFly, kGlide, kRoar };
 
 bool in_air(uint32_t clip) { return clip == kFly || clip == kGlide; }
-// How far the roar has swollen, 0 … 1.
+// How far the roar has built up, 0 … 1.
 double swell(double loop) { return smooth_step(0.1, 0.4, loop) * smooth_step(0.95, 0.65, loop); }
 
 Bend bend_of_tail(const Moment& m) {
     const double loop = m.loop, along = m.along();
-    const double share = 1.0 / (m.chain.joint_count + 2);  // so that few joints do not kink the body
+    const double share = 1.0 / (m.chain.joint_count + 2);  // so that a body of few joints does not kink
     const bool flies = in_air(m.clip);
     const double swing = flies ? 0.9 : m.clip == kWalk ? 2.0 : 1.6;
     const double lift = flies ? 1.1 : 0.45;
@@ -527,7 +529,7 @@ Bend bend_of_trunk(const Moment& m) {
     return {};
 }
 
-// A hip bend lets the leg swing back, a knee bend the shin, a foot bend the foot.
+// The hip's bend swings the leg back, the knee's the shin, the foot's the foot.
 Bend bend_of_leg(const Moment& m) {
     const double loop = m.loop;
     const bool is_hind = m.chain.number == 1;
@@ -574,7 +576,7 @@ Bend bend_of_arm(const Moment& m) {
     return {};
 }
 
-// Fingers follow the arm's beat later; on the ground they close the fan halfway, the first ones furthest.
+// Fingers follow the arm's beat with a delay. On the ground they half close the fan, the first fingers most.
 Bend bend_of_finger(const Moment& m) {
     const double loop = m.loop, share = m.share(), side = m.chain.side;
     const double beat = loop - 0.16 - 0.08 * m.along();

@@ -13,9 +13,9 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "glTF buffers are little-endian");
 
-using Json = nlohmann::ordered_json;  // keys in the order of writing: the same bytes for the same asset
+using Json = nlohmann::ordered_json;  // keys keep the order of writing: the same bytes for the same asset
 
-// glTF's numbers.
+// glTF's constants.
 template <class T>
 constexpr uint32_t kComponent = 5126;
 template <>
@@ -24,7 +24,7 @@ template <>
 constexpr uint32_t kComponent<uint32_t> = 5125;
 enum Target : uint32_t { kNoTarget = 0, kVertices = 34962, kIndices = 34963 };
 
-// Its names, in the order of the enumerations.
+// glTF's names, in the order of the enumerations.
 constexpr const char* kInterpolations[] = {"STEP", "LINEAR", "CUBICSPLINE"};
 constexpr const char* kPaths[] = {"translation", "rotation", "scale"};
 

@@ -1,4 +1,4 @@
-// Every piece has a wanted fineness; one factor for all of them meets the face budget.
+// Every piece has a wanted fineness. One factor for all of them makes the mesh meet the face budget.
 #include "tools/creatures/mesh.h"
 
 #include <map>
@@ -22,7 +22,7 @@ void refine(Sheet& s, double factor) {
 }
 void refine(Leaves& l, double factor) { l.count.refine(factor); }
 
-// The sum of the weights of each joint, the heaviest four.
+// Adds up the weights of each joint, and keeps the four heaviest joints.
 Influences heaviest(const Influences& influences) {
     Influences out;
     for (const Influence& i : influences) {
@@ -99,7 +99,7 @@ private:
     }
     void add_face(uint32_t a, uint32_t b, uint32_t c) { out_.indices.insert(out_.indices.end(), {a, b, c}); }
 
-    // Pieces share no vertices, so that each has its normals by itself.
+    // Pieces share no vertices, so each piece has its own normals.
     template <class P>
     void build(const P& piece, AssetPrimitive& into) {
         out_ = {};
@@ -191,7 +191,7 @@ private:
         }
     }
 
-    // The sum of the faces around a vertex, each by its area.
+    // A vertex's normal is the sum of the normals of the faces around it, weighted by area.
     void smooth_normals() {
         std::vector<Vec> sum(out_.positions.size());
         const std::span<const uint32_t> indices = out_.indices;
@@ -207,7 +207,7 @@ private:
     std::vector<Piece> pieces_;
     uint64_t face_budget_;
     AssetPrimitive out_;                                 // the piece that is being built
-    std::vector<std::pair<size_t, Vec>> given_normals_;  // of its vertices that do not take them from their faces
+    std::vector<std::pair<size_t, Vec>> given_normals_;  // of vertices that do not get them from their faces
 };
 
 }  // namespace

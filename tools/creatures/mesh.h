@@ -70,7 +70,7 @@ protected:
     explicit Flesh(const Body& body) : body_(body) {}
 
     void add(Piece piece) { pieces_.push_back(std::move(piece)); }
-    // Adds a tube along the chain, like this one except for outline, bones and up.
+    // Adds a tube along the chain, with the settings of `like` except for outline, bones and up.
     void add_limb(const Chain& chain, Tube like) {
         like.outline = chain.outline;
         like.bones = bones_of(chain);

@@ -64,8 +64,8 @@ Outline cloak_outline(double place) {
             at(0.290, 0.09, 0.140, 0.60, 0.028), at(0.325, 0.10, 0.155, 0.25, 0.036)};
 }
 
-// Deals the joints out: first the spine and one braid down from the head, which form the longest path, then legs and
-// arms, and the rest to the cloak and to locks of hair.
+// Distributes the joints: first the spine and one braid down from the head, which form the longest path, then legs and
+// arms. The rest go to the cloak and to locks of hair.
 class Dealer : Builder {
 public:
     explicit Dealer(const CreatureSettings& settings) : Builder(settings), random_(settings.seed) {}
@@ -338,7 +338,7 @@ private:
     void add_hair() {
         // From the crown down to the brow in front and to the nape behind.
         const auto at = [base = head().base](double u, double v) {
-            // V = 0 and 1 in front, where the seam is under the parting
+            // V = 0 and 1 meet in front, where the seam is under the parting
             const double front = 0.5 + 0.5 * sine(v + 0.25);
             const double fall = mix(0.03, mix(0.36, 0.215, front * front), u),
                          size = mix(1.0, 1.1, std::min(1.0, 3 * u));
@@ -476,7 +476,7 @@ Bend bend_of_leg(const Moment& m) {
 }
 
 Bend bend_of_arm(const Moment& m) {
-    const double side = m.chain.side, swing = cosine(step_of(m.loop, side));  // against the leg of its side
+    const double side = m.chain.side, swing = cosine(step_of(m.loop, side));  // opposite to the leg of its side
     double forward = 0.05 + 0.02 * sine(m.loop), down = 0.38 + 0.015 * sine(m.loop),
            elbow = 0.25 + 0.03 * sine(m.loop - 0.05), bow = 0, hand = 0.05 * sine(m.loop - 0.1);
     switch (m.clip) {
@@ -526,7 +526,7 @@ Bend bend_of_spine(const Moment& m) {
     }
 }
 
-// Negative pitch lets the cloth fly back. The faster the walker, the more of it, most of all from the shoulders.
+// Negative pitch lets the cloth fly back: the farther the faster the walker goes, and most at the shoulders.
 Bend bend_of_cloak(const Moment& m) {
     const double along = m.along(), share = m.share(), lag = 0.12 + 0.5 * along, edge = 0.09 * m.chain.side;
     const double flutter = sine(2 * m.loop - 2 * lag - edge), sway = sine(m.loop - lag - edge);

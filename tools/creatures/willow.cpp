@@ -1,5 +1,5 @@
 // The willow: a trunk that forks into limbs, boughs that arch outward from them, and strands of leaves that hang from
-// both. Wood and leaves are the same for every number of joints; the joints say how finely they bend.
+// both. Wood and leaves look the same for every number of joints, which only decides how finely they bend.
 #include "tools/creatures/model.h"
 
 namespace throng::creature {
@@ -12,7 +12,7 @@ bool is_limb(uint32_t branch) { return branch % (1 + kBoughs) == 0; }
 double fork_at(uint32_t branch) { return 0.19 + 0.17 * (branch % (1 + kBoughs)); }  // of a bough, on its limb
 Vec around(double turns, double radius, double y) { return {radius * cosine(turns), y, radius * sine(turns)}; }
 
-// Where strand `index` of `count` hangs; they follow the branches.
+// Where strand `index` of `count` hangs. Strands go along the branches in their order.
 struct Site {
     uint32_t branch;
     double t;
@@ -90,8 +90,8 @@ private:
     }
 };
 
-// All limbs bend about axes of the same directions, so that the wind moves them the same way: a positive pitch towards
-// -x.
+// All limbs bend about axes of the same direction, so that the wind moves them the same way: a positive pitch goes
+// towards -x.
 constexpr Vec kWindward{1};
 // Gusts pass through the crown.
 double phase_at(const Vec& point) { return 0.16 * point.x + 0.07 * point.z; }
@@ -102,7 +102,7 @@ public:
 
     Body grow() {
         add_root(tree_.trunk, 0, 1, kWindward);
-        // First one path to the deepest leaf, then wood, and the rest to the strands.
+        // First one path to the deepest leaf, then wood; the rest of the joints go to the strands.
         const uint32_t depth = level_count_ - 1, trunk = std::min(8u, (depth + 5) / 6), limb = std::min(8u, depth / 6);
         const uint32_t spare = left_ - depth;
         add_limb({.part = "trunk", .joint_count = trunk, .outline = tree_.trunk, .up = kWindward});
@@ -121,7 +121,7 @@ public:
     }
 
 private:
-    // The deepest strand is 2
+    // Chain 2 is the deepest strand
     const Chain& wood_of(uint32_t branch) const { return body_.chains[branch == 0 ? 1 : branch + 2]; }
 
     void add_branch(uint32_t branch, uint32_t joint_count) {
@@ -174,7 +174,7 @@ public:
     }
 };
 
-// More leaves make more strands; each hangs where it belongs.
+// Places the leaves. More leaves make more strands, each of which hangs at its own place of a branch.
 class Foliage {
 public:
     Foliage(const Tree& tree, const Body& body) : tree_(tree) {
@@ -200,7 +200,7 @@ public:
         const Site site = site_of(number, strands);
         Random random(tree_.seed ^ (uint64_t{index} << 20));
         const Outline outline = tree_.strand(site, number + 100);
-        // Some of them cover the wood from which the strands hang: shorter, and in all directions.
+        // Some leaves cover the wood from which the strands hang: shorter, and in all directions.
         const bool at_top = random.unit() < 0.18;
         const double part = (index / strands + random.unit()) * strands / (count + strands),
                      t = at_top ? 0.12 * part : part * (0.75 + 0.25 * part);
@@ -226,7 +226,7 @@ private:
         Bones wood;
         std::vector<Strand> strands;  // along it
     };
-    // The nearest strand of the branch; without strands its leaves hang stiff.
+    // The joints of the branch's nearest strand. On a branch without strands, leaves hang stiffly from the wood.
     Influences moved_by(const Site& site, double t) const {
         const std::vector<Strand>& strands = branches_[site.branch].strands;
         if (strands.empty()) return influences_at(branches_[site.branch].wood, site.t);
@@ -244,7 +244,7 @@ private:
 
 enum Clip { kCalm, kGust };
 
-// Two waves of different length do not look like a clock.
+// A sum of two waves of different length, so that it does not look like clockwork.
 double sway(const Moment& m, double lag) {
     const double turns = m.loop - m.chain.phase_turns;
     return 0.7 * sine(turns - lag) + 0.3 * sine(2 * turns - 1.7 * lag + 0.2);

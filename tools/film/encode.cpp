@@ -13,10 +13,10 @@
 namespace throng::tools {
 namespace {
 
-// Threads of the encoder. Fixed, as its output depends on their number and it would use one per core otherwise
+// Threads of the encoder. Fixed, because its output depends on their number, and by default it uses one per core
 constexpr const char* kThreads = "8";
 
-// Throws with the last line that ffmpeg had to say.
+// Throws with the last line of ffmpeg's errors.
 void run_ffmpeg(std::vector<std::string> arguments, const std::string& place) {
     using Start = ChildOutput::Start;
     arguments.insert(arguments.begin(), {"ffmpeg", "-nostdin", "-hide_banner", "-loglevel", "error", "-xerror"});
@@ -49,7 +49,7 @@ void encode_film(const FilmPictures& pictures, const std::filesystem::path& out)
     namespace fs = std::filesystem;
     const fs::path absolute = fs::absolute(out);
     fs::path unfinished;
-    // ffmpeg would follow a link of that name, so the file is created before
+    // Creates the file first, because ffmpeg would follow a symbolic link of that name
     const int file = open_beside(absolute, unfinished);
     if (file < 0) throw CommandError(out.string() + ": cannot be written: " + std::strerror(errno));
     ::close(file);

@@ -15,7 +15,7 @@ struct FilmPictures {
     double fps = 30;
 };
 
-// Writes H.264 as .mp4, in the colours of HD television, to a temporary name that is then changed to `out`. The same
+// Writes H.264 as .mp4, in the colours of HD television, under a temporary name, and then renames it to `out`. The same
 // pictures give the same bytes with the same ffmpeg. On failure throws CommandError with ffmpeg's reason, and leaves
 // nothing behind.
 void encode_film(const FilmPictures& pictures, const std::filesystem::path& out);

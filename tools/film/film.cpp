@@ -35,7 +35,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Which frames, and where they lie.
+// Which frames to draw, and where their files are.
 struct FilmPlan {
     explicit FilmPlan(const RenderOptions& options)
         : size(parse_size(options.size)),
@@ -86,7 +86,7 @@ std::string checksum(const std::string& path) {
     return text;
 }
 
-// All that a frame depends on, except the device and what it leaves to this machine's processor.
+// All that a frame depends on, except what is known only with the device: its name, how it updates, and what draws.
 nlohmann::json settings_of(const RenderOptions& options) {
     const SceneOptions& scene = options.scene;
     nlohmann::json files = nlohmann::json::array(), controllers = files, looks = files;
@@ -125,8 +125,8 @@ nlohmann::json settings_of(const RenderOptions& options) {
             {"bounds", options.bounds}};
 }
 
-// What was chosen for each file: another device, or costs measured by `throng tune`, may lead to another choice, which
-// rounds differently.
+// How the files' characters are updated: another device, or costs measured by `throng tune`, may choose another way,
+// which rounds differently.
 nlohmann::json updates_of(const Crowd& crowd, size_t file_count) {
     nlohmann::json updates = nlohmann::json::array();
     for (uint32_t group = 0; group < file_count; ++group) {
@@ -137,7 +137,7 @@ nlohmann::json updates_of(const Crowd& crowd, size_t file_count) {
     return updates;
 }
 
-// Includes the instruction set, as pictures of different ones differ in their last bits.
+// Includes the instruction set, since pictures by different ones differ in their last bits.
 std::string renderer_of(const Shot& shot) {
     const std::string name = renderer_name(shot.is_drawn_natively());
     return shot.is_drawn_natively() ? name + " " + native_instruction_set() : name;
@@ -156,8 +156,8 @@ std::string duration_text(double seconds) {
     return std::to_string(whole / 3600) + " h " + std::to_string(whole / 60 % 60) + " min";
 }
 
-constexpr size_t kMeasured = 3;  // frames, after which it is said how long a film will take
-constexpr double kLong_s = 600;  // and only if it will take longer than this
+constexpr size_t kMeasured = 3;  // after so many frames the time that the film will take is reported
+constexpr double kLong_s = 600;  // but only if it is longer than this
 
 void report_frame(size_t done, size_t all, double left_s) {
     if (done == kMeasured && left_s > kLong_s) {
@@ -180,7 +180,7 @@ public:
     // Throws a CommandError if the previous picture could not be written.
     void write(fs::path path, Picture picture) {
         finish();
-        // Deferred where the system has no more threads: then finish() writes it
+        // If the system has no more threads, the work is deferred, and finish() does it
         written_ = std::async(
             std::launch::async | std::launch::deferred,
             [path = std::move(path), picture = std::move(picture)] { return write_png(path, picture); });
@@ -285,7 +285,7 @@ void encode(const RenderOptions& options, const FilmPlan& plan, const Interrupti
     encode_film({plan.folder, plan.range.first, plan.range.end - plan.range.first, options.fps}, options.out);
     for (const uint32_t frame : plan.range.frames()) fs::remove(plan.files.path(frame));
     const auto files_left = std::distance(fs::directory_iterator(plan.folder), fs::directory_iterator());
-    if (files_left == 1) fs::remove_all(plan.folder);  // the settings alone
+    if (files_left == 1) fs::remove_all(plan.folder);  // only the settings are left
     print_progress("");
 }
 

@@ -133,7 +133,7 @@ std::vector<uint32_t> FrameFiles::missing(const FrameRange& range, const Shard& 
         if (shard.has(frame)) (std::filesystem::exists(path(frame), error) ? there : missing).push_back(frame);
     if (there.empty()) return missing;
     ThreadPool threads(0);
-    // Each takes its pixels twice while it is decoded, and one for which there is no memory would be drawn again
+    // Decoding a frame takes its pixels twice. One for which memory runs out would count as missing and be drawn again
     const uint64_t room_for = kDecoding_bytes / (8 * uint64_t{width} * height);
     const size_t at_once = std::clamp<uint64_t>(room_for, 1, threads.concurrency());
     std::vector<char> are_whole(there.size());

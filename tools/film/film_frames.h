@@ -42,10 +42,11 @@ public:
     // Throws CommandError if the settings file differs, or if there are frames but no settings file. Compares only the
     // fields that `settings` has.
     void check_settings(const nlohmann::json& settings) const;
-    // The same, and writes the file if there is none. If several shards do so at once, one writes, and all compare.
+    // The same, and writes the file if there is none. If several shards do this at once, one of them writes, and all
+    // compare.
     void keep_settings(const nlohmann::json& settings) const;
-    // The frames of the range and shard that do not exist yet as complete pictures of this size. Those that exist are
-    // decoded, for which `report` is told again and again how many of how many have been; it may throw.
+    // The frames of the range and shard that do not yet exist as complete pictures of this size. Existing frames are
+    // decoded to find out; meanwhile `report` is called repeatedly with how many of how many are done, and may throw.
     std::vector<uint32_t> missing(const FrameRange& range, const Shard& shard, uint32_t width, uint32_t height,
                                   const std::function<void(size_t checked, size_t all)>& report) const;
 

@@ -20,7 +20,7 @@ FilmLock::FilmLock(std::filesystem::path file, Kind kind) : path_(std::move(file
     while (!lock()) {}
 }
 
-// Fails if the previous holder has removed the file while this waited: another file may have its name by now.
+// Returns false if the previous holder removed the file while this one waited: another file may have its name by then.
 bool FilmLock::lock() {
     // O_NOFOLLOW: write() would empty what a link leads to
     file_ = ::open(path_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0666);
@@ -53,7 +53,7 @@ void FilmLock::write(const std::string& text) const {
 
 FilmLock::~FilmLock() {
     if (file_ < 0) return;
-    // Others that share the lock prevent this, and one that waits may take it meanwhile: the last one removes the file
+    // This fails while others share the lock, or if a waiting process takes it: then the last holder removes the file
     const bool is_shared = ::flock(file_, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK;
     if (!is_shared) ::unlink(path_.c_str());
     ::close(file_);

@@ -11,7 +11,8 @@ public:
     void drew(double frame_s) { drawn_.add(frame_s); }
     void skipped(double frame_s) { skipped_.add(frame_s); }
 
-    // For so many frames of either kind, by the mean so far; a kind of which there was none yet counts as nothing.
+    // The time for these numbers of frames, by each kind's mean so far. A kind that has had no frames yet counts as
+    // nothing.
     double left_s(size_t to_draw, size_t to_skip) const { return drawn_.left_s(to_draw) + skipped_.left_s(to_skip); }
 
 private:

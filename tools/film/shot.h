@@ -46,8 +46,8 @@ private:
     CrowdScene scene_;
     Renderer renderer_;
     bool culls_;
-    // The camera follows a character that updates may move: each step then takes two updates, one that moves it and one
-    // of no time for what the camera sees afterwards
+    // The camera follows a character that updates may move. Each step then takes two updates: one that moves the
+    // character, and one of no time that shows what the camera sees afterwards
     bool follows_;
 };
 

@@ -1,9 +1,10 @@
 #!/bin/sh
-# All that throng can find out about a GPU, in nine minutes: tests, benchmarks, drawing. For a machine that has nothing
-# but a C library, coreutils, awk, sed and a Vulkan driver. `./run bundle` puts it beside the programs that it runs.
+# Finds out everything that throng can about a GPU in nine minutes: tests, benchmarks, drawing. The machine needs
+# nothing but a C library, coreutils, awk, sed and a Vulkan driver. `./run bundle` puts this script beside the programs
+# that it runs.
 #
 #   ./hardware [FOLDER]      writes records.jsonl, report.html, SUMMARY.md and log.txt there (default: ./results)
-#   THRONG_TIME=SECONDS      for all of it (540)
+#   THRONG_TIME=SECONDS      for the whole run (540)
 #   THRONG_DEVICE=NAME       a device's number or a part of its name (default: a hardware GPU if there is one)
 set -u
 fail() { echo "hardware: $*" >&2; exit 1; }
@@ -32,8 +33,8 @@ export THRONG_SOURCE="$here/source" THRONG_SHARED="$here/shared" HOME="$work" XD
 [ ! -f "$here/commit" ] || THRONG_COMMIT=$(cat "$here/commit")
 export THRONG_COMMIT="${THRONG_COMMIT-}"
 
-# A line for each benchmark: its name, its share of the time in percent, and its options, in order of importance. Time
-# that one leaves goes to those after it.
+# One line for each benchmark: its name, its share of the time in percent, and its options, in order of importance. Time
+# that a benchmark does not use goes to those after it.
 steps() {
   cat <<TEXT
 scan 14 --experiments levels,on_chip --budget $((time_s / 12)) $quick --json scan.jsonl
@@ -50,7 +51,8 @@ started=$(date +%s)
 left() { echo $((started + time_s - $(date +%s))); }
 log() { printf '%s\n' "$*" >> "$work/log"; }
 say() { printf '%s\n' "$*"; }
-# Runs a program in $work for at most so many seconds. In the background: the shell hears signals only while it waits.
+# Runs a program in $work for at most $1 seconds. It runs in the background: the shell handles signals only while it
+# waits.
 limited() {
   (cd "$work" && exec timeout -k 5 "$@") &
   running=$!
@@ -59,8 +61,8 @@ limited() {
   running=
   return "$1"
 }
-# All device tests, for at most so many seconds, in several processes, as their references and the driver's compiler
-# keep a core each busy. Each writes a file of its own, and the status is that of one that failed.
+# Runs all device tests for at most $1 seconds, in several processes, since their references and the driver's compiler
+# keep one core busy each. Each process writes its own file. Returns the status of one that failed.
 run_shards() {
   shard=0
   while [ $shard -lt "$shards" ]; do
@@ -104,7 +106,8 @@ choose_cpp_library() {
   done
 }
 
-# The devices that can draw, of those that THRONG_DEVICE selects; each is two lines, its name and its driver.
+# Whether a usable GPU is among the devices that THRONG_DEVICE selects. `throng devices` prints two lines for each
+# device: its name, and its type and driver.
 has_gpu() {
   "$here/throng" devices 2> /dev/null | awk -v wanted="$device" '
     BEGIN { wanted = tolower(wanted) }
@@ -114,7 +117,7 @@ has_gpu() {
 }
 find_driver() {
   has_gpu && return
-  # Where containers have mounted NVIDIA's driver without telling the loader
+  # Some containers mount NVIDIA's driver here without telling the loader.
   icd=/usr/local/nvidia/share/vulkan/icd.d/nvidia_icd.json
   if [ -z "${VK_DRIVER_FILES-}${VK_ICD_FILENAMES-}" ] && [ -f $icd ]; then
     export VK_DRIVER_FILES=$icd
@@ -124,7 +127,7 @@ find_driver() {
   "$here/throng" devices 2> /dev/null | grep ', driver ' | grep -qv '; compiles only\|; not usable'
 }
 
-# The result of each test in a log, one per line; the worst one if a test ran again.
+# The result of each test in a log, one per line; the worst result if a test ran more than once.
 states_of() {
   awk 'function not_ended() { if (runs != "") bad[runs] = "not_ended"; runs = "" }
     /^\[ RUN      \]/ { not_ended(); runs = $4 }
@@ -144,7 +147,7 @@ suites_left() {
     !((suite $1) in done) && !(suite in seen) { seen[suite]; print suite }'
 }
 
-# All device tests; then, suite by suite, those that failed, or that a crash has kept from running.
+# Runs all device tests; then, suite by suite, those that failed or that a crash kept from running.
 run_tests() {
   limit=$1
   begun=$(date +%s)
@@ -213,12 +216,12 @@ cat "$work/devices"
 quick= controlled=1000,10000,100000 viewed=100000
 has_gpu || quick=--quick controlled=1000 viewed=10000
 shards=$(nproc)
-[ "$shards" -le 16 ] || shards=16  # each has a device of its own, with its memory
+[ "$shards" -le 16 ] || shards=16  # each opens its own device and needs memory for it
 isa=all
 if grep -q avx2 /proc/cpuinfo; then isa=avx2; fi
 
 export THRONG_VALIDATION=off
-# The tests have 40 percent, the benchmarks `share`, and what is written at the end 4
+# The tests get 40 percent of the time, the benchmarks `share`, and writing the results 4.
 run_tests $((time_s * 40 / 100))
 steps > "$work/list"
 share=56

@@ -24,7 +24,8 @@ float slowest_place(const Controller& controller, const std::string& parameter) 
 }  // namespace
 
 Steering steering_of(const Character& character, const Controller* controller, double scale) {
-    // A fraction of the footprint, as arms are nearer to the body than in rest poses; the speed of a walk
+    // The radius is a fraction of the footprint, since arms are nearer to the body than in rest poses; the speed is a
+    // walk's
     constexpr double kRadius = 0.35, kHeights_per_s = 0.8;
     const float height = character.bounds_max.y - character.bounds_min.y;
     Steering steering{.radius = static_cast<float>(std::max(kRadius * footprint(character) * scale, 1e-3)),
@@ -44,7 +45,8 @@ std::vector<Vec3<float>> each_others_places(std::span<const CrowdGroup> groups, 
     std::iota(order.begin(), order.end(), 0u);
     size_t first = 0;
     for (const CrowdGroup& group : groups) {
-        // One cycle through all (S. Sattolo, An algorithm to generate a random cyclic permutation, 1986): nobody stays.
+        // One cycle through all (S. Sattolo, An algorithm to generate a random cyclic permutation, 1986), so that all
+        // move.
         for (size_t i = group.instance_count; i > 1; --i)
             std::swap(order[first + i - 1],
                       order[first + static_cast<size_t>(random.unit() * static_cast<double>(i - 1))]);

@@ -30,12 +30,12 @@ Camera fit(double, const CameraSubject& subject, const Values&) {
     return fit_camera(subject.bounds, subject.aspect_ratio);
 }
 
-// The fit camera of a drum that holds the bounds, which looks the same from all sides, turned about its axis.
+// The fit camera of a drum around the bounds, turned about the drum's axis. A drum looks the same from all sides.
 Camera orbit(double time_s, const CameraSubject& subject, const Values& values) {
     const double turn_rad = angle_rad(time_s, values);
     const Vec3<float> centre = centre_of(subject.bounds), half = (subject.bounds.max - subject.bounds.min) * 0.5f;
-    // As a fraction of the drum's radius: half the side of a box that looks about as wide from the fit camera's side;
-    // corners of a square crowd pass through the picture's edges
+    // Half the side of the box that is fitted, as a fraction of the drum's radius: from the fit camera's side the box
+    // looks about as wide as the drum. Corners of a square crowd pass through the picture's edges
     constexpr float kFitted = 0.72f;
     const float side = std::hypot(half.x, half.z) * kFitted;
     Camera camera = fit_camera({centre - Vec3<float>{side, half.y, side}, centre + Vec3<float>{side, half.y, side}},
@@ -48,7 +48,7 @@ Camera orbit(double time_s, const CameraSubject& subject, const Values& values) 
     return camera;
 }
 
-// Round above the heads, now nearer to the middle and now farther from it, looking ahead and inwards.
+// Goes round above the heads, now nearer to the middle and now farther from it, looking ahead and inwards.
 Camera flyover(double time_s, const CameraSubject& subject, const Values& values) {
     const double angle = angle_rad(time_s, values);
     const Vec3<float> centre = centre_of(subject.bounds), extent = subject.bounds.max - subject.bounds.min;
@@ -63,7 +63,7 @@ Camera flyover(double time_s, const CameraSubject& subject, const Values& values
         .target = above(angle + kAhead_rad, 0.5, subject.bounds.min.y)};
 }
 
-// Outside of the crowd at the height of its eyes, on a rounded rectangle: |x|^4 + |z|^4 = 1 in half extents.
+// Goes round outside the crowd at eye level, on a rounded rectangle: |x|^4 + |z|^4 = 1 in half extents.
 Camera low(double time_s, const CameraSubject& subject, const Values& values) {
     const double angle = angle_rad(time_s, values);
     const Vec3<float> centre = centre_of(subject.bounds), half = (subject.bounds.max - subject.bounds.min) * 0.5f;

@@ -29,7 +29,7 @@ public:
     explicit CameraPath(const Camera& still) : still_(still) {}
 
     Camera at(double time_s, const CameraSubject& subject) const;
-    // What CameraSubject needs of the crowd.
+    // Whether CameraSubject needs a character to follow, and which.
     bool follows() const { return name_ == "follow"; }
     uint32_t followed_character() const;
 

@@ -40,7 +40,8 @@ size_t file_named(const std::vector<std::string>& files, const std::string& name
     throw UsageError(option + ": " + known.unknown(name));
 }
 
-// The '=' of "FILE=VALUE". Names may have one too: the last that stands behind the name of a file, otherwise the first.
+// The '=' of "FILE=VALUE". Names may contain '=' too: takes the last one that follows the name of a file, or else the
+// first.
 size_t equals_sign(const std::vector<std::string>& files, const std::string& one) {
     size_t found = one.find('=');
     for (size_t at = found; at != std::string::npos; at = one.find('=', at + 1)) {
@@ -82,10 +83,10 @@ GivenValues given_values(const std::vector<std::string>& files, const std::vecto
     return values;
 }
 
-// The clips that the characters of each file are to play. Empty: those at random, or none to blend with.
+// The clips that the characters of each file are to play. Empty: random ones as the first, none as the second.
 struct WantedClips {
-    // Throws UsageError where a clip that was asked for would not be played. A second one for all files is played by
-    // those that have a first.
+    // Throws UsageError if a clip that was asked for would not be played. A second clip that is given for all files is
+    // played by the files that have a first.
     explicit WantedClips(const SceneOptions& options)
         : first(given_values(options.files, options.clips, "--clip").of_each()) {
         const GivenValues blends = given_values(options.files, options.blends, "--blend");
@@ -104,7 +105,7 @@ struct WantedClips {
     std::vector<std::string> first, second;  // [files]
 };
 
-// Replaces the random clips by those that were asked for; times remain.
+// Replaces the random clips by those that were asked for; their times stay.
 void choose_clips(std::span<Playback> playback, const Character& character, const std::string& clip,
                   const std::string& blend, double weight) {
     if (clip.empty()) return;
@@ -302,7 +303,7 @@ void CrowdScene::step_unseen(float step_s) {
     step(step_s, [this](float part_s) { update_unseen(part_s); });
 }
 
-// A crowd that culls is shown to a view of nothing.
+// A crowd that culls is updated for a view that sees nothing.
 void CrowdScene::update_unseen(float step_s) {
     // W is -1 everywhere
     static constexpr CrowdView kNothing{.clip_from_world = {{{0, 0, 0, 0}, {0, 0, 0, 0}, {0, 0, 0, 0}, {0, 0, 0, -1}}}};

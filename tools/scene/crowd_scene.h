@@ -42,14 +42,13 @@ class Command;
 void add_scene_options(Command app, SceneOptions& options);
 void add_clip_options(Command app, SceneOptions& options);
 
-// How many characters of each file there are, [files]. Throws UsageError, also where `count` is not enough for one of
-// each.
+// How many characters of each file there are, [files]. Throws UsageError, also if `count` is too small for one of each.
 std::vector<uint32_t> counts_of(const SceneOptions& options);
 
 // The controller of each file, [files], or an empty name. Throws CommandError.
 std::vector<std::string> controller_files(const SceneOptions& options);
 
-// The looks of each file, likewise.
+// The same for the looks of each file.
 std::vector<std::string> look_files(const SceneOptions& options);
 
 // The files, their controllers and looks: what a scene is read from.
@@ -68,7 +67,7 @@ struct SceneCast {
 
 class CrowdScene {
 public:
-    // `settings` without groups, scan and path. Throws CommandError, as SceneCast does.
+    // `settings` without groups, scan and path, which come from `options`. Throws CommandError, as SceneCast does.
     CrowdScene(const Device& device, const SceneOptions& options, CrowdSettings settings);
 
     Crowd& crowd() { return *crowd_; }
@@ -76,13 +75,13 @@ public:
 
     // Whether updates may move characters: controllers by root motion, or steering.
     bool may_move() const { return has_controllers_ || !destinations_.empty(); }
-    // From now on subject() has this character, by its number in the crowd. Throws CommandError if there is none.
+    // Makes subject() describe this character, by its number in the crowd. Throws CommandError if there is none.
     void follow(uint32_t character);
     // What the camera is to show, as the last update left it.
     CameraSubject subject(float aspect_ratio) const;
 
-    // Compiles what updates need, and runs characters with controllers for 12 s, as they would move in step otherwise.
-    // With --steer all then set out. Call it before the first step.
+    // Compiles what updates need, and runs characters with controllers for 12 s, since they would move in step
+    // otherwise. With --steer they all set out then. Call it before the first step.
     void start();
     // Directs the controllers, has `update_shown` update the crowd (it may be a renderer that animates and draws at
     // once), and takes the feedback. With --steer the step is split into parts of at most 1/20 s, so that agents see

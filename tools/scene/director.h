@@ -12,8 +12,8 @@
 
 namespace throng::tools {
 
-// The values a parameter can be set to: for numbers the range that the controller's blend spaces and conditions ask
-// about, else 0 to 1.
+// The values that a parameter can be set to. For numbers: the range that the controller's blend spaces and conditions
+// cover, or 0 to 1 if they do not use it.
 struct ParameterRange {
     ParameterType type = ParameterType::kFloat;
     float least = 0, most = 1;
@@ -32,9 +32,9 @@ public:
 private:
     struct Cast {
         uint32_t first_instance, instance_count;
-        // Their numbers, without the one that steering sets
+        // Numbers and ranges of the parameters, without the one that steering sets
         std::vector<std::pair<uint32_t, ParameterRange>> parameters;
-        double owed = 0;  // characters still to be told, below 1 after direct()
+        double owed = 0;  // characters that are due for a new value, below 1 after direct()
     };
     std::vector<Cast> casts_;
     creature::Random random_;

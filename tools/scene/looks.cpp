@@ -18,7 +18,7 @@ namespace {
 using creature::Random;
 using Color = std::array<float, 3>;
 
-constexpr uint32_t kOutfits = 256;  // random ones of all combinations
+constexpr uint32_t kOutfits = 256;  // drawn at random from all combinations
 constexpr float kMost = 1000;       // as in SectionLook
 
 float linear_of(uint32_t srgb) {
@@ -66,7 +66,7 @@ struct Names {
     KnownNames materials{"material"}, sections{"section"};
 };
 
-// Sections that take one of some colours, or materials.
+// Sections that all get the same one of some colours, or of some materials.
 template <class T>
 struct SectionChoice {
     std::vector<uint32_t> sections;
@@ -119,7 +119,7 @@ const T& one_of(const std::vector<T>& all, Random& random) {
     return all[std::min(static_cast<size_t>(random.unit() * static_cast<double>(all.size())), all.size() - 1)];
 }
 
-// The factor that turns the base colour of a section into this one.
+// The factor that turns the base colour of a section into the wanted one.
 Color factor_of(const Character& character, const SectionLook& look, const Color& wanted) {
     const uint32_t material = look.material.value_or(character.sections[look.section].material);
     Color factor = wanted;

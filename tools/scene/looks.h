@@ -21,10 +21,10 @@ private:
     using Color = std::array<float, 3>;  // linear
 
     std::vector<Outfit> outfits_;
-    std::vector<Color> tints_;  // each instance's is somewhere between two of them; none: white
+    std::vector<Color> tints_;  // each instance's tint lies between two of them; none: white
 };
 
-// Whether it is a looks file and not a controller, which is also a .json. False if it cannot be read.
+// Whether a .json file has looks rather than a controller. False if it cannot be read.
 bool is_looks_file(const std::string& file);
 
 }  // namespace throng::tools

@@ -21,8 +21,8 @@ double distance_squared(const Place& a, const Place& b) {
 // The least whole number that is not below `x`, except for rounding errors.
 uint32_t ceiling(double x) { return static_cast<uint32_t>(std::ceil(x * (1 - 1e-12))); }
 
-// Each of the four functions below returns places one pitch apart that cover `area`, the places first that should be
-// kept if there are too many.
+// Each of the four functions below returns places one pitch apart that cover `area`. If there are too many, the last
+// ones are left out.
 
 std::vector<Place> grid(double area, double pitch) {
     const uint32_t side = ceiling(std::sqrt(area) / pitch);
@@ -47,8 +47,8 @@ std::vector<Place> disc(double area, double pitch) {
     return places;
 }
 
-// A closed curve without crossings, about 1 in radius and nowhere bent more than a circle of 0.42, or what lies `side`
-// to its left.
+// A point of a closed curve that does not cross itself, or one `side` to the curve's left. The radius is about 1, that
+// of the narrowest bend at least 0.42.
 Place curve_at(double turns, double side) {
     const double radius = 1 + 0.25 * cosine(2 * turns) + 0.08 * sine(3 * turns);
     const double slope = 2 * std::numbers::pi * (-0.5 * sine(2 * turns) + 0.24 * cosine(3 * turns));
@@ -63,7 +63,7 @@ std::vector<Place> path(double area, double pitch) {
     constexpr double kWidth = 0.25;    // of the road, in radii: half of it is less than the narrowest bend's
     constexpr uint32_t kSteps = 4096;  // into which the curve is cut, to measure it
     constexpr double kApart = 1.05;    // pitches, along the curve
-    // pitches: places a little more than one apart along the narrowest bend are one apart in a straight line
+    // In pitches. Along the narrowest bend, places a little more than one pitch apart are one apart in a straight line
     constexpr double kLeastRadius = 2.5;
     const double radius = std::max(std::sqrt(area / (kLength * kWidth)), kLeastRadius * pitch);
     const auto lane_count = static_cast<uint32_t>(std::max(1.0, std::floor(kWidth * radius / pitch)));
@@ -94,13 +94,13 @@ std::vector<Place> path(double area, double pitch) {
     return places;
 }
 
-// R. Bridson, Fast Poisson Disk Sampling in Arbitrary Dimensions, SIGGRAPH 2007 sketches. Difference: places are taken
-// from the oldest on, so that they grow outwards as a disc, and there is no border.
+// R. Bridson, Fast Poisson Disk Sampling in Arbitrary Dimensions, SIGGRAPH 2007 sketches. Difference: new places are
+// sought around the oldest first, so that they grow outwards as a disc, and there is no border.
 std::vector<Place> scattered(double area, double pitch, Random& random) {
     constexpr int kTries = 30;
     const uint32_t count = ceiling(area / (pitch * pitch));
-    // Cells whose diagonal is a pitch hold one place each. There are about twice as many cells as a run needs, and no
-    // places outside of them.
+    // A cell's diagonal is one pitch, so it holds at most one place. There are about twice as many cells as a run
+    // needs; outside of them there are no places.
     const double cell = pitch / std::numbers::sqrt2, reach = pitch * (std::sqrt(double(count)) + 4);
     const auto side = static_cast<int64_t>(2 * reach / cell) + 1;
     constexpr uint32_t kEmpty = ~0u;
@@ -176,7 +176,7 @@ void shuffle(std::vector<Place>& places, Random& random) {
         std::swap(places[i - 1], places[static_cast<size_t>(random.unit() * static_cast<double>(i))]);
 }
 
-// [kinds] of places, or none where the area has too few.
+// The places of each kind, [kinds], or none if the area has too few.
 std::vector<std::vector<Place>> place_within(Formation formation, double area, std::span<const PlacementKind> kinds,
                                              Random& random) {
     std::vector<double> pitches;

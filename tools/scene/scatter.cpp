@@ -44,7 +44,8 @@ std::vector<double> scales(std::span<const Character> characters, const std::vec
     return scales;
 }
 
-// Places for the smallest characters are generated on all of the ground, which grows with the large ones.
+// Throws if there would be too many places: those for the smallest characters are generated on all of the ground, which
+// grows with the large ones.
 void check_room(std::span<const PlacementKind> kinds) {
     constexpr double kMostPlaces = 40'000'000;
     double area = 0, least = kinds[0].pitch;

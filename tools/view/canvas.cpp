@@ -85,7 +85,7 @@ void Canvas::resize(VkExtent2D extent) {
 void Canvas::record_picture(VkCommandBuffer commands, VkImage picture) const {
     transition(commands, image_.get(), {.stage = VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT}, kCopiedTo);
     const VkImageCopy copy{.srcSubresource = kLayer, .dstSubresource = kLayer, .extent = size()};
-    // Copies bytes, whatever they mean
+    // Copies the bytes without conversion
     vkCmdCopyImage(commands, picture, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, image_.get(),
                    VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &copy);
 }

@@ -66,7 +66,7 @@ void fly_by_keys(State& state) {
     const auto axis = [](int more, int less) {
         return static_cast<float>(ImGui::IsKeyDown(more)) - static_cast<float>(ImGui::IsKeyDown(less));
     };
-    const float step = io.DeltaTime * (io.KeyShift ? 1.2f : 0.3f);  // of the way to the crowd, a second
+    const float step = io.DeltaTime * (io.KeyShift ? 1.2f : 0.3f);  // fractions of the distance to the crowd, a second
     const float right = axis(GLFW_KEY_D, GLFW_KEY_A), up = axis(GLFW_KEY_E, GLFW_KEY_Q),
                 forward = axis(GLFW_KEY_W, GLFW_KEY_S);
     if (right == 0 && up == 0 && forward == 0) return;
@@ -92,7 +92,7 @@ void take_keys(State& state, std::span<const KeyPress> pressed) {
 void take_drags(State& state) {
     const ImGuiIO& io = ImGui::GetIO();
     const bool begins = std::ranges::any_of(io.MouseClicked, [](bool is_clicked) { return is_clicked; });
-    const float scale = begins ? 0 : 1 / io.DisplaySize.y;  // movement before the button went down is no drag
+    const float scale = begins ? 0 : 1 / io.DisplaySize.y;  // movement before the button went down does not count
     const float x = io.MouseDelta.x * scale, y = io.MouseDelta.y * scale;  // picture heights
     const bool pans = ImGui::IsMouseDown(ImGuiMouseButton_Right) || ImGui::IsMouseDown(ImGuiMouseButton_Middle) ||
                       (ImGui::IsMouseDown(ImGuiMouseButton_Left) && io.KeyShift);

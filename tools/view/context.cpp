@@ -44,8 +44,8 @@ void Context::create_instance() {
     check(vkCreateInstance(&create, nullptr, &adopted_.instance), "vkCreateInstance");
 }
 
-// Finds the device that every command chooses for this selection again by its name, since an instance with a surface
-// may list devices in another order.
+// Finds the device that every command would choose for this selection. Looks it up by name, since an instance with a
+// surface may list devices in another order.
 void Context::find_device(const std::string& select) {
     const DeviceInfo chosen = tools::open_device(select).info();
     device_name_ = chosen.name;
@@ -58,7 +58,7 @@ void Context::find_device(const std::string& select) {
         vkGetPhysicalDeviceProperties(device, &properties);
         names_here.push_back(properties.deviceName);
     }
-    // The native device has a number of its own, which would be the first of Vulkan's
+    // The native device has a number of its own, which in Vulkan's list would be the first device's
     const std::optional<size_t> found = chosen.type == "native" ? std::nullopt
                                                                 : same_device(names, chosen.index, names_here);
     if (!found)

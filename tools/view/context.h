@@ -13,7 +13,7 @@ namespace throng::view {
 // Throws a CommandError if there is no such device, or none that can show pictures in the window.
 class Context {
 public:
-    // `select` as DeviceSettings has it.
+    // `select` as in DeviceSettings.
     Context(const Window& window, const std::string& select);
     ~Context();
     Context(const Context&) = delete;

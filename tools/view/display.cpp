@@ -30,7 +30,7 @@ void Display::end(const Canvas& canvas) {
 void Display::start() {
     if (!std::exchange(is_ready_, false)) return;
     shown_ = std::async(std::launch::async, [this, &submission = submissions_[recorded_], image = image_] {
-        // A frame that is not shown has been recorded too, and others wait for its copies
+        // Submits a frame even if it is not shown: it has been recorded, and others wait for its copies
         submission.submit(image ? swapchain_.acquired() : VK_NULL_HANDLE,
                           image ? swapchain_.written(*image) : VK_NULL_HANDLE);
         if (image) swapchain_.present(*image);

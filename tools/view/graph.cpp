@@ -7,7 +7,7 @@
 namespace throng::view {
 namespace {
 
-// Colours of the stages in their order: by hue, in steps that stay apart for the colour-blind too (after Okabe and Ito,
+// Colours of the stages in their order: by hue, in steps that the colour-blind can tell apart too (after Okabe and Ito,
 // 2008).
 constexpr auto kColors = std::to_array<ImU32>(
     {IM_COL32(90, 90, 90, 255), IM_COL32(204, 121, 167, 255), IM_COL32(230, 159, 0, 255), IM_COL32(140, 100, 60, 255),
@@ -16,7 +16,7 @@ constexpr auto kColors = std::to_array<ImU32>(
      IM_COL32(102, 51, 204, 255), IM_COL32(153, 221, 255, 255)});
 constexpr ImU32 kColorOfDrawing = IM_COL32(118, 128, 146, 255);
 
-// Stages of a later library begin with the first colour again.
+// Stages that a later library adds begin with the first colour again.
 ImU32 color_of(size_t timed) { return timed < kStageLimit ? kColors[timed % kColors.size()] : kColorOfDrawing; }
 
 // The next larger of 1, 2, 5 times a power of ten.
@@ -65,7 +65,7 @@ void draw_legend(const char* processor, const FrameTimes& mean) {
     ImGui::SameLine();
     ImGui::Text("%.2f ms", double{sum(mean)});
     for (size_t i = 0; i < kTimedCount; ++i) {
-        if (mean[i] <= 0) continue;  // stages that this crowd has none of
+        if (mean[i] <= 0) continue;  // this crowd does not have the stage
         std::array<char, 48> text{};
         std::snprintf(text.data(), text.size(), "%s %.2f", timed_name(i), double{mean[i]});
         ImGui::SameLine(0, scaled(14));

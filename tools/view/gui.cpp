@@ -12,7 +12,7 @@
 namespace throng::view {
 namespace {
 
-constexpr float kFontSize = 15;  // pixels, where the display's are large
+constexpr float kFontSize = 15;  // pixels, at a content scale of 1
 // Debian's package fonts-roboto-unhinted
 constexpr const char* kFont = "/usr/share/fonts/truetype/roboto/unhinted/RobotoTTF/Roboto-Regular.ttf";
 
@@ -69,7 +69,7 @@ void choose_style(float scale) {
 }  // namespace
 
 Gui::Gui(const Window& window, const Context& context, VkRenderPass render_pass) : window_(window) {
-    constexpr uint32_t kSets = 4;  // the font's is the only one that is needed
+    constexpr uint32_t kSets = 4;  // only the font's is needed
     const VkDescriptorPoolSize size{VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, kSets};
     const VkDescriptorPoolCreateInfo create{.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO,
                                             .flags = VK_DESCRIPTOR_POOL_CREATE_FREE_DESCRIPTOR_SET_BIT,
@@ -79,7 +79,7 @@ Gui::Gui(const Window& window, const Context& context, VkRenderPass render_pass)
     pool_ = {context.device(), vkCreateDescriptorPool, create, "vkCreateDescriptorPool"};
 
     ImGui::CreateContext();
-    ImGui::GetIO().IniFilename = nullptr;  // panels have their places
+    ImGui::GetIO().IniFilename = nullptr;  // panels have fixed places, so there is nothing to save
     choose_font(window.content_scale());
     choose_style(window.content_scale());
     ImGui_ImplGlfw_InitForVulkan(window.handle(), true);

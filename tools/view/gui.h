@@ -12,7 +12,7 @@ namespace throng::view {
 // Only one can exist at a time, as Dear ImGui requires.
 class Gui {
 public:
-    // Keeps the reference to the window.
+    // `window` must outlive this.
     Gui(const Window& window, const Context& context, VkRenderPass render_pass);
     ~Gui();
     Gui(const Gui&) = delete;

@@ -9,7 +9,7 @@
 
 namespace throng::view {
 
-// Stages of an update, and drawing after the last that there may be; milliseconds.
+// The times of an update's stages and, after the last stage that there may be, of drawing; milliseconds.
 inline constexpr size_t kTimedCount = kStageLimit + 1;
 using FrameTimes = std::array<float, kTimedCount>;
 
@@ -42,7 +42,7 @@ private:
 
 inline const char* timed_name(size_t timed) { return timed < stage_names().size() ? stage_names()[timed] : "draw"; }
 
-// Stages that have a colour in the graph: a test checks that all have.
+// The number of stages that have a colour of their own in the graph; a test checks that all stages have.
 size_t stage_color_count();
 
 }  // namespace throng::view

@@ -12,7 +12,7 @@ void Loader::start(std::vector<std::string> files, const CompileSettings& settin
     job_ = std::make_shared<Job>();
     future_ = std::async(std::launch::async,
                          [before = std::move(future_), files = std::move(files), settings, job = job_]() mutable {
-                             before = {};  // waits for its end: characters of two loads need not fit into memory
+                             before = {};  // waits: the characters of two loads need not fit into memory together
                              const LoadHooks hooks{.progress = [&](double part_done) { job->part_done = part_done; },
                                                    .is_cancelled = [&] { return job->is_cancelled.load(); }};
                              return tools::load_characters(files, settings, hooks);

@@ -6,7 +6,7 @@
 namespace throng::view {
 namespace {
 
-// The user's range: from a little below, so as not to dive under the ground, to almost from above
+// How far the user can turn: from a little below, so as not to dive under the ground, to almost straight above
 constexpr float kLeastPitch_rad = -0.3f, kMostPitch_rad = 1.5f;
 constexpr float kSteepest_rad = 1.55f;  // beyond it the picture would have no up
 
@@ -38,7 +38,7 @@ void Orbit::turn(float yaw_rad, float pitch_rad) {
 }
 
 void Orbit::stay_above_ground() {
-    constexpr float kHeight = 0.02f;  // of the distance, at which the ground can still be seen from above
+    constexpr float kHeight = 0.02f;  // of the eye, in distances: the ground can still be seen from above
     const float least = std::asin(std::clamp((ground_y_ - target_.y) / distance_ + kHeight, -1.0f, 1.0f));
     pitch_rad_ = std::max(pitch_rad_, std::min(least, kMostPitch_rad));
 }
@@ -69,8 +69,8 @@ Camera camera_around(const Camera& camera, const PicturePart& part, float aspect
     const float half_height = std::tan(camera.vertical_field_of_view_rad / 2) / part.height(),
                 right = (part.left + part.right - 1) * half_height * aspect_ratio,
                 up = (1 - part.top - part.bottom) * half_height;
-    // The old target's ray is forward + right * axes.right() + up * axes.up(), where axes.right() is level: its height
-    // gives the pitch, what is left of it the yaw.
+    // The old target's ray is forward + right * axes.right() + up * axes.up(), where axes.right() is level. So the
+    // ray's height gives the pitch, and the rest of it the yaw.
     const Vec3<float> ahead = camera.target - camera.eye, ray = normalized(ahead);
     const float rise = ray.y * std::hypot(1.0f, right, up) / std::hypot(1.0f, up);
     const float pitch_rad = std::clamp(std::asin(std::clamp(rise, -1.0f, 1.0f)) - std::atan(up), -kSteepest_rad,

@@ -13,7 +13,7 @@ public:
     void reset(const Camera& camera);
     Camera camera() const;
 
-    // Turning about the target and drawing back from it take the eye no lower than this.
+    // turn() and zoom() take the eye no lower than this.
     void stand_on(float ground_y) { ground_y_ = ground_y; }
 
     // turn(): about the target; look(): about the eye. Radians: to the left, up.
@@ -44,8 +44,8 @@ struct PicturePart {
     float height() const { return bottom - top; }
 };
 
-// A camera at the same eye, for a picture of this aspect ratio: shows within `part` what `camera` shows, the target in
-// the middle of the part, as large as if the part were a picture of its own.
+// A camera at the same eye, for a picture of this aspect ratio. Within `part` it shows what `camera` shows, as large as
+// if the part were a picture of its own, with the target in the middle of the part.
 Camera camera_around(const Camera& camera, const PicturePart& part, float aspect_ratio);
 
 // Converts points of the picture to rays and back. Points of the picture: 0..1 from the left and the top.

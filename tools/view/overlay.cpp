@@ -6,7 +6,7 @@
 namespace throng::view {
 namespace {
 
-// A window in the middle of the display, over everything.
+// Begins a window over everything, whose `pivot` (0..1 of its size) is at `at`.
 void begin_notice(const char* id, ImVec2 at, ImVec2 pivot) {
     ImGui::SetNextWindowPos(at, ImGuiCond_Always, pivot);
     ImGui::Begin(id, nullptr,
@@ -20,7 +20,7 @@ void draw_selection(const State& state, const Scene& scene) {
     const PlacedBox box = scene.box_of(*state.selected);
     const ImVec2 display = ImGui::GetIO().DisplaySize;
     const Projection projection(state.picture_camera, display.x / display.y);
-    std::array<Vec3<float>, 8> corners;  // corner c is at the maximum along x, y, z by its bits
+    std::array<Vec3<float>, 8> corners;  // bits 0, 1, 2 of c: whether corner c is at the maximum along x, y, z
     for (size_t c = 0; c < corners.size(); ++c)
         corners[c] = projection.project(transform_point(
             box.world_from_model,

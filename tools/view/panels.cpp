@@ -12,7 +12,7 @@
 namespace throng::view {
 namespace {
 
-// What a row offers, and its tooltip; null: none.
+// One choice of a row, and its tooltip, or null for none.
 struct Choice {
     const char* name;
     const char* tip = nullptr;
@@ -51,7 +51,7 @@ bool combo_row(const char* name, std::span<const Choice> choices, size_t& chosen
     if (!ImGui::BeginCombo(id_of(name).c_str(), chosen < choices.size() ? choices[chosen].name : shown)) return false;
     if (ImGui::IsKeyPressed(GLFW_KEY_ESCAPE)) ImGui::CloseCurrentPopup();
     for (size_t i = 0; i < choices.size(); ++i) {
-        ImGui::PushID(static_cast<int>(i));  // names need not differ
+        ImGui::PushID(static_cast<int>(i));  // names may repeat
         if (ImGui::Selectable(choices[i].name, i == before)) chosen = i;
         tip(choices[i].tip);
         ImGui::PopID();
@@ -80,7 +80,7 @@ void scan_row(std::string& scan) {
     name_row("scan", choices, scan);
 }
 
-// Takes effect when the slider is released, as a change is costly.
+// Takes effect when the slider is released, since a change is costly.
 void slide_count(State& state) {
     if (!state.sliding_count) state.sliding_count = static_cast<int>(state.wanted.count);
     ImGui::SliderInt("##count", &*state.sliding_count, 1, static_cast<int>(kMostCharacters), "%d",

@@ -39,7 +39,7 @@ bool corner_button(const char* name, float panel_width);
 void begin_row(const char* name);
 bool slider_row(const char* name, float& value, float least, float most, const char* format,
                 ImGuiSliderFlags flags = ImGuiSliderFlags_None);
-// How much of each of two clips.
+// How much of each of two clips is played.
 bool blend_row(float& weight_of_first);
 bool clip_row(const char* name, const Character& character, uint32_t& clip);
 // Edits a controller's parameter; a trigger's value is 1 when it is changed.

@@ -9,8 +9,8 @@
 
 namespace throng::view {
 
-// Where the device `index` of one list of names is in another list, whose order may differ: of several devices of one
-// name, the first in one list is the first in the other. None: it is not there.
+// The index in `others` of the device that has `index` in `names`; none if it is not there. The lists may differ in
+// order, but of several devices of one name, the first in one list is the first in the other, and so on.
 inline std::optional<size_t> same_device(std::span<const std::string> names, size_t index,
                                          std::span<const std::string> others) {
     auto before = std::ranges::count(names.first(index), names[index]);

@@ -17,7 +17,7 @@ std::vector<float> initial_parameters(const Controller& controller) {
     return values;
 }
 
-// Dealt out by their shares, as long as there are enough.
+// Deals `count` out in proportion to the shares.
 std::vector<uint32_t> deal_out(uint32_t count, std::span<const uint32_t> shares) {
     const uint64_t whole = std::accumulate(shares.begin(), shares.end(), uint64_t{0});
     std::vector<uint32_t> counts;
@@ -123,7 +123,7 @@ void Scene::begin_playing() {
 }
 
 void Scene::make_crowd() {
-    crowd_.reset();  // first: two large ones need not fit the device together
+    crowd_.reset();  // first: two large ones need not fit into the device's memory together
     const SceneSettings& of = settings();
     crowd_.emplace(tools::unwrap(Crowd::create(
         device_, {.groups = shown_.field.groups,
@@ -195,7 +195,7 @@ void Scene::set_group_playback(uint32_t group, const GroupPlayback& playback) {
         const Playback wanted = chosen(group, i), now = playback_of(i);
         Playback& next = shown_.playing[i].from;
         next = wanted;
-        // Clips that go on playing do so from where they are.
+        // Clips that go on playing continue from where they are.
         if (now.first.clip == next.first.clip) next.first.time_s = now.first.time_s;
         if (now.second.clip == next.second.clip) next.second.time_s = now.second.time_s;
         shown_.playing[i].since_s = clock_s_;

@@ -1,5 +1,5 @@
-// The crowd that is shown: the characters of the files, how they stand, and what each plays, which is kept on the CPU
-// too, for the inspector.
+// The crowd that is shown: the characters of the files, how they stand, and what each one plays. That is also kept on
+// the CPU, for the inspector.
 #pragma once
 
 #include "tools/scene/director.h"
@@ -32,7 +32,7 @@ struct Cast {
           shares(characters.size(), 1) {}
 };
 
-// A change of any of these makes the crowd anew.
+// A change of any of these makes a new crowd.
 struct SceneSettings {
     uint32_t count = 100;
     uint64_t seed = 1;
@@ -43,7 +43,7 @@ struct SceneSettings {
     SkinFormat format = SkinFormat::kAffine;
     SkinBlend blend = SkinBlend::kLinear;
     bool skins_once = false;
-    bool culls = true;           // and with it levels of detail
+    bool culls = true;           // also switches levels of detail
     bool skips_updates = false;  // of what is small on the screen; needs culls, excludes keeps_joints
     bool keeps_joints = false;   // keeps the joints' matrices, from which skeletons are drawn
 
@@ -53,7 +53,7 @@ inline constexpr uint32_t kMostCharacters = 100'000;
 
 // What all characters of a file without a controller play.
 struct GroupPlayback {
-    // Each character has its own clips and weights, by the seed; else all have those below, each at its own time
+    // Each character has its own clips and weights, by the seed; otherwise all have those below, each at its own time
     bool own = true;
     uint32_t first = 0, second = 0;  // clips
     float weight = 1;
@@ -63,15 +63,16 @@ struct GroupPlayback {
 
 class Scene {
 public:
-    // Throws a CommandError if such a crowd cannot be made. So do the next four, which then leave the scene as it was;
-    // if that cannot be made again either, there is no crowd, and they throw a std::runtime_error. The device must be
-    // idle.
+    // Throws a CommandError if such a crowd cannot be made. The next four functions do so too, and leave the scene as
+    // it was. If the old crowd cannot be made again either, there is none, and they throw a std::runtime_error. The
+    // device must be idle.
     Scene(const Device& device, Cast cast, const SceneSettings& settings);
     void set_settings(const SceneSettings& settings);
     // Other characters.
     void set_cast(Cast cast);
-    // [characters]; those without one keep what they have. Clips stay as they were chosen, and so do the parameters
-    // that were set for all characters of a group whose controller stays; those of one character do not.
+    // [characters]; characters without a new controller keep the one they have. Clips that were chosen stay. So do
+    // parameters that were set for all characters of a group, if its controller stays; those of single characters are
+    // lost.
     void set_controllers(std::vector<std::optional<Controller>> controllers);
     void set_looks(std::vector<std::optional<tools::Looks>> looks);
 
@@ -84,7 +85,7 @@ public:
     void advance(float time_step_s);
 
     uint32_t group_of(uint32_t instance) const;
-    // An instance by its group: stays the same when the number of all instances changes.
+    // An instance by its group. This stays the same when the number of all instances changes.
     struct InGroup {
         uint32_t group = 0, number = 0;
     };
@@ -101,7 +102,8 @@ public:
     Playback playback_of(uint32_t instance) const;  // as it is now: times have moved on
     void set_playback_of(uint32_t instance, const Playback& playback);
 
-    // Whether parameters of characters with controllers are set now and then. They keep the last values.
+    // Whether the director sets parameters of characters with controllers now and then. Without it they keep their last
+    // values.
     bool directs() const { return directs_; }
     void set_directs(bool directs) { directs_ = directs; }
     // The values last set for all characters of a group with a controller; at first the controller's own.
@@ -116,7 +118,7 @@ public:
 
 private:
     struct Playing {
-        Playback from;       // what it played then
+        Playback from;       // what it played at since_s
         double since_s = 0;  // of the clock
     };
     struct Shown {
@@ -124,7 +126,7 @@ private:
         SceneSettings settings;
         std::vector<GroupPlayback> playback;         // [characters]
         std::vector<std::vector<float>> parameters;  // [characters][parameters of its controller]
-        // What make_field() and begin_playing() make of these
+        // What make_field() and begin_playing() make of the above
         tools::Scatter field{};
         std::vector<Playing> playing{};  // [instances]
 

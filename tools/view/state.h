@@ -1,4 +1,4 @@
-// What panels, keys and the mouse change, and the viewer acts on.
+// What panels, keys and the mouse change, and what the viewer acts on.
 #pragma once
 
 #include "tools/view/history.h"
@@ -30,8 +30,8 @@ struct State {
     float time_factor = 1;
 
     bool shows_panels = true, shows_keys = false;
-    PicturePart free_part;  // the part without panels, in whose middle the target of `orbit` is shown
-    Camera picture_camera;  // of the whole picture, chosen so that free_part shows that
+    PicturePart free_part;  // the part without panels; the target of `orbit` is shown in its middle
+    Camera picture_camera;  // of the whole picture, chosen so that free_part shows what `orbit` sees
     std::optional<uint32_t> selected;
 
     bool resets_view = true;
@@ -69,7 +69,7 @@ struct Measured {
     History history;
     float frame_ms = 0;           // from one picture to the next
     std::vector<uint32_t> drawn;  // of each level of detail
-    Feedback feedback;            // of the character that was selected then, if it has a controller
+    Feedback feedback;            // of the character that was selected, if it has a controller
 
     const WatchedInstance* watched() const { return feedback.watched.empty() ? nullptr : &feedback.watched.front(); }
 };

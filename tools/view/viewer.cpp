@@ -72,8 +72,8 @@ std::vector<std::string> checked_inputs(const ViewOptions& options) {
     return inputs;
 }
 
-// What `make` makes of each character; none of those for which it throws a CommandError. Throws one of these if it
-// makes none at all.
+// What `make` returns for each character; empty where it throws a CommandError. Throws one of these errors if it fails
+// for all characters.
 template <class Make>
 auto for_fitting(const std::vector<Character>& characters, const Make& make) {
     std::vector<std::optional<std::invoke_result_t<Make, const Character&>>> made(characters.size());
@@ -89,7 +89,7 @@ auto for_fitting(const std::vector<Character>& characters, const Make& make) {
     return made;
 }
 
-// Null where none is watched.
+// Null if no instance is watched.
 nlohmann::json controller_dump(const WatchedInstance* watched) {
     if (!watched) return nullptr;
     nlohmann::json leading = nlohmann::json::array();
@@ -183,7 +183,7 @@ void Viewer::resize() {
     unwrap(renderer_.resize(extent.width, extent.height));
 }
 
-// A path leads the camera until the user takes over, who goes on from there.
+// A path leads the camera until the user takes over, and the user goes on from there.
 void Viewer::move_camera(float aspect_ratio) {
     if (std::exchange(state_.resets_view, false)) state_.orbit.reset(fit_camera(scene_.bounds(), aspect_ratio));
     state_.orbit.stand_on(scene_.bounds().min.y);
@@ -225,14 +225,14 @@ void Viewer::record() {
     const float time_step_s = next_time_step();
     scene_.advance(time_step_s);
     DrawOptions drawing = state_.drawing;
-    drawing.skeletons = scene_.settings().keeps_joints;  // a crowd that keeps joints comes a frame later
+    drawing.skeletons = scene_.settings().keeps_joints;  // a crowd that keeps joints is made only after this frame
     unwrap(renderer_.set_options(drawing));
     if (watches()) unwrap(scene_.crowd().watch(InstanceHandle{*state_.selected}));
     const Camera& camera = state_.picture_camera;
     const bool is_native = unwrap(scene_.crowd().path(0)).is_native;
-    measured_.is_drawn_natively = is_native && renderer_.is_native();  // who records an update has the device draw
+    measured_.is_drawn_natively = is_native && renderer_.is_native();  // a recorded update is drawn by the device
     if (!measured_.is_drawn_natively) display_.finish();
-    if (is_native) unwrap(renderer_.update(scene_.crowd(), time_step_s, camera));  // where occlusion has no effect
+    if (is_native) unwrap(renderer_.update(scene_.crowd(), time_step_s, camera));  // occlusion has no effect here
     display_.start();  // after the update, which uses the queue
     const VkCommandBuffer commands = display_.begin();
     unwrap(is_native ? renderer_.record_drawing(commands, scene_.crowd(), camera)
@@ -243,8 +243,8 @@ void Viewer::record() {
     display_.end(canvas_);
 }
 
-// Whether this frame is shown while the next one is drawn: only if that comes soon, and if the device does not read for
-// this frame what the next one changes.
+// Whether this frame is shown while the next one is drawn. That is done only if the next one comes soon, and if it
+// changes nothing that the device still reads for this one.
 bool Viewer::shows_later() const {
     return measured_.is_drawn_natively && shot_.empty() && (is_scripted() || !state_.paused);
 }
@@ -289,7 +289,7 @@ void Viewer::take_dropped() {
         inputs_.push_back(file);
         (file.ends_with(".json") ? json : files).push_back(std::move(file));
     }
-    if (!files.empty()) dropped_json_.clear();  // meant for characters that are no longer wanted
+    if (!files.empty()) dropped_json_.clear();  // the new characters replace those that it was meant for
     dropped_json_.insert(dropped_json_.end(), json.begin(), json.end());
     if (files.empty()) return;
     reading_ = "reading " + std::filesystem::path(files.front()).filename().string() + (files.size() > 1 ? " …" : "");

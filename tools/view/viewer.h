@@ -18,9 +18,9 @@ struct ViewOptions {
     tools::CameraOptions camera;
     std::string device;
     RendererSettings size;
-    std::optional<uint64_t> frames;  // ends after so many
-    // File for screenshots, also for one of the last of these frames. If empty, names are made up, and the last frame
-    // gets none
+    std::optional<uint64_t> frames;  // ends after this many
+    // File for screenshots, also for that of the last of `frames`. If empty, names are made up, and the last frame gets
+    // none
     std::string screenshot;
     std::string script, dump;  // files, for tests
 };
@@ -38,7 +38,7 @@ public:
 
 private:
     bool is_done() const;
-    // Only the device knows what a controller does, so a selected character with one is watched
+    // Whether the selected character is watched: if it has a controller, only the device knows what that does
     bool watches() const { return state_.selected && scene_.controller_of(scene_.group_of(*state_.selected)); }
     // If so, every frame counts as a sixtieth of a second, however long it takes
     bool is_scripted() const { return script_ || options_.frames; }
@@ -58,7 +58,7 @@ private:
     void write_dump() const;
 
     ViewOptions options_;
-    std::vector<std::string> inputs_;  // files, also dropped ones: nothing is written over them
+    std::vector<std::string> inputs_;  // files, dropped ones included: nothing is written over them
     Window window_;
     Context context_;
     Device device_;
@@ -68,7 +68,7 @@ private:
     Renderer renderer_;
     Scene scene_;
     Loader loader_;
-    std::string reading_;                    // what `state_.progress` says while that lasts
+    std::string reading_;                    // what `state_.progress` says while files are read
     std::vector<std::string> dropped_json_;  // files, to be used once the characters are there
     std::optional<Script> script_;
     State state_;

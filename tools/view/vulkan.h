@@ -1,5 +1,5 @@
-// The Vulkan that the window needs beside throng: linked to the system's loader, as Debian's build of Dear ImGui is.
-// Whatever fails throws a CommandError.
+// The Vulkan calls that the window needs besides throng. They link the system's loader, as Debian's build of Dear ImGui
+// does. Every failure throws a CommandError.
 #pragma once
 
 #include <vulkan/vulkan.h>

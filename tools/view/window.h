@@ -14,7 +14,7 @@
 
 namespace throng::view {
 
-// A key that went down, or a character that this typed: of most keys there are both.
+// A key that went down, or the character that it typed; most keys report both.
 struct KeyPress {
     int key = 0;  // of GLFW; 0: a character
     bool with_ctrl = false;
@@ -22,10 +22,11 @@ struct KeyPress {
 };
 
 // What was pressed since it was last taken, even if it has been released since: a frame can take longer than a key
-// press. A key that is held counts once, however often the keyboard repeats it; one that steps, once each time.
+// press. A key that is held counts once, however often the keyboard repeats it. The characters of steps() count again
+// with each repeat, unless they are still waiting to be taken.
 class KeyPresses {
 public:
-    // As GLFW reports them: first a key, then what it has typed.
+    // As GLFW reports them: first a key, then the character that it typed.
     void add_key(int key, int action, int modifiers) {
         is_repeated_ = action == GLFW_REPEAT;
         if (action == GLFW_PRESS) pressed_.push_back({.key = key, .with_ctrl = (modifiers & GLFW_MOD_CONTROL) != 0});
@@ -38,7 +39,7 @@ public:
     std::vector<KeyPress> take() { return std::exchange(pressed_, {}); }
 
 private:
-    // On by a frame, to more characters, to fewer
+    // One frame on, more characters, fewer characters
     static bool steps(unsigned character) { return character == '.' || character == '+' || character == '-'; }
     bool is_waiting(unsigned character) const {
         return std::ranges::any_of(pressed_, [&](const KeyPress& press) { return press.character == character; });

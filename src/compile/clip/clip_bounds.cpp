@@ -10,8 +10,7 @@
 namespace throng {
 namespace {
 
-// Adds the box as the pose has it, unless it is shrunk to less than `seen`: games hide things like that, often far
-// away.
+// Adds the posed box, unless the pose shrinks it to less than `seen`: games hide parts that way, often far away.
 void add_posed(Box& bounds, const AffineT<double>& model_from_joint, const Box& box, double seen) {
     const Vec3<double> middle = transform_point(model_from_joint, (box.low + box.high) * 0.5),
                        half = (box.high - box.low) * 0.5;

@@ -8,7 +8,7 @@ namespace {
 
 constexpr uint32_t kMostHalvings = 8;
 
-// A rotation is normalised.
+// Normalises the value if it is a rotation.
 TrackValue unit(TrackTarget target, const TrackValue& value) {
     return target == TrackTarget::kRotation ? value_of(normalized(quaternion_of(value))) : value;
 }
@@ -40,7 +40,7 @@ public:
         for (double looser = 8; row_count_of(halvings) > most_rows; looser *= 8)
             halvings = halvings_by_interval(reaches, settings.bound * looser);
         add_rows(halvings);
-        // Between rows only arcs can be further off than in the rows; at 1/4 of the way they nearly are at their
+        // Only arcs can be further off between rows than at rows, and at 1/4 of the way they are nearly at their
         // furthest.
         constexpr double kNegligible = 0.1;
         if (!(largest_lag_ * rig_.level_count <= kNegligible * settings.bound)) grid_.points_per_row = 4;

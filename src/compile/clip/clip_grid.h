@@ -1,20 +1,20 @@
-// The exact tracks of a clip on a grid of times: its rows, and rows added where straight lines would not follow the
-// arcs of rotations. Points between rows are where the error of a packed clip is measured too.
+// The exact tracks of a clip on a grid of times: its rows, and rows added where linear interpolation would not follow
+// the arcs of rotations. The error of a packed clip is measured at the rows and at points between them.
 #pragma once
 
 #include "compile/clip/exact_clip.h"
 
 namespace throng {
 
-// Whether no float lies between the times of two rows, so that what is between them is never shown. The importer writes
-// several keys at one time this way.
+// Whether no float lies between the times of two rows, so that no time between them is ever shown. The importer writes
+// keys of equal times this way.
 bool is_jump(float from_s, float to_s);
 
 struct ClipGrid {
     const ExactClip& clip;
     std::vector<float> times_s{};      // [row_count]
     std::vector<bool> fixed{};         // [row_count], rows where a STEP track changes
-    uint32_t points_per_row = 1;       // from one row to the next; point p is of row p / points_per_row
+    uint32_t points_per_row = 1;       // from one row to the next; point p is at or after row p / points_per_row
     std::vector<ExactTrack> tracks{};  // that vary, at these times; rotations of unit length
     std::vector<Trs<double>> still{};  // [joint_count], of the tracks that do not vary
 
@@ -28,8 +28,8 @@ struct ClipGrid {
 inline size_t slot_of(const ExactTrack& track) { return track.joint * size_t{3} + static_cast<size_t>(track.target); }
 
 struct GridSettings {
-    double bound = 0;  // displacement in model space that straight lines instead of arcs may cause
-    // The most rows * joints, unless the clip's own rows are more: no more than 192 MiB of values
+    double bound = 0;  // the displacement in model space that linear interpolation of arcs may cause
+    // The limit of rows * joints (192 MiB of values); ignored if the clip's own rows are more
     uint64_t joint_rows = 4'000'000;
 };
 

@@ -65,7 +65,7 @@ double ClipMeter::place(size_t joint, const Trs<double>& trs, std::span<const Af
     return d;
 }
 
-// The distance to the next row is doubled while the rows between are reproduced, then halved.
+// Doubles the distance to the next row as long as the rows between are reproduced, then bisects.
 std::vector<size_t> ClipMeter::keep_rows(double bound) {
     std::vector<size_t> kept{0};
     while (kept.back() + 1 < grid_.row_count()) {
@@ -98,7 +98,7 @@ bool ClipMeter::reproduces(size_t from_row, size_t to_row, double bound) {
     return true;
 }
 
-// Sets the pose to what the sample stage makes of packed keys.
+// Sets the pose to what the sample stage computes from packed keys.
 void ClipMeter::mix(std::span<const ExactTrack> tracks, size_t earlier, size_t later, double fraction) {
     for (const ExactTrack& track : tracks) {
         if (track.keys.empty()) continue;

@@ -20,14 +20,15 @@ public:
     // row it goes as far as it can.
     std::vector<size_t> keep_rows(double bound);
 
-    // Sets a joint's model transform from its own and its parent's. Returns how far that displaces its skin.
+    // Sets a joint's model transform from its local one and its parent's model transform. Returns how far this
+    // displaces its skin from where `wanted` would put it.
     double place(size_t joint, const Trs<double>& parent_from_joint, std::span<const AffineT<double>> wanted);
     const AffineT<double>& model_from_joint(size_t joint) const { return models_[joint]; }
 
     // Tracks with a key in each row, and the pose of everything else.
     struct Rows {
-        std::span<const size_t> of_grid;        // [row_count]
-        std::span<const ExactTrack> tracks;     // with keys [row_count]; those without stand as in `still`
+        std::span<const size_t> of_grid;        // [row_count]: rows of the grid
+        std::span<const ExactTrack> tracks;     // with keys [row_count]; a track without keys stays as in `still`
         const std::vector<Trs<double>>& still;  // [joint_count]
     };
     // Largest displacement at the points between rows, looking at every `interval`-th pair of rows. May stop once it is

@@ -13,17 +13,17 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr size_t kSampledRows = 16;     // for sensitivities
-constexpr size_t kSearchPoints = 1024;  // between rows, at which a search measures; its result is measured at all
-constexpr double kArcShare = 0.1;       // of the bound, for arcs as straight lines when all rows are kept
-// Parts of the bound that leaving out rows can use up; the rest is for quantising. The smaller of the results is kept
+constexpr size_t kSearchPoints = 1024;  // between rows, that a search measures; all points count for its result
+constexpr double kArcShare = 0.1;       // of the bound: for interpolating arcs linearly when all rows are kept
+// Parts of the bound that dropping rows may use up; the rest is for quantising. The smaller result is kept
 constexpr std::array kRowShares{0.4, 0.75};
 constexpr double kMargin = 0.99;     // the points of the grid may miss the largest displacement by a little
 constexpr double kFirstScale = 0.3;  // of tolerances, where a search begins
 // If a bound cannot be kept: allowing this many times the error of the finest keys saves most of their bits
 constexpr double kAboveFinest = 1.2;
 
-// Gives each joint the largest components of scale and translation of all rows: no pose reaches further, and what a
-// scale of 0 hides in the sampled rows is there.
+// The first pose, with each joint's largest components of scale and translation of all rows. So no pose reaches
+// further, and parts that a scale of 0 hides in the sampled rows count too.
 std::vector<Trs<double>> extended_pose(const ExactClip& clip, const Rig& rig) {
     std::vector<Trs<double>> pose = sample_exact(clip, rig, 0);
     for (const ExactTrack& track : clip.tracks) {
@@ -38,7 +38,7 @@ std::vector<Trs<double>> extended_pose(const ExactClip& clip, const Rig& rig) {
     return pose;
 }
 
-// The last is the extended one.
+// Poses of some rows; the last one is the extended pose.
 std::vector<std::vector<Trs<double>>> sample_poses(const ExactClip& clip, const Rig& rig) {
     const size_t row_count = clip.times_s.size(), count = std::min(row_count, kSampledRows);
     std::vector<std::vector<Trs<double>>> poses;
@@ -81,7 +81,7 @@ public:
                               "clip '" + name + "': its poses are not finite");
             }
             keep(finest);
-            scale_ = kFirstScale;  // the searches that failed left it where all bits are used
+            scale_ = kFirstScale;  // the failed searches left it so small that all bits are used
             search(finest <= bound_ ? std::max(kMargin * bound_, finest) : kAboveFinest * finest);
         }
         return std::move(*best_);
@@ -149,7 +149,7 @@ private:
         }
     }
 
-    // Joints below which the error stays less than elsewhere may be coarser.
+    // Raises the weights of joints below which the error stays less than elsewhere: they may be coarser.
     void weigh() {
         std::vector<double> below = meter_.peaks();
         for (size_t joint = below.size(); joint-- > 0;) {
@@ -166,7 +166,7 @@ private:
         size_t bytes = row_count * (encoder_.row_stride() + 1) * sizeof(uint32_t);
         for (size_t slot = 0; slot < shapes_.size(); ++slot) {
             const PackedTrack& track = encoder_.tracks()[slot];
-            // Stored already
+            // The header of the rest pose is stored already
             const bool rest = track.minimum == constant_track(shapes_[slot].target, shapes_[slot].rest).minimum;
             bytes += packed_row_bits(track) > 0 ? sizeof(PackedTrack) : rest ? 0 : sizeof(PackedTrack) / 2;
         }

@@ -16,7 +16,7 @@ struct PackedClip {
 };
 
 struct PackSettings {
-    // Displacement in the unit of the character; where it cannot be kept, the keys are nearly the finest
+    // The largest displacement, in the unit of the character. If a clip cannot keep it, its keys are nearly the finest
     double bound = 0;
     uint64_t joint_rows = 0;  // of GridSettings
 };

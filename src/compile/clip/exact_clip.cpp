@@ -5,7 +5,7 @@
 namespace throng {
 namespace {
 
-// Puts the clip's keys behind those that the character has.
+// Appends the clip's keys to those of the character.
 void write_keys(const ExactClip& clip, std::span<JointTracks> tracks, Character& character) {
     const auto word = [&](const ExactTrack& of) -> uint32_t& { return tracks[of.joint].*word_of(of.target); };
     std::vector<TrackKey>& keys = character.keys;

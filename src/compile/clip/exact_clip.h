@@ -36,7 +36,8 @@ struct ExactClip {
 // The pose that sample_reference() gives once the clip is written exactly.
 std::vector<Trs<double>> sample_exact(const ExactClip& clip, const Rig& rig, double time_s);
 
-// Whether a float's rounding would decide which way round the arc between them goes: such keys get a row in the middle.
+// Whether two rotations are so close to half a turn apart that a float's rounding decides in which direction the arc
+// between them goes. Such keys get a row in the middle.
 bool is_half_turn(const TrackValue& a, const TrackValue& b);
 
 // q and -q are one rotation, and the sample stage expects neighbouring rows in one hemisphere.

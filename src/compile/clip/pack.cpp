@@ -21,7 +21,7 @@
 namespace throng {
 namespace {
 
-// Headers, each once.
+// Headers of tracks. Equal ones are stored once.
 class HeaderPool {
 public:
     explicit HeaderPool(std::vector<TrackKey>& keys) : keys_(keys) {}
@@ -51,7 +51,7 @@ std::string percent(double part) {
     return text;
 }
 
-// The clips, put together in their order.
+// Appends the packed clips to the character, in the order of `clips`.
 class Packing {
 public:
     Packing(std::span<const ExactClip> clips, double error, Character& character)
@@ -66,7 +66,7 @@ public:
         }
     }
 
-    // Clips can come in any order and from any thread; those that come too early wait here.
+    // Can be called in any order and from any thread. A clip waits here until those before it are added.
     void add(uint32_t index, PackedClip packed) {
         const std::lock_guard lock(mutex_);
         waiting_.emplace(index, std::move(packed));
@@ -172,7 +172,7 @@ void pack_clips(std::span<const ExactClip> clips, double error, Character& chara
     try {
         for (size_t i = 0; i + 1 < thread_count; ++i) threads.push_back(std::async(std::launch::async, work));
     } catch (const std::system_error&) {
-        // The system has no more threads to give: those that there are do all of the work
+        // The system can start no more threads: those that run do all of the work
     }
     work();
     for (std::future<void>& thread : threads) {

@@ -10,7 +10,7 @@
 namespace throng {
 namespace {
 
-// As a part of the character's size; a rotation by as many radians moves no point further
+// As a part of the character's size. A rotation by this many radians moves no point further than that
 constexpr double kRelativeBound = 1e-6;
 
 constexpr size_t kRefinedKeyLimit = 4'000'000;  // of cubic tracks: seconds of work, tens of MiB
@@ -75,7 +75,7 @@ private:
         for (const Column& column : columns_) {
             const auto& times = column.source.track().times_s;
             times_s_.insert(times_s_.end(), times.begin(), times.end());
-            if (times_s_.size() > (size_t{1} << 22)) unique_times();  // bounded, however many tracks
+            if (times_s_.size() > (size_t{1} << 22)) unique_times();  // keeps the array small, however many tracks
         }
         split_half_turns();
         unique_times();
@@ -111,7 +111,7 @@ private:
                               " MiB of keys with the clips before; the limit is 256 MiB a character");
     }
 
-    // Whether what is read at part `w` of the way between two rows is near enough to the source.
+    // Whether interpolating by `w` between two rows gives a value that is near enough to the source.
     bool follows(const Column& column, const TrackValue& earlier, const TrackValue& later, double w,
                  double time_s) const {
         const TrackTarget target = column.target();
@@ -121,7 +121,7 @@ private:
                         column.source.evaluate(time_s)) <= bound;
     }
 
-    // Rows between the keys of cubic tracks. A track that swings too wildly for the bound is followed less closely,
+    // Adds rows between the keys of cubic tracks. If that would take too many keys, follows the tracks less closely,
     // with a warning.
     void follow_cubic() {
         std::vector<const Column*> cubic;
@@ -144,8 +144,8 @@ private:
         relative_bound_ = kRelativeBound;
     }
 
-    // Halves intervals until straight lines (and arcs) between rows follow the cubic tracks. Returns the part of the
-    // clip for which the limit of keys was enough; below 1, nothing is changed.
+    // Halves intervals until interpolation between rows follows the cubic tracks. Returns the part of the clip for
+    // which the limit of keys was enough. If that is less than 1, nothing is changed.
     double refine(const std::vector<const Column*>& cubic) {
         const auto fits = [&](double from_s, double to_s) {
             return std::all_of(cubic.begin(), cubic.end(), [&](const Column* column) {
@@ -158,7 +158,7 @@ private:
         std::vector<float> refined;
         for (size_t row = 0; row + 1 < times_s_.size(); ++row) {
             progress_.poll();
-            std::vector<float> ends{times_s_[row + 1]};  // of the intervals still to look at, the nearest last
+            std::vector<float> ends{times_s_[row + 1]};  // of the intervals still to check, the nearest last
             float from_s = times_s_[row];
             refined.push_back(from_s);
             while (!ends.empty()) {
@@ -182,8 +182,8 @@ private:
         return 1;
     }
 
-    // Where tracks have few keys at many different times, the union repeats most of them: leave out rows that their
-    // neighbours reproduce. Looks ahead a bounded number of rows, so that the work stays linear.
+    // If tracks have few keys at many different times, most keys at the union of these times are redundant. Leaves out
+    // rows that their neighbours reproduce. Looks ahead a bounded number of rows, so that the work stays linear.
     void drop_rows() {
         constexpr uint64_t kFarLarger = 4, kWorthIt = 1 << 16, kLookAhead = 32;
         const uint64_t union_keys = uint64_t{times_s_.size()} * columns_.size();
@@ -202,8 +202,8 @@ private:
         times_s_ = std::move(kept);
     }
 
-    // For each row the columns that may bend or jump there: those with a key of their own, or half a turn around it,
-    // and cubic ones everywhere. The others go straight through it.
+    // For each row, the columns that may bend or jump there: those with a key there, or with the middle of a half turn,
+    // and cubic ones everywhere. The other columns are straight lines or arcs there.
     std::vector<std::vector<const Column*>> bends_by_row() const {
         std::vector<std::vector<const Column*>> bends(times_s_.size());
         const auto at = [&](float time_s) -> std::vector<const Column*>& {
@@ -251,7 +251,7 @@ private:
     const RigMap& map_;
     const AssetClip& source_;
     const std::string place_;
-    uint64_t keys_before_;  // before those of the rows
+    uint64_t keys_before_;  // of the rest pose, the clips before, and constants
     Character& character_;
     const Progress& progress_;
     ExactClip clip_;

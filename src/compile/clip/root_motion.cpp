@@ -18,8 +18,8 @@ namespace throng {
 namespace {
 
 constexpr double kRowsPerSecond = 60;
-constexpr double kStill = 1e-6;         // of the character's size, and radians: less is no motion
-constexpr double kFollowed = 1e-4;      // likewise: how closely keys follow what is left of the joint's motion
+constexpr double kStill = 1e-6;         // of the character's size, or radians: less counts as no motion
+constexpr double kFollowed = 1e-4;      // in the same units: how closely keys follow what is left of the joint's motion
 constexpr double kUniformScale = 1e-5;  // relative: what converters leave of a uniform scale
 // Squared cosine of half the swing: within 0.02 degrees of upside down there is no heading
 constexpr double kUpsideDown = 1e-8;
@@ -64,7 +64,7 @@ public:
     // Returns nothing if the joint does not move over the ground.
     std::optional<Extracted> extract(const std::string& place) {
         if (!moves()) return {};
-        constexpr double kRounding = 1e-6;  // of a float's duration must not add a row
+        constexpr double kRounding = 1e-6;  // relative; the rounding of a float duration must not add a row
         const double row_count = std::max(2.0, std::ceil(duration_s_ * kRowsPerSecond * (1 - kRounding)) + 1);
         if (row_count * sizeof(TrackKey) > kKeyLimit_bytes)
             throw Failure(ErrorCode::kLimit, place,
@@ -92,7 +92,8 @@ private:
                 model_from_parent_.point(vector_of(translation_.between(rows)))};
     }
 
-    // The move from the clip's begin to this pose. Upside down, where no twist is defined, the turn stays as before.
+    // The move from the clip's start to this pose. If the joint is upside down, no twist is defined, and the turn stays
+    // as in `before`.
     GroundMove move_to(const Pose& pose, const GroundMove& before) const {
         const Quaternion<double> turn = pose.rotation * conjugate(begin_.rotation);
         const double squared = turn.w * turn.w + turn.y * turn.y;
@@ -122,8 +123,8 @@ private:
     bool steps() const { return rotation_.step || translation_.step; }
 
     // The move as it will be read from the rows, so that rows and keys together are exact at each key. STEP tracks
-    // jump, and their move is taken out as it is: the rows need a sixtieth of a second for a jump, and a key in the
-    // middle of that would stay.
+    // jump, so their exact move is taken out instead: rows take a sixtieth of a second for a jump, and a key in the
+    // middle of that would hold a part of the jump until the next key.
     GroundMove move_at(double time_s, const Pose& pose) const {
         const GroundMove as_read = place_at(rows_, phase_at(time_s, duration_s_, false));
         return steps() ? move_to(pose, as_read) : as_read;
@@ -141,7 +142,8 @@ private:
 
     Remainder remainder() const {
         std::vector<float> times_s;
-        // How it stands before the first key is no row's rounding
+        // At its first key, the joint also makes up for the interpolation between rows of root motion. Without a key at
+        // 0, it would do so from the clip's start
         if (!steps() && times_s_.front() > 0) times_s.push_back(0);
         for (const float time_s : times_s_) {
             if (!times_s.empty() && !steps()) add_between(times_s.back(), time_s, times_s);
@@ -168,8 +170,8 @@ private:
         return track;
     }
 
-    // Halves an interval between keys, at times of rows (between them the motion hardly bends), until the keys follow
-    // what is left of it. Keys half a turn apart get one in the middle.
+    // Halves an interval between keys until they follow what is left of the motion. New keys lie at times of rows,
+    // since between rows the motion hardly bends. Keys half a turn apart get one in the middle.
     void add_between(float from_s, float to_s, std::vector<float>& times_s) const {
         const std::vector<float> rows_s = rows_between(from_s, to_s);
         const Left from = left_at(from_s), to = left_at(to_s);
@@ -184,7 +186,7 @@ private:
         add_between(middle_s, to_s, times_s);
     }
 
-    // Times of rows that are no keys.
+    // The times of the rows between two keys, without those that are nearly at a key.
     std::vector<float> rows_between(float from_s, float to_s) const {
         const double apart_s = 0.01 * row_interval_s_;
         std::vector<float> times_s;
@@ -268,7 +270,7 @@ private:
                                   "'; the joint of root motion has nothing animated above it");
     }
 
-    // Replaces the joint's rotation and translation; the other tracks get the rows of the new ones.
+    // Replaces the joint's rotation and translation. The other tracks are sampled at the new rows.
     void take_out(ExactClip& clip, Extracted extracted) {
         auto& [times_s, rotation, translation] = extracted.rest;
         std::erase_if(clip.tracks, [&](const ExactTrack& track) {

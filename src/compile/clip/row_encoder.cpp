@@ -58,7 +58,7 @@ Trs<double> RowEncoder::encode_joint(std::span<const TrackShape> shapes, std::sp
     for (size_t slot = first; slot < first + 3; ++slot) {
         if (!moves(slot)) continue;
         const TrackTarget target = shapes[slot].target;
-        // A STEP track holds its value, so it must not follow what moves
+        // A STEP track holds its value until the next key, so it must not make up for the errors of a parent that moves
         TrackValue value = component(shapes[slot].step ? local : aimed, target);
         if (target == TrackTarget::kRotation && !shapes[slot].full && value[shapes[slot].left_out] < 0)
             for (double& v : value) v = -v;
@@ -72,8 +72,9 @@ Trs<double> RowEncoder::encode_joint(std::span<const TrackShape> shapes, std::sp
     return packed;
 }
 
-// What a joint's transform must be for its place in the model to be exact although its parent's is not, so that the
-// errors of a chain do not add up. Rotations make up for rotations, translations for places.
+// The local transform that puts the joint at its exact place in model space although its packed parent is not at its
+// own, so that errors do not add up along a chain. The rotation makes up for the error of the parent's rotation, the
+// translation for the error of its place.
 Trs<double> RowEncoder::aim(size_t joint, const Trs<double>& local, std::span<const AffineT<double>> wanted) const {
     const uint32_t parent = character_.rig.parents[joint];
     if (parent == kNone) return local;

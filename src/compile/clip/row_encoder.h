@@ -21,7 +21,7 @@ public:
     // [joint_count][3], in the order of TrackTarget
     const std::vector<PackedTrack>& tracks() const { return tracks_; }
     const std::vector<Trs<double>>& still() const { return still_; }     // [joint_count], of the tracks without bits
-    const std::vector<ExactTrack>& decoded() const { return decoded_; }  // the grid's tracks; no keys without bits
+    const std::vector<ExactTrack>& decoded() const { return decoded_; }  // the grid's; those without bits have no keys
     const std::vector<uint32_t>& words() const { return words_; }        // [row][row_stride()]
     uint32_t row_stride() const { return row_stride_; }
 

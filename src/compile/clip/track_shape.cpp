@@ -62,7 +62,7 @@ std::array<double, 3> stored_components(const TrackShape& shape, const TrackValu
             sign * value[(shape.left_out + 3) % 4]};
 }
 
-// A displacement with every component at its largest deviation.
+// The displacement if every component deviates by this much.
 double displacement_of(const TrackShape& shape, const std::array<double, 3>& deviation) {
     double sum = 0;
     for (size_t c = 0; c < 3; ++c) sum += std::pow(shape.sensitivity[c] * deviation[c], 2);
@@ -91,7 +91,7 @@ PackedTrack middle_of(const TrackShape& shape) {
     return track;
 }
 
-// From the track's values in all rows, or the one that it always has.
+// `values`: those of the track in all rows, or the one that it always has.
 TrackShape shape_of(TrackTarget target, bool step, const Trs<float>& rest, std::span<const TrackValue> values) {
     TrackShape shape{
         .target = target, .step = step, .rest = key_of(component(rest.as<double>(), target)), .first = values.front()};
@@ -147,7 +147,7 @@ std::vector<double> joint_reaches(const Character& character, std::span<const Bo
 void add_sensitivity(std::vector<TrackShape>& shapes, const Character& character, std::span<const Box> boxes,
                      std::span<const Trs<double>> pose, double bound) {
     const std::vector<double> scales = parent_scales(character, pose), radii = joint_radii(character, boxes, pose);
-    // In joint space: what a rotation of the joint moves, and no joint below makes up for
+    // In joint space: a box of what a rotation of the joint moves and no joint below makes up for
     std::vector<Box> levers(boxes.begin(), boxes.end());
     for (size_t joint = pose.size(); joint-- > 0;) {
         const auto shape = [&](TrackTarget target) -> TrackShape& {
@@ -180,7 +180,7 @@ void add_sensitivity(std::vector<TrackShape>& shapes, const Character& character
         levers[parent].add(pose[joint].translation);
         const TrackShape& rotation = shape(TrackTarget::kRotation);
         if (!rotation.full && displacement_of(rotation, half_range(rotation)) <= bound) {
-            const double radius = radii[joint] * largest_part(pose[joint].scale);  // boxes of boxes grow; this does not
+            const double radius = radii[joint] * largest_part(pose[joint].scale);  // limits the growth of nested boxes
             const Vec3<double>& o = pose[joint].translation;
             for (const Vec3<double>& arm : arms)
                 levers[parent].add(o + Vec3<double>{std::clamp(arm.x, -radius, radius),
@@ -205,8 +205,8 @@ PackedTrack plan_track(const TrackShape& shape, double tolerance) {
     PackedTrack track = middle_of(shape);
     if (displacement_of(shape, half_range(shape)) <= kConstant * tolerance) return track;
 
-    // Errors of all tracks add up like those of dice, so equal ones cost the fewest bits, and rounding to the nearest
-    // number of bits serves better than rounding up.
+    // The errors of tracks add up like independent random ones. So equal errors cost the fewest bits, and rounding to
+    // the nearest number of bits serves better than rounding up.
     for (uint32_t c = 0; c < 3; ++c) {
         const double range = shape.high[c] - shape.low[c],
                      cells = range * shape.sensitivity[c] / std::max(tolerance, std::numeric_limits<double>::min());

@@ -13,7 +13,7 @@ namespace throng {
 struct TrackShape {
     TrackTarget target = TrackTarget::kTranslation;
     bool step = false;
-    bool full = false;                    // a rotation of which no component keeps its sign
+    bool full = false;                    // a rotation whose components all get near 0 or change their sign
     uint32_t left_out = 3;                // of a rotation; `low` and `high` are for its positive sign
     TrackKey rest{};                      // the value of the rest pose
     TrackValue first{};                   // the first value of the track
@@ -29,9 +29,9 @@ struct TrackShape {
 // [joint_count][3], in the order of TrackTarget. `rows` are those of the grid that are kept.
 std::vector<TrackShape> track_shapes(const Character& character, const ClipGrid& grid, std::span<const size_t> rows);
 
-// Raises `sensitivity` to that in a pose; call it for several poses, and the largest remains. An error of a joint's
-// rotation moves its own skin and the joints below it. What hangs on those joints in turn counts only if their own
-// rotations move the skin by less than `bound`: the others make up for the error (RowEncoder::aim).
+// Raises `sensitivity` to its value in a pose. Call it for several poses to get the largest. An error of a joint's
+// rotation moves its own skin and the joints below it. What is below one of these joints counts only if that joint's
+// own rotation moves the skin by less than `bound`. Otherwise its rotation makes up for the error (RowEncoder::aim).
 void add_sensitivity(std::vector<TrackShape>& shapes, const Character& character, std::span<const Box> boxes,
                      std::span<const Trs<double>> pose, double bound);
 

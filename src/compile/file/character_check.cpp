@@ -27,7 +27,7 @@ std::string at(const char* array, size_t index) { return joined(array, "[", inde
 
 // Ranges of an array that must follow one another without a gap, so that each element is looked at once.
 struct Ranges {
-    const char *begin_at, *end_at;  // "its times begin at "
+    const char *begin_at, *end_at;  // for messages: "its times begin at "
     size_t size;                    // of the array
     uint64_t next = 0;
 };
@@ -192,7 +192,7 @@ private:
                 in_row += c_.packed ? check_packed_track(index, word, of, is_rest)
                                     : check_exact_track(index, word, of, is_rest);
         }
-        // Or a small file would have clips that take hours to go through
+        // Tracks must not share keys. Otherwise a small file could have clips that take hours to go through
         if (in_row > uint64_t{of.row_stride} * (c_.packed ? 32 : 1))
             fail(at("clips", clip), "its tracks share keys: they have ", in_row, c_.packed ? " bits" : " keys",
                  " a row, and its rows lie ", of.row_stride, c_.packed ? " words" : " keys", " apart");
@@ -204,7 +204,7 @@ private:
         return (word & kTrackPosition) + (animated ? (row_count - uint64_t{1}) * row_stride : 0);
     }
 
-    // How many keys it has in each row.
+    // Returns the number of keys that the track has in each row.
     uint64_t check_exact_track(size_t index, uint32_t word, const Clip& clip, bool is_rest) const {
         const bool animated = (word & kTrackAnimated) != 0;
         if (animated && is_rest) fail(at("tracks", index), "is animated, in the rest pose");
@@ -213,7 +213,7 @@ private:
         return animated ? 1 : 0;
     }
 
-    // How many bits it has in each row.
+    // Returns the number of bits that the track has in each row.
     uint64_t check_packed_track(size_t index, uint32_t position, const Clip& clip, bool is_rest) const {
         const auto refuse = [&](const auto&... what) { fail(at("tracks", index), what...); };
         if (position >= c_.keys.size()) refuse("is at key ", position, " of ", c_.keys.size());
@@ -414,7 +414,7 @@ private:
         }
     }
 
-    // Names and warnings get printed: none may rewrite a terminal, or look like another line.
+    // Names and warnings are printed: none may send control sequences to a terminal, or look like another line.
     void check_text() const {
         file::visit_strings(c_, [&](const std::string& string) {
             if (printable(string, std::string::npos) != string)

@@ -1,4 +1,4 @@
-// Whether a character may be used: it may come from a file, or an application may have changed it.
+// Checks that a character is safe to use. It may come from a file, or an application may have changed it.
 #pragma once
 
 #include <throng/character.h>
@@ -8,9 +8,9 @@
 
 namespace throng {
 
-// Throws `code` if an index or a range leads out of its array, a number is not finite, scales are less uniform than the
-// rig claims or a text is more than a line, and kLimit if a limit is exceeded. So nothing leads a stage, on the GPU or
-// not, out of its buffers, or a reader of messages astray.
+// Throws `code` if an index or a range is out of bounds, a number is not finite, scales are less uniform than the rig
+// claims, or a text has characters that printable() would replace. Throws kLimit if a limit is exceeded. So no stage,
+// on the GPU or the CPU, can access memory outside its buffers, and no name can falsify the program's output.
 void check_character(const Character& character, const std::string& place, ErrorCode code);
 
 }  // namespace throng

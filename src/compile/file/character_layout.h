@@ -18,7 +18,7 @@ namespace throng::file {
 static_assert(std::endian::native == std::endian::little,
               "compiled files are little-endian, and their arrays are used as they are");
 
-// Like PNG's signature: no text begins with such a byte, and a transfer that rewrites line ends corrupts it ("PNG
+// Like PNG's signature: no text begins with its first byte, and a transfer that rewrites line ends corrupts it ("PNG
 // Specification", second edition, 5.2).
 inline constexpr std::array<char, 8> kMagic{'\x89', 't', 'h', 'r', 'o', 'n', 'g', '\n'};
 inline constexpr uint32_t kVersion = 3;

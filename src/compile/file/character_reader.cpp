@@ -147,7 +147,7 @@ private:
         read_record(SectionId::kScalars, scalars, character);
     }
 
-    // Where each piece of a section of bytes ends: ascending, the last at the section's end.
+    // Checks where the pieces of a section of bytes end: in ascending order, the last one at the section's end.
     void check_ends(SectionId id, const std::vector<uint64_t>& ends, uint64_t size_bytes) const {
         uint64_t before = 0;
         for (const uint64_t end : ends) {
@@ -168,7 +168,7 @@ private:
         }
     }
 
-    // The strings' number is known from the arrays that have been read; it bounds what is allocated for them.
+    // The number of strings follows from the arrays that have been read. It bounds what is allocated for them.
     void read_text(const Records& records, Character& character) const {
         check_ends(SectionId::kTextEnds, records.text_ends, records.text.size());
         const size_t warning_count = records.scalars.front().warning_count;

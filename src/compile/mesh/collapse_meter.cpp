@@ -5,9 +5,9 @@
 namespace throng {
 namespace {
 
-// A collapse costs this part of its edge's length in addition, so that on a flat surface the shortest edge goes first.
+// A collapse also costs this fraction of its edge's length, so that on a flat surface the shortest edge goes first.
 constexpr float kLengthWeight = 1e-2f;
-// A fine triangle within this part of the cost known so far is taken for the nearest one: the search ends there.
+// The search for the nearest fine triangle ends at one that is within this fraction of the cost known so far.
 constexpr float kNearEnough = 0.5f;
 // A point with more triangles around it is not collapsed, nor is another point collapsed into it: the work for that
 // grows with the square of their number.
@@ -65,8 +65,8 @@ void CollapseMeter::look_around(uint32_t from) {
     }
 }
 
-// Fills moved_ with the triangles that move. Returns false if one would turn over, leave its section, or be there
-// twice, or if another point would lose its last triangle.
+// Fills moved_ with the triangles that move. Returns false if one of them would turn over, leave its section or
+// duplicate another triangle, or if another point would lose its last triangle.
 bool CollapseMeter::try_moving(Collapse& collapse) {
     moved_.clear();
     const uint32_t to = collapse.to;
@@ -96,8 +96,8 @@ Vec3<float> CollapseMeter::rest_normal(const Corners& corners) const {
     return cross(fine_.rest_place(corners[1]) - a, fine_.rest_place(corners[2]) - a);
 }
 
-// The least of a triangle's three heights. If a corner takes its texture from elsewhere, all of the triangle is painted
-// wrong, which looks as if it were off by about so much.
+// The least of a triangle's three heights. If a corner takes its texture coordinates from another chart, the whole
+// triangle shows a wrong part of the texture. That looks about as bad as a surface displaced by this height.
 float CollapseMeter::height_of(const Corners& corners) const {
     float longest = 0;
     for (size_t k = 0; k < 3; ++k)
@@ -114,13 +114,14 @@ void CollapseMeter::measure(Collapse& collapse, float least) {
     if (collapse.squared_distance < useful) measure_middles(collapse);
 }
 
-// Squared: the largest distance of lost_ from moved_ in a group of poses, if that is between `known` and `useful`.
+// The largest squared distance of the points lost_ from the triangles moved_ in a group of poses, or `known` if that is
+// larger. May stop early with any value above `useful`.
 float CollapseMeter::distance_of_lost(size_t group, float known, float useful) {
     triangles_.clear();
     for (const auto& [a, b, c] : moved_)
         triangles_.emplace_back(fine_.places(a)[group], fine_.places(b)[group], fine_.places(c)[group]);
     Four furthest = four(known);
-    size_t likely = 0;  // the last triangle that was looked at: most often the last point was near enough to it
+    size_t likely = 0;  // the triangle tested last: it is usually near enough to the next point too
     for (const uint32_t point : lost_) {
         const Four3 place = fine_.places(point)[group];
         Four nearest = triangles_[likely].squared_distance(place);
@@ -134,8 +135,9 @@ float CollapseMeter::distance_of_lost(size_t group, float known, float useful) {
     return largest(furthest);
 }
 
-// The way back: lost points may all lie near to a surface that spans a gap of the fine mesh, as between two fingers. So
-// the middles of the triangles that move, and of their edges, are compared with the fine mesh too.
+// Measures the other direction, from the coarse mesh to the fine one. All lost points may lie near a surface that spans
+// a gap of the fine mesh, such as the one between two fingers. So the middles of the triangles that move, and of their
+// edges, are compared with the fine mesh too.
 void CollapseMeter::measure_middles(Collapse& collapse) {
     uint32_t guess = near_triangle_[collapse.to];
     ends_.clear();
@@ -149,8 +151,9 @@ void CollapseMeter::measure_middles(Collapse& collapse) {
     }
 }
 
-// Measures a middle from one fine triangle in all poses: from `guess`, which the middle before was near to, if that
-// changes nothing; else from the nearest triangle at rest.
+// Measures the distance of a middle from one fine triangle in all poses. `guess`, which was near the middle before, is
+// enough if its distance does not raise the result. Otherwise searches for the nearest triangle in the rest pose, which
+// becomes the guess.
 void CollapseMeter::measure_middle(const Corners& ends, float part, uint32_t& guess, Collapse& collapse) {
     const auto middle_in = [&](size_t group) {
         Four3 sum = fine_.places(ends[0])[group] + fine_.places(ends[1])[group];

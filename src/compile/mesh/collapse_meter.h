@@ -25,7 +25,7 @@ struct Collapse {
 
     // The squared distance at which this collapse would cost `cost`.
     float squared_distance_at(float cost) const { return cost > extra ? (cost - extra) * (cost - extra) : 0; }
-    // Infinite also if the sum is not a number, as in meshes whose squared lengths floats cannot hold.
+    // Also infinite if the sum is NaN, as in meshes whose squared lengths overflow floats.
     float cost() const {
         const float all = std::sqrt(squared_distance) + extra;
         return all < kNever ? all : kNever;
@@ -38,12 +38,13 @@ public:
     CollapseMeter(const WeldedMesh& fine, const SimplifiedMesh& mesh, std::span<const uint32_t> indices,
                   std::span<const Vec3<float>> rest_places);
 
-    // The possible collapses, the cheapest first, by how far lost points lie from the remaining mesh in the first group
-    // of poses. All but the first two are only known to cost no less than those.
+    // The possible collapses, the cheapest first. Their cost counts only how far the lost points lie from the remaining
+    // mesh in the first group of poses. It is exact for the first two; for the others it is a lower bound, which is no
+    // less than those.
     std::vector<Collapse> possible_collapses(uint32_t from);
 
-    // The cheapest of `possible` by all poses, with distances measured both ways. `possible` must hold the point's
-    // collapses in the mesh as it is now. The result costs kNever if there is none.
+    // The cheapest of `possible` in all poses, with distances measured in both directions. `possible` must hold the
+    // point's collapses in the current mesh. The result costs kNever if there is none.
     Collapse cheapest(uint32_t from, std::span<const Collapse> possible);
 
 private:
@@ -72,7 +73,7 @@ private:
     std::vector<uint32_t> near_triangle_;  // [points], triangles of index_
     // Filled by look_around(), for a point
     std::vector<Around> around_;
-    std::vector<uint32_t> lost_;  // points that its triangles stand for, and itself
+    std::vector<uint32_t> lost_;  // the point itself, and the lost points of its triangles
     // Filled while one of its collapses is measured
     std::vector<Corners> moved_;            // triangles
     std::vector<FourTriangles> triangles_;  // moved_, in a group of poses

@@ -48,13 +48,13 @@ public:
     std::vector<uint32_t> indices() const { return mesh_.indices(); }
 
 private:
-    // Where a point goes.
+    // The planned collapse of a point.
     struct Plan {
         std::vector<Collapse> possible;
         uint32_t target = kNone;   // the neighbour that it would be collapsed into
-        bool is_measured = false;  // the cost of that in the queue is exact; else a lower bound
+        bool is_measured = false;  // its cost in the queue is exact; else it is a lower bound
         bool is_outdated = false;  // triangles around the point have changed since
-        uint32_t version = 0;      // entries of the queue with another one are void
+        uint32_t version = 0;      // queue entries with another version are stale
     };
     struct Queued {
         float cost = 0;
@@ -65,8 +65,8 @@ private:
         }
     };
 
-    // Plans by the first poses alone. Most plans are outdated before they come to the front, so nothing else needs to
-    // be known of them.
+    // Measures only in the first group of poses. Most plans are outdated before they reach the front of the queue, so
+    // more would be wasted work.
     void plan(uint32_t point) {
         Plan& plan = plans_[point];
         plan.possible = meter_.possible_collapses(point);
@@ -91,7 +91,7 @@ private:
         plans_[point] = {.version = plans_[point].version + 1};
         for (const uint32_t other : changed) {
             plans_[other].is_outdated = true;
-            if (plans_[other].target == kNone) plan(other);  // what was not possible may be now
+            if (plans_[other].target == kNone) plan(other);  // its collapse may have become possible
         }
     }
 

@@ -46,12 +46,12 @@ inline Four3 cross(const Four3& a, const Four3& b) {
 inline Four3 lower(const Four3& a, const Four3& b) { return {lower(a.x, b.x), lower(a.y, b.y), lower(a.z, b.z)}; }
 inline Four3 higher(const Four3& a, const Four3& b) { return {higher(a.x, b.x), higher(a.y, b.y), higher(a.z, b.z)}; }
 
-// Four triangles, with what their distances from many points have in common, computed once. A triangle too thin for
-// floats to have a normal is treated as its edges.
+// Four triangles, with the terms of their distance formula that do not depend on the point computed once. A triangle
+// too thin for floats to have a normal is treated as its edges.
 class FourTriangles {
 public:
     FourTriangles(const Four3& a, const Four3& b, const Four3& c) : corners_{a, b, c}, edges_{b - a, c - b, a - c} {
-        constexpr float kThin = 1e-6f;  // rounding decides the normal
+        constexpr float kThin = 1e-6f;  // squared sine; below it, rounding decides the normal
         normal_ = cross(edges_[0], c - a);
         const Four squared = dot(normal_, normal_);
         for (size_t k = 0; k < 3; ++k) {
@@ -83,10 +83,10 @@ public:
 
 private:
     Four3 corners_[3], edges_[3], inwards_[3];
-    Four inverse_[3];  // of the edges' squared lengths
+    Four inverse_[3];  // 1 / squared length of each edge
     Four3 normal_;
     Four squared_sine_;
-    Four inverse_normal_;  // squared
+    Four inverse_normal_;  // 1 / squared length of normal_
     FourFlags has_normal_;
 };
 

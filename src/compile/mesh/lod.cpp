@@ -22,11 +22,11 @@
 namespace throng {
 namespace {
 
-constexpr size_t kFewest = 64 * 3;    // indices, below which nothing is gained
-constexpr double kShare = 1.0 / 3;    // a level aims at this part of the level before
-constexpr double kWorthwhile = 0.8;   // a level with more than this part of it is not kept
-constexpr double kAlmost = 1.25;      // of the triangles wanted: clusters come in few sizes, so they may have some more
-constexpr uint32_t kPoses = 7;        // of all clips together, to measure errors in beside the rest pose
+constexpr size_t kFewest = 64 * 3;    // indices; a mesh with no more gets no levels
+constexpr double kShare = 1.0 / 3;    // a level aims at this share of the previous level's triangles
+constexpr double kWorthwhile = 0.8;   // a level with more than this share is not kept
+constexpr double kAlmost = 1.25;      // of the triangles wanted: clustering meets a number only roughly
+constexpr uint32_t kPoses = 7;        // of all clips together, beside the rest pose, to measure errors in
 constexpr float kLeastError = 1e-6f;  // of the character's size: rounding cannot tell it from 0
 
 // In model space.
@@ -55,7 +55,8 @@ std::vector<uint32_t> lost_vertices(const TriangleIndex& fine, std::span<const u
     return lost;
 }
 
-// The points at which a coarse triangle can span a gap of the fine mesh: its middle, and those of its edges.
+// The points of a coarse triangle that are compared with the fine mesh, to find where it spans a gap: its middle, and
+// the middles of its edges.
 constexpr size_t kMiddles = 4;
 Vec3<float> middle_of(const std::array<uint32_t, 3>& corners, size_t which, std::span<const Vec3<float>> positions) {
     const Vec3<float> a = positions[corners[0]], b = positions[corners[1]], c = positions[corners[2]];
@@ -63,18 +64,18 @@ Vec3<float> middle_of(const std::array<uint32_t, 3>& corners, size_t which, std:
     return (which == 1 ? a + b : which == 2 ? b + c : c + a) * 0.5f;
 }
 
-// For each place, a triangle of the mesh that was near to it when it was last looked at. Most often it is near enough
-// in the next pose too, and the search ends at once.
+// [place]: a triangle of the mesh that was near it in the last search. Usually it is near enough in the next pose too,
+// and the search ends at once.
 using NearTriangles = std::vector<uint32_t>;
 
-// The largest distance of the places from the mesh, or `known` if that is larger. `place` returns a place by its
-// number. Each is looked at only until it is known not to be the furthest.
+// The largest distance of any place from the mesh, or `known` if that is larger. `place(i)` returns the i-th place. The
+// search for a place ends as soon as it is known not to be the furthest.
 template <class Place>
 float furthest_from(const TriangleIndex& mesh, NearTriangles& near, const Place& place, float known,
                     const Progress& progress, uint64_t& steps) {
     float furthest = known * known;
     uint32_t last = 0;
-    // A sample of all parts first: then it is roughly known how far the furthest is.
+    // Every 16th place first: their largest distance ends most searches of the second pass early.
     for (const size_t stride : {size_t{16}, size_t{1}}) {
         for (size_t i = 0; i < near.size(); i += stride) {
             progress.poll_at(i);
@@ -91,7 +92,7 @@ std::span<const uint32_t> indices_of(const Character& character, const MeshSecti
     return std::span(character.indices).subspan(section.first_index, section.index_count);
 }
 
-// A coarse mesh, and how far it is off in the poses looked at so far.
+// A coarse mesh, and its largest error in the poses measured so far.
 struct Coarse {
     Coarse(std::vector<uint32_t> mesh, const TriangleIndex& fine, std::span<const Vec3<float>> positions)
         : indices(std::move(mesh)),
@@ -100,8 +101,8 @@ struct Coarse {
           near_lost(lost.size(), kNone),
           near_middles(indices.size() / 3 * kMiddles, kNone) {}
 
-    // Raises the error to that in a pose, measured both ways: clusters can join parts that lie side by side, such as
-    // legs, and then move apart.
+    // Raises the error to that in a pose. Measures in both directions, since clustering can join parts that lie side by
+    // side, such as legs, and then move apart.
     void measure(const TriangleIndex& fine, std::span<const Vec3<float>> positions, const Progress& progress) {
         index.move(positions);
         const auto lost_place = [&](size_t i) { return positions[lost[i]]; };
@@ -119,8 +120,8 @@ struct Coarse {
     NearTriangles near_middles;  // of its middles, in the fine mesh
 };
 
-// Runs `body` on another thread, so that this one, on which the hooks are called, can ask meanwhile whether to go on.
-// Where the system has no more threads, this one runs it.
+// Runs `body` on another thread, while this thread, which has to call the hooks, polls for cancellation. If the system
+// has no more threads, this one runs `body`.
 template <class Body>
 void run_while_polling(const Progress& progress, const Body& body) {
     constexpr std::chrono::milliseconds kInterval(10);
@@ -137,7 +138,7 @@ std::vector<uint32_t> joined_indices(const Character& character) {
     return all;
 }
 
-// Simplifies all sections by clusters of one size.
+// Simplifies all sections by vertex clustering with one cell size.
 std::vector<uint32_t> clustered_by(float cell, const Character& character, std::span<const Vec3<float>> positions) {
     std::vector<uint32_t> all;
     for (const MeshSection& section : character.sections) {
@@ -146,7 +147,7 @@ std::vector<uint32_t> clustered_by(float cell, const Character& character, std::
         const std::span<const Vec3<float>> places = positions.subspan(section.first_vertex, section.vertex_count);
         const float extent = meshopt_simplifyScale(&places[0].x, places.size(), sizeof places[0]);
         std::vector<uint32_t> clustered(fine.size());
-        // If no triangles are wanted, the error, a part of the extent, is the size of a cluster
+        // With a target of 0 indices, only the error, a fraction of the extent, decides: it is the size of a cell
         clustered.resize(meshopt_simplifySloppy(clustered.data(), fine.data(), fine.size(), &places[0].x, places.size(),
                                                 sizeof places[0], 0, std::min(cell / extent, 1.0f), nullptr));
         for (const uint32_t index : clustered) all.push_back(section.first_vertex + index);
@@ -157,7 +158,7 @@ std::vector<uint32_t> clustered_by(float cell, const Character& character, std::
 std::vector<uint32_t> clustered_together(const Character& character, std::span<const Vec3<float>> positions,
                                          size_t wanted) {
     constexpr int kHalvings = 10;
-    float least = 0, most = character.size;  // of a cluster
+    float least = 0, most = character.size;  // of a cell
     std::vector<uint32_t> coarsest = clustered_by(most, character, positions);
     for (int i = 0; i < kHalvings; ++i) {
         const float middle = (least + most) / 2;
@@ -173,8 +174,8 @@ bool are_markedly_fewer(size_t indices, size_t before) {
     return static_cast<double>(indices) <= kWorthwhile * static_cast<double>(before);
 }
 
-// The result of edge collapses; or, if the mesh has too many pieces for that (none may vanish), that of clustering
-// vertices, which joins pieces.
+// Returns `decimated`, the result of edge collapses. If that is not much coarser than the level before, since the mesh
+// has many pieces and collapses remove none, returns the result of vertex clustering, which joins pieces.
 std::vector<uint32_t> coarser(std::vector<uint32_t> decimated, size_t before, const Character& character,
                               std::span<const Vec3<float>> positions, size_t wanted) {
     if (are_markedly_fewer(decimated.size(), before)) return decimated;
@@ -188,7 +189,7 @@ void keep_levels(std::span<const Coarse> levels, Character& character) {
     float error = kLeastError * character.size;
     for (const Coarse& level : levels) {
         const size_t count = level.indices.size();
-        // A mesh whose triangles all have corners at one place has levels without any
+        // If every triangle of a mesh has two corners at one place, its levels have no triangles
         if (count == 0 || count_before <= kFewest || !are_markedly_fewer(count, count_before)) return;
         count_before = count;
         error = std::max(error, level.error);

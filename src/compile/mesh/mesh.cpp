@@ -63,7 +63,7 @@ std::vector<std::vector<uint32_t>> drawn_primitives(const Asset& asset) {
     return drawn;
 }
 
-// Any order will do. Skins that are equal in it share their palette entries.
+// A strict order for a map; which one does not matter. Skins with equal entries share them.
 struct ByEntries {
     bool operator()(const std::vector<PaletteEntry>& a, const std::vector<PaletteEntry>& b) const {
         return std::ranges::lexicographical_compare(a, b, [](const PaletteEntry& x, const PaletteEntry& y) {
@@ -171,9 +171,9 @@ private:
         }
     }
 
-    // Weights are brought to the sum of 1 here, so that no kernel divides. A vertex without weight follows its first
-    // joint, as in three.js (SkinnedMesh.normalizeSkinWeights()) and Babylon.js (Mesh.cleanMatrixWeights()), or the
-    // first of the skin, where that has no such joint.
+    // Scales weights to a sum of 1, so that no kernel has to divide. A vertex without weight follows its first joint,
+    // as in three.js (SkinnedMesh.normalizeSkinWeights()) and Babylon.js (Mesh.cleanMatrixWeights()), or the first
+    // joint of the skin if the skin has no such joint.
     void add_influences(const AssetMeshInstance& instance, uint32_t primitive_index) {
         const AssetPrimitive& primitive = asset_.meshes[instance.mesh].primitives[primitive_index];
         const Skin& skin = character_.skins[instance.skin];
@@ -201,7 +201,7 @@ private:
         skinned_count_ += primitive.positions.size();
     }
 
-    // One line for all, however many primitives a file has.
+    // One warning for the whole file, however many primitives are affected.
     void warn_of_weightless() {
         if (weightless_count_ == 0) return;
         character_.warnings.push_back(joined(
@@ -209,8 +209,8 @@ private:
             " skinned vertices, the first of them here, have no weight: they follow their first joint (JOINTS_0)"));
     }
 
-    // glTF 2.0, section 3.7.4: the determinant of the node's global transform decides the winding, also of skinned
-    // meshes, whose places do not depend on the node. three.js does the same.
+    // glTF 2.0, section 3.7.4: the determinant of the node's global transform decides the winding. That holds for
+    // skinned meshes too, although their positions do not depend on the node. three.js does the same.
     void add_indices(const AssetPrimitive& primitive, bool mirrored) {
         for (size_t i = 0; i + 2 < primitive.indices.size(); i += 3)
             for (const size_t corner : {size_t{0}, mirrored ? size_t{2} : size_t{1}, mirrored ? size_t{1} : size_t{2}})
@@ -224,7 +224,7 @@ private:
     const std::vector<std::vector<uint32_t>> drawn_;                          // [mesh]: primitives
     const std::vector<int> determinant_signs_;                                // [node]
     const std::vector<RigidAnchor> anchors_;                                  // [node]
-    std::map<std::vector<PaletteEntry>, uint32_t, ByEntries> first_entries_;  // of each skin that differs
+    std::map<std::vector<PaletteEntry>, uint32_t, ByEntries> first_entries_;  // of each distinct skin
     std::map<uint32_t, uint32_t> rigid_entries_;                              // node -> palette entry
     uint64_t skinned_count_ = 0, weightless_count_ = 0;                       // vertices
     std::string first_weightless_;                                            // the primitive

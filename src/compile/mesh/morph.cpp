@@ -156,7 +156,7 @@ private:
     }
 
     void unite_times() {
-        const AssetMorphTrack* last = nullptr;  // the targets of a node share it
+        const AssetMorphTrack* last = nullptr;  // the targets of a node share one track
         for (const Column& column : columns_) {
             const AssetMorphTrack& source = column.track.source();
             if (&source != last) times_s_.insert(times_s_.end(), source.times_s.begin(), source.times_s.end());
@@ -169,7 +169,7 @@ private:
     }
 
     static bool fits(std::span<const WeightTrack* const> cubic, double from_s, double to_s) {
-        constexpr double kBetween = 0.9;  // of the bound; the rest is for what lies between the eighths
+        constexpr double kBetween = 0.9;  // of the bound; the rest is a margin for the error between the eighths
         return std::ranges::all_of(cubic, [&](const WeightTrack* track) {
             const double from = track->evaluate(from_s), to = track->evaluate(to_s);
             return std::ranges::all_of(std::array{0.125, 0.25, 0.375, 0.5, 0.625, 0.75, 0.875}, [&](double w) {
@@ -179,7 +179,7 @@ private:
         });
     }
 
-    // Halves intervals until straight lines follow the cubic tracks.
+    // Halves intervals until linear interpolation follows the cubic tracks.
     void refine() {
         std::vector<const WeightTrack*> cubic;
         for (const Column& column : columns_)
@@ -188,7 +188,7 @@ private:
         std::vector<float> refined;
         for (size_t row = 0; row < times_s_.size(); ++row) {
             progress_.poll();
-            std::vector<float> ends{times_s_[row]};  // of the intervals still to look at, the nearest last
+            std::vector<float> ends{times_s_[row]};  // of the intervals still to check, the nearest last
             while (!ends.empty()) {
                 const float to_s = ends.back(), from_s = refined.empty() ? to_s : refined.back(),
                             middle_s = from_s + (to_s - from_s) / 2;

@@ -1,4 +1,4 @@
-// Morph targets -> differences of the vertices that they move; their weights in clips -> rows.
+// Morph targets -> deltas of the vertices that they move; their weights in clips -> rows.
 #pragma once
 
 #include "base/progress.h"
@@ -8,7 +8,7 @@
 namespace throng {
 
 // Fills morphs and morph_deltas, and the fields of sections and vertices that refer to them. character.sections and
-// vertices must be set. Throws kLimit beyond 4,096 morphs, or 256 MiB of differences.
+// vertices must be set. Throws kLimit beyond 4,096 morphs, or 256 MiB of deltas.
 void compile_morphs(const Asset& asset, Character& character, const Progress& progress);
 
 // Fills morph_tracks, morph_times_s and morph_values, and the fields of clips that refer to them. character.clips must

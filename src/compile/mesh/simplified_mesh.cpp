@@ -54,7 +54,7 @@ std::vector<uint32_t> SimplifiedMesh::collapse(uint32_t from, uint32_t to) {
                 if (point == from) continue;
                 std::erase(faces_of_[point], at);
                 changed.push_back(point);
-                if (faces_of_[point].size() == 1)  // collapses beside it may not remove its last one
+                if (faces_of_[point].size() == 1)  // collapses of its neighbours must not remove its last face
                     for (const uint32_t beside : neighbours_of(point)) changed.push_back(beside);
             }
             continue;
@@ -74,7 +74,7 @@ std::vector<uint32_t> SimplifiedMesh::collapse(uint32_t from, uint32_t to) {
     return changed;
 }
 
-// Hands each lost point on to the face that is nearest to it over all poses.
+// Assigns each lost point to the face whose largest distance from it in any pose is the least.
 void SimplifiedMesh::hand_on(std::span<const uint32_t> lost, std::span<const uint32_t> faces) {
     const size_t groups = fine_.groups();
     triangles_.clear();

@@ -1,4 +1,5 @@
-// A mesh that loses its points one by one, and which part of the fine mesh each remaining triangle stands for.
+// A mesh that is simplified one collapse at a time. Each remaining triangle lists removed points of the fine mesh that
+// it stands for.
 #pragma once
 
 #include "compile/mesh/welded_mesh.h"
@@ -17,7 +18,7 @@ public:
         bool has(uint32_t point) const { return points[0] == point || points[1] == point || points[2] == point; }
 
         bool is_there = true;
-        std::vector<uint32_t> lost;  // collapsed points that this triangle is nearest to; if very many, only some
+        std::vector<uint32_t> lost;  // collapsed points nearest to this triangle; if there are very many, only some
     };
 
     // Starts with all points and faces of `fine`. Keeps the reference.
@@ -28,8 +29,8 @@ public:
     std::span<const uint32_t> faces_of(uint32_t point) const { return faces_of_[point]; }
     std::vector<uint32_t> neighbours_of(uint32_t point) const;  // each once
 
-    // Moves the triangles of one point to a neighbour; the triangles that both have vanish. Returns the points whose
-    // own possible collapses are affected, each once.
+    // Moves the triangles of point `from` to its neighbour `to`. Triangles that have both points vanish. Returns the
+    // points whose own possible collapses are affected, each once.
     std::vector<uint32_t> collapse(uint32_t from, uint32_t to);
 
     // The remaining triangles: every three indices, vertices of the character, form one.

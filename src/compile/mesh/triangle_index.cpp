@@ -8,15 +8,15 @@ namespace throng {
 namespace {
 
 constexpr float kNowhere = std::numeric_limits<float>::infinity();
-constexpr size_t kDeepest = 64;  // waiting parts, three per level: more than 2^32 triangles need
+constexpr size_t kDeepest = 64;  // waiting parts: three per level, enough for 2^32 triangles
 
-// Rounding is monotonic: the result for a box within another one is not less than that for the other.
+// Rounding is monotonic, so a box inside another one never gets a smaller result than the outer one.
 Four squared_distance_from_box(const Four3& p, const Four3& low, const Four3& high) {
     const Four3 apart = higher(four(Vec3<float>{0, 0, 0}), higher(low - p, p - high));
     return dot(apart, apart);
 }
 
-// From the triangle's plane if the point is above the triangle, else from an edge.
+// Measures from the triangle's plane if the point is above the triangle, else from the nearest edge.
 double squared_distance_from_thin(const Vec3<double>& p, const Vec3<double>& a, const Vec3<double>& b,
                                   const Vec3<double>& c) {
     constexpr double kThin = 1e-20;  // squared sine of the angle at a; below it, only the edges count
@@ -74,7 +74,7 @@ TriangleIndex::TriangleIndex(std::span<const uint32_t> indices, std::span<const 
     move(positions);
 }
 
-// Partitions them along the longest side of their box: the first half lies before the others.
+// Partitions the centroids at their median along the longest side of their box.
 void TriangleIndex::halve(std::span<Centroid> centroids) {
     Vec3<float> low = centroids[0].place, high = low;
     for (const Centroid& one : centroids) {
@@ -91,8 +91,8 @@ void TriangleIndex::halve(std::span<Centroid> centroids) {
     });
 }
 
-// Halves the triangles twice, and so on as long as a part has more than a leaf holds; the topmost part is always a
-// node.
+// Splits the triangles into up to four parts by halving them twice, and each part again until it fits into a leaf. The
+// root is always a node.
 TriangleIndex::Part TriangleIndex::add_part(std::span<Centroid> centroids, uint32_t first, uint32_t parent,
                                             uint32_t lane) {
     const uint32_t at = count_of(nodes_);
@@ -192,7 +192,8 @@ TriangleIndex::Nearest TriangleIndex::nearest(const Vec3<float>& place, float en
     const Four3 p = four(place);
     const Leaf& leaf = leaves_[leaf_of_[guess]];
     look_at(leaf, p, best);
-    // Begins with the smallest box around the guess in which a triangle can be near enough; then looks beside it.
+    // Begins with the smallest node around the guess whose box is within `enough`. Then goes up to the root, and
+    // searches what it has not searched yet.
     const auto is_far = [&](const Node& node) {
         const Node& parent = nodes_[node.parent];
         return squared_distance_from_box(p, parent.low, parent.high)[node.lane] > enough;

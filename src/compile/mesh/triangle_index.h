@@ -15,33 +15,33 @@ namespace throng {
 
 using Triangle = std::array<Vec3<float>, 3>;
 
-// The squared distance of a point from a triangle, which can be as thin as a line or a point. Never below the squared
-// distance from the triangle's box, whatever rounding does, so that no search by boxes misses the nearest triangle.
+// The squared distance of a point from a triangle, which may be degenerate: a line or a point. Despite rounding it is
+// never below the squared distance from the triangle's box, so a search by boxes cannot miss the nearest triangle.
 float squared_distance(const Vec3<float>& p, const Triangle& triangle);
 
-// A balanced tree of boxes over a mesh, four below each. The mesh may move: the tree keeps its shape, and its boxes
-// follow.
+// A balanced tree of bounding boxes over a mesh, with up to four children per node. If the mesh moves, the boxes are
+// refitted and the tree keeps its shape.
 class TriangleIndex {
 public:
     struct Nearest {
-        float squared_distance = std::numeric_limits<float>::infinity();  // if the index has no triangles
+        float squared_distance = std::numeric_limits<float>::infinity();  // stays infinite if there are no triangles
         uint32_t triangle = 0;                                            // an index into corners()
-        uint32_t steps = 0;                                               // each looks at four boxes or triangles
+        uint32_t steps = 0;                                               // each tests four boxes or triangles
     };
 
     TriangleIndex() = default;
     // Every three `indices` form a triangle.
     TriangleIndex(std::span<const uint32_t> indices, std::span<const Vec3<float>> positions);
 
-    // The same triangles, with their vertices elsewhere.
+    // Moves the vertices and refits the boxes. The triangles stay the same.
     void move(std::span<const Vec3<float>> positions);
 
-    // [triangle], vertices. Triangles that share a box are side by side.
+    // [triangle]: its vertices. Triangles that share a box are adjacent.
     std::span<const std::array<uint32_t, 3>> corners() const { return corners_; }
 
-    // The nearest triangle; or, if any are no farther than `enough` (a squared distance), one of those. The search
-    // begins around `guess`: ideally a triangle that was near to this point before, or near to a point beside it, but
-    // any will do.
+    // Returns the nearest triangle, or any that is no farther than `enough` (a squared distance). The search begins
+    // around `guess`. Any triangle will do, but it is fast if this one was near the point, or near a neighbouring
+    // point, before.
     Nearest nearest(const Vec3<float>& p, float enough, uint32_t guess) const;
 
 private:
@@ -56,7 +56,7 @@ private:
         Four3 low{}, high{};  // the boxes of four parts; only the first part_count exist
         std::array<Part, kLanes> parts{};
         uint32_t part_count = 0;
-        uint32_t parent = 0, lane = 0;  // where its own box is
+        uint32_t parent = 0, lane = 0;  // the node and the lane that hold its own box
     };
     struct Leaf {
         Four3 a{}, b{}, c{};  // the corners of four triangles; if there are fewer, the last one is repeated
@@ -74,7 +74,7 @@ private:
     void look_at(const Leaf& leaf, const Four3& p, Nearest& best) const;
     void search_below(uint32_t node, Part except, const Four3& p, float enough, Nearest& best) const;
 
-    std::vector<Node> nodes_;  // each before those below it
+    std::vector<Node> nodes_;  // parents before children
     std::vector<Leaf> leaves_;
     std::vector<std::array<uint32_t, 3>> corners_;
     std::vector<uint32_t> leaf_of_;  // [triangle]

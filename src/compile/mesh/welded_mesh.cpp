@@ -12,7 +12,7 @@
 namespace throng {
 namespace {
 
-constexpr float kClose = 1e-6f;  // of the character's size, at which vertices of one place are still together
+constexpr float kClose = 1e-6f;  // of the character's size: the vertices of a point stay this close in all poses
 
 // Union-find with path halving (R. E. Tarjan and J. van Leeuwen, Worst-case Analysis of Set Union Algorithms, 1984).
 uint32_t root_of(std::vector<uint32_t>& sets, uint32_t member) {
@@ -20,7 +20,7 @@ uint32_t root_of(std::vector<uint32_t>& sets, uint32_t member) {
     return member;
 }
 
-// Not the angle between them, but it grows with that.
+// A measure of how different two normals are. It is not the angle between them, but it grows with that angle.
 float squared_difference(uint32_t octahedral, uint32_t other) {
     float squared = 0;
     for (const int shift : {0, 16}) {
@@ -32,7 +32,7 @@ float squared_difference(uint32_t octahedral, uint32_t other) {
     return squared;
 }
 
-// Where vertices are in one of the poses, along one of its axes.
+// One coordinate of the vertices' places in one pose.
 struct Axis {
     std::span<const Vec3<float>> places;  // [vertices]
     float Vec3<float>::*axis = &Vec3<float>::x;
@@ -40,7 +40,7 @@ struct Axis {
     double operator()(uint32_t vertex) const { return double{places[vertex].*axis}; }
 };
 
-// The one along which the vertices are farthest apart.
+// The pose and the axis along which the vertices are farthest apart.
 Axis widest_axis(std::span<const uint32_t> vertices, std::span<const std::vector<Vec3<float>>> positions) {
     Axis widest{positions[0]};
     double most = 0;
@@ -56,13 +56,15 @@ Axis widest_axis(std::span<const uint32_t> vertices, std::span<const std::vector
     return widest;
 }
 
-// A file can let any number of vertices part from one place, and lie together again along the axis that is looked at.
-// Those that have been compared so often without success begin a point of their own; nothing is wrong but that the mesh
-// does not hold together there.
+// Bounds the work for hostile files. In a file, any number of vertices can lie at one place at rest, move apart in a
+// pose, and still agree along the axis by which they are sorted, so that each would be compared with all others. A
+// vertex that has been compared this often without a match begins a point of its own. The only harm is that the mesh is
+// not connected there.
 constexpr uint32_t kMostCompared = 256;
 
-// Sets the first vertex of each one's point, for vertices that lie at one place at rest, in ascending order. Those that
-// begin a point are kept sorted along an axis, so that only near ones are compared. `steps` counts comparisons.
+// Sets first_of[vertex] to the first vertex of its point. `vertices` are those at one place at rest, in ascending
+// order. Those that begin a point are kept sorted along an axis, so that only near ones are compared. `steps` counts
+// the steps of the loops, for polling.
 void find_firsts(std::span<const uint32_t> vertices, std::span<const std::vector<Vec3<float>>> positions, float close,
                  const Progress& progress, uint64_t& steps, std::vector<uint32_t>& first_of) {
     const auto stay_together = [&](uint32_t a, uint32_t b) {
@@ -118,7 +120,7 @@ WeldedMesh::WeldedMesh(const Character& character, std::span<const uint32_t> ind
     }
 }
 
-// Points are numbered as the triangles come to them, so that neighbours are neighbours in memory.
+// Numbers the points in the order in which the triangles use them, so that neighbours are close in memory.
 void WeldedMesh::weld(std::span<const uint32_t> indices, std::span<const std::vector<Vec3<float>>> positions,
                       float close, const Progress& progress) {
     std::vector<uint32_t> order(indices.begin(), indices.end());
@@ -129,7 +131,7 @@ void WeldedMesh::weld(std::span<const uint32_t> indices, std::span<const std::ve
         return std::tuple(place.x, place.y, place.z);
     };
     std::ranges::stable_sort(order, {}, rest);
-    std::vector<uint32_t> first_of(positions[0].size(), kNone);  // [vertices], the first one of their points
+    std::vector<uint32_t> first_of(positions[0].size(), kNone);  // [vertices]: the first vertex of its point
     uint64_t steps = 0;
     for (size_t begin = 0, end = 0; begin < order.size(); begin = end) {
         progress.poll_at(steps++);
@@ -159,7 +161,7 @@ void WeldedMesh::make_charts() {
         unite(face.vertices[0], face.vertices[1]);
         unite(face.vertices[1], face.vertices[2]);
     }
-    // Bits can be sorted whatever the numbers are; -0 gets those of 0, which it is equal to.
+    // Compares bits, which have an order even if numbers are NaN. Adding 0 turns -0, which is equal to 0, into 0.
     const auto seam = [&](uint32_t vertex) {
         const auto& [u, v] = character_.vertices[vertex].texcoord;
         return std::tuple(section_of_[vertex], std::bit_cast<uint32_t>(u + 0.0f), std::bit_cast<uint32_t>(v + 0.0f));

@@ -1,5 +1,6 @@
-// A mesh seen as points: vertices that lie at the same place in every pose are one point, whatever else differs. So a
-// mesh holds together where its vertices are duplicated for the sake of normals and texture coordinates.
+// A mesh whose vertices are welded into points. Vertices at the same place in every pose share one point, whatever
+// their other attributes. So the mesh stays connected where vertices are duplicated for different normals or texture
+// coordinates.
 #pragma once
 
 #include "base/progress.h"
@@ -20,8 +21,8 @@ struct WeldedFace {
 
 class WeldedMesh {
 public:
-    // Every three `indices`, vertices of the character, form a triangle; those with two corners at one point are left
-    // out. `positions` are [poses][vertices], the rest pose first. `progress` is only polled.
+    // Every three `indices`, vertices of the character, form a triangle; triangles with two corners at one point are
+    // left out. `positions` are [poses][vertices], the rest pose first. `progress` is only polled.
     WeldedMesh(const Character& character, std::span<const uint32_t> indices,
                std::span<const std::vector<Vec3<float>>> positions, const Progress& progress = {});
 
@@ -35,10 +36,11 @@ public:
     Vec3<float> rest_place(uint32_t point) const { return places(point)->at(0); }
 
     struct Corner {
-        uint32_t vertex = 0;           // kNone: the point has none of this section
-        bool is_of_same_chart = true;  // of its texture
+        uint32_t vertex = 0;           // kNone: the point has no vertex of this section
+        bool is_of_same_chart = true;  // same part of the texture
     };
-    // The vertex at a point that is most like another one: of the same section, and of the same chart if it has any.
+    // The vertex of `point` that is most like `vertex`: of the same section, and of the same chart if the point has one
+    // there.
     Corner most_like(uint32_t vertex, uint32_t point) const;
 
 private:

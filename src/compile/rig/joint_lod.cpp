@@ -14,12 +14,13 @@ namespace throng {
 namespace {
 
 constexpr uint32_t kPoses = 32;         // of all clips together, to measure displacements in
-constexpr uint32_t kPosesOfClip = 8;    // at least
+constexpr uint32_t kPosesOfClip = 8;    // at least, of each clip
 constexpr size_t kMostSteps = 200'000;  // displacements measured in a pose
-constexpr double kShare = 0.5;          // of a level's surface error: the most that joints that do not move add to it
+constexpr double kShare = 0.5;          // of a level's surface error: the most that resting joints may add to it
 
-// [palette_count]: the last skin of each entry; each entry of a rigid mesh counts as a skin of its own. Goes from the
-// last skin to the first and visits each entry once: in a file, any number of skins can have the whole palette.
+// [palette_count]: the last skin that has each entry. An entry of a rigid mesh counts as a skin of its own. Goes
+// through the skins backwards and visits each entry once, since in a file any number of skins can have the whole
+// palette.
 std::vector<uint32_t> skins_of_entries(const Character& character) {
     std::vector<uint32_t> skins(character.palette.size());
     std::set<uint32_t> skinless;
@@ -37,7 +38,7 @@ std::vector<uint32_t> skins_of_entries(const Character& character) {
     return skins;
 }
 
-// Palette entries by joint, and within a joint by skin.
+// Palette entries, sorted by joint and then by skin.
 class EntryTable {
 public:
     explicit EntryTable(const Character& character) : skins_(skins_of_entries(character)) {
@@ -54,7 +55,7 @@ public:
     std::span<const Entry> of_joint(uint32_t joint) const {
         return std::ranges::equal_range(entries_, joint, {}, &Entry::joint);
     }
-    // The entry of another joint in the entry's skin; kNone where it has none.
+    // The entry of `joint` in the same skin as `entry`; kNone if that skin has none.
     uint32_t counterpart(uint32_t entry, uint32_t joint) const {
         const auto found = std::ranges::lower_bound(entries_, std::pair{joint, skins_[entry]}, {}, &Entry::key);
         return found == entries_.end() || found->key() != std::pair{joint, skins_[entry]} ? kNone : found->entry;
@@ -72,8 +73,8 @@ AffineT<double> difference(const AffineT<double>& a, const AffineT<double>& b) {
     return out;
 }
 
-// How far vertices are displaced at most if neither a joint nor any below it moves, and the palette entries of its
-// parent stand in for theirs.
+// For each joint, the largest displacement of a vertex if neither the joint nor any joint below it moves, and the
+// palette entries of its parent replace theirs.
 class JointDisplacements {
 public:
     JointDisplacements(const Character& character, const Progress& progress)
@@ -93,7 +94,7 @@ public:
                 if (const uint32_t counterpart = entries_.counterpart(entry, parent); counterpart != kNone)
                     boxes_below_[counterpart].add(boxes_below_[entry]);
         }
-        // With one more, clips are not all looked at in the same places
+        // One more than a multiple of the clips, so that not all clips are sampled at the same parts of their durations
         const uint32_t pose_count = kPosesOfClip * static_cast<uint32_t>(character.clips.size()) + 1;
         for (const SampledPose& pose : sampled_poses(character, std::max(kPoses, pose_count))) {
             progress.poll();
@@ -106,9 +107,10 @@ public:
 private:
     static constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-    // Goes from the leaves up. If few joints are below a joint, each is measured. Otherwise, so that deep skeletons do
-    // not take the square of their depth, two distances are added: how far all of them move with this joint, and the
-    // largest of their own after that.
+    // Goes from the leaves up. If few joints are below a joint, measures each of them against the joint's parent.
+    // Otherwise, so that the work does not grow with the square of a skeleton's depth, bounds the displacement by a
+    // sum: how far everything below is displaced if only this joint rests, plus the largest displacement that a joint
+    // below causes on its own.
     void measure_in(const SampledPose& pose) {
         const size_t most_below = kMostSteps / parents_.size();
         const std::vector<AffineT<double>> model_from_bind = bind_reference(character_.palette,
@@ -146,9 +148,9 @@ private:
     const Character& character_;
     const std::vector<uint32_t>& parents_;
     EntryTable entries_;
-    // [entry], in bind space: of its own vertices; and with those that the skin's entries below it move
+    // [entry], in bind space: the box of its own vertices; the same with those of entries below it in the same skin
     std::vector<Box> boxes_, boxes_below_;
-    std::vector<uint32_t> ends_;  // [joint]: joints are depth first, so a subtree is a run
+    std::vector<uint32_t> ends_;  // [joint]: end of its subtree, a range, since joints are in depth-first order
     std::vector<double> bounds_;  // [joint]
 };
 
@@ -186,7 +188,7 @@ void make_joint_lods(Character& character, const Progress& progress) {
     for (uint32_t level = 1; level <= character.lods.size(); ++level) {
         Lod& lod = character.lods[level - 1];
         const double most = kShare * double{lod.error};
-        double furthest = 0;  // of joints that do not move
+        double furthest = 0;  // displacement by joints that do not move
         for (uint32_t joint = 0; joint < character.joint_lods.size(); ++joint) {
             const uint32_t parent = character.rig.parents[joint];
             if (parent != kNone && character.joint_lods[parent] < level) continue;
@@ -196,7 +198,8 @@ void make_joint_lods(Character& character, const Progress& progress) {
                 character.joint_lods[joint] = level;
         }
         lod.error += static_cast<float>(furthest);
-        // Joints that stop together with those above them can displace by less than on their own
+        // If a joint above rests too, the displacement can be less than that of the joints below on their own. Errors
+        // must not get smaller from level to level
         if (level > 1) lod.error = std::max(lod.error, character.lods[level - 2].error);
     }
 }

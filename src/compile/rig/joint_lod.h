@@ -7,9 +7,9 @@
 
 namespace throng {
 
-// [palette_count]: the palette entry that stands in for each one in a level of detail, by Character::joint_lods: itself
-// if its joint moves in the level, else the entry, in the same skin, of the nearest joint above that moves; kNone if
-// there is none.
+// [palette_count]: the palette entry that replaces each one in a level of detail, by Character::joint_lods. If the
+// joint of an entry moves in the level, that is the entry itself. Otherwise it is the entry, in the same skin, of the
+// nearest joint above that moves; kNone if there is none.
 std::vector<uint32_t> entries_of_lod(const Character& character, uint32_t lod);
 
 // Fills joint_lods; call it after the levels of detail are made. In each level joints stop moving as long as that

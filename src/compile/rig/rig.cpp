@@ -22,7 +22,8 @@ struct NodeFacts {
     bool moves(uint32_t node) const { return animated[node] || skin_joint[node]; }
 };
 
-// Whether a mesh is drawn, and whether a part of it that is drawn is rigid even at nodes that give it a skin.
+// Whether a mesh is drawn, and whether a primitive of it that is drawn has no influences, and so stays rigid even at
+// nodes with a skin.
 struct MeshFacts {
     bool drawn = false, partly_rigid = false;
 
@@ -84,7 +85,7 @@ RigMap build_rig(const Asset& asset) {
     const NodeFacts facts(asset);
     const std::vector<bool> needed = needed_joints(asset, facts);
 
-    std::vector<bool> kept = needed;  // closed under parents below
+    std::vector<bool> kept = needed;  // the loop below adds all nodes above them
     for (uint32_t node = 0; node < node_count; ++node) {
         if (!needed[node]) continue;
         for (uint32_t up = asset.nodes[node].parent; up != kNone && !kept[up]; up = asset.nodes[up].parent)

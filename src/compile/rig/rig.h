@@ -49,7 +49,7 @@ struct RigidAnchor {
     uint32_t joint = kNone;
     AffineT<double> joint_from_mesh;
 };
-// [node_count]; kNone where neither the node nor one above it is a joint, and so none of them draws a mesh.
+// [node_count]; the joint is kNone if neither the node nor one above it is a joint. Such nodes draw no mesh.
 std::vector<RigidAnchor> rigid_anchors(const Asset& asset, const RigMap& map);
 
 }  // namespace throng

@@ -7,7 +7,7 @@ namespace {
 
 bool is_same(const auto& xyz) { return xyz[0] == xyz[1] && xyz[0] == xyz[2]; }
 
-// Looks at what the rows of a packed track have in common.
+// Checks the header, which all rows of a packed track share.
 bool has_uniform_header(const PackedTrack& track) {
     return is_same(track.minimum) && is_same(track.step) && packed_bit_count(track, 0) == packed_bit_count(track, 1) &&
            packed_bit_count(track, 0) == packed_bit_count(track, 2);

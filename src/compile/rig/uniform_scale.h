@@ -5,9 +5,9 @@
 
 namespace throng {
 
-// Whether every scale is the same along x, y and z in the rest pose and in all clips; then those of blends are too. All
-// positions must lie in their arrays. False for a crafted character whose tracks share rows, which would take for ever
-// to check.
+// Whether every scale is the same along x, y and z in the rest pose and in all clips. Then so are those of blends. Goes
+// through all rows of all scale tracks: their positions must lie in their arrays, and tracks must not share rows, which
+// could take for ever in a crafted character (check_character() checks both first).
 bool has_uniform_scale(const Character& character);
 
 }  // namespace throng

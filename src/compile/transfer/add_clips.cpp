@@ -39,7 +39,7 @@ private:
     size_t count_ = 0;
 };
 
-// The one of a node's meshes that has its morph targets; null where no mesh is.
+// The instance at a node whose mesh has the node's morph targets; null if the node has no mesh.
 const AssetMeshInstance* morphed_at(const Asset& asset, uint32_t node) {
     const auto instances = std::ranges::equal_range(asset.mesh_instances, node, {}, &AssetMeshInstance::node);
     const auto most = std::ranges::max_element(
@@ -57,8 +57,8 @@ std::vector<float> default_weights(const Asset& asset, uint32_t node) {
     return instance->weights.empty() ? asset.meshes[instance->mesh].weights : instance->weights;
 }
 
-// [morph target of `to`]: that of `from` with the same name, or kNone. Where one mesh has no names, the numbers tell,
-// if both have as many.
+// [morph target of `to`]: the one of `from` with the same name, or kNone. If one of the meshes has no names, targets
+// are matched by index, provided that both have the same number.
 std::vector<uint32_t> find_morph_sources(const AssetMesh& from, const AssetMesh& to) {
     std::vector<uint32_t> sources(to.weights.size(), kNone);
     if (from.target_names.empty() || to.target_names.empty() || from.target_names == to.target_names) {
@@ -78,7 +78,7 @@ class ClipAdder {
 public:
     ClipAdder(const Asset& from, const Asset& to) : from_(from), to_(to), transfer_(from, to) {}
 
-    // The clips as they apply to `to`, without those of which nothing is left.
+    // The clips, mapped to the nodes of `to`. Clips that keep no track are left out.
     std::vector<AssetClip> clips() const {
         std::vector<AssetClip> out;
         for (const AssetClip& clip : from_.clips) {
@@ -98,7 +98,7 @@ public:
         return out;
     }
 
-    // "2 of its 40 animated nodes ('tail', 'wing')": those that move nothing; empty if there are none.
+    // "2 of its 40 animated nodes ('tail', 'wing')": those that move nothing in `to`; empty if there are none.
     std::string without_target() const {
         NameList list;
         size_t animated_count = 0;
@@ -114,7 +114,8 @@ public:
         return joined(list.count(), " of its ", animated_count, " animated nodes (", list.text(), ")");
     }
 
-    // "; what is below 'Spine2' will be turned differently": clips turn it, and `to` has what hangs on it, without it.
+    // "; what is below 'Spine2' will be turned differently": lists nodes that clips rotate and `to` lacks, although it
+    // has joints below them.
     std::string turned_differently() const {
         std::vector<bool> holds_joint(from_.nodes.size(), false);
         for (uint32_t node = 0; node < from_.nodes.size(); ++node) {
@@ -130,7 +131,8 @@ public:
         return list.count() == 0 ? "" : joined("; what is below ", list.text(), " will be turned differently");
     }
 
-    // "1 of 52 morph targets of 'Face' ('tongueOut')": of a node some of whose morph targets `to` has.
+    // "1 of 52 morph targets of 'Face' ('tongueOut')": the targets that `to` lacks, for each node some of whose targets
+    // it has.
     std::vector<std::string> without_morphs() const {
         std::vector<std::string> out;
         for (uint32_t node = 0; node < from_.nodes.size(); ++node) {
@@ -187,7 +189,7 @@ private:
         return out;
     }
 
-    // With the columns of the morph targets of `to`; those that nothing moves keep their default weight.
+    // The track with a column for each morph target of `to`. Targets that nothing moves keep their default weight.
     AssetMorphTrack changed_track(const AssetMorphTrack& track, uint32_t node,
                                   const std::vector<uint32_t>& sources) const {
         AssetMorphTrack out{.node = node, .interpolation = track.interpolation, .times_s = track.times_s};
@@ -218,7 +220,7 @@ private:
         return is_used;
     }
 
-    // Whether clips move its morph targets, and none of `to`.
+    // Whether clips move morph targets of this node, and `to` has none of them.
     bool lacks_morphs(uint32_t source) const {
         return transfer_.animated(source).has_morphs && std::ranges::none_of(used_morphs(source), std::identity());
     }
@@ -251,8 +253,8 @@ std::string free_name(const std::string& name, const std::string& stem, const st
     return numbered;
 }
 
-// The warnings of `from` about nodes and animations, without those that `asset` has already: what was mended in the
-// other file's meshes is no concern of this character.
+// The warnings of `from` about nodes and animations that `asset` does not have already. Warnings about the other file's
+// meshes do not concern this character.
 std::vector<std::string> new_warnings(const Asset& asset, const Asset& from) {
     const std::unordered_set<std::string> there(asset.warnings.begin(), asset.warnings.end());
     std::vector<std::string> out;
@@ -288,7 +290,7 @@ Result<void> add_clips(Asset& asset, const Asset& from) {
                 clip.name = free_name(clip.name, stem_of(from.name), names);
                 names.insert(clip.name);
             }
-            // Room first: after that nothing fails half-way.
+            // Reserves first, so that nothing fails half-way after that.
             asset.clips.reserve(asset.clips.size() + clips.size());
             asset.warnings.reserve(asset.warnings.size() + warnings.size());
             std::ranges::move(clips, std::back_inserter(asset.clips));

@@ -10,7 +10,7 @@ namespace throng {
 
 inline size_t components(const AssetTrack& track) { return track.target == TrackTarget::kRotation ? 4 : 3; }
 
-// `value`: which of the track's values, or of its rows of weights.
+// `value`: the index of a value of the track, or of a row of weights.
 inline bool is_tangent(const auto& track, size_t value) {
     return track.interpolation == Interpolation::kCubicSpline && value % 3 != 1;
 }
@@ -22,7 +22,7 @@ bool holds_rest(const Asset& asset, const AssetTrack& track);
 
 struct AnimatedNode {
     bool has_rotation = false, has_translation = false, has_morphs = false;
-    bool turns = false, goes = false;  // away from its rest pose
+    bool turns = false, goes = false;  // rotates or translates away from its rest pose
     bool moves = false;                // any of its tracks does so, or it has morphs
     bool changes_length = false;       // its place relative to its parent varies, unlike a bone's
 };

@@ -25,7 +25,7 @@ enum class NameForm { kExact, kLoose, kWithoutPrefix, kWithoutNumber };
 // Names as they are compared.
 class Names {
 public:
-    // `is_chosen`: the nodes that matter; they can have a common prefix.
+    // `is_chosen`: the nodes that matter. Some forms leave out the prefix that all of them share.
     Names(const Asset& asset, const std::vector<bool>& is_chosen) : asset_(asset) {
         bool is_first = true;
         for (uint32_t node = 0; node < is_chosen.size(); ++node) {

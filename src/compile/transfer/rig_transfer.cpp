@@ -86,14 +86,14 @@ double RigTransfer::new_length(uint32_t node) const {
 }
 
 bool RigTransfer::is_as_long(uint32_t node) const {
-    constexpr double kSameLength = 0.01;  // exporters round less
+    constexpr double kSameLength = 0.01;  // exporters' rounding is less
     const double old_one = old_length(sources_[node]), new_one = new_length(node);
     return std::abs(old_one - new_one) <= kSameLength * std::max(old_one, new_one);
 }
 
-// Bones keep their length in nearly all clips, so rest poses tell it even if a rest pose is a frame of a clip.
+// Bones keep their length in nearly all clips, so a rest pose shows it even if that is some frame of a clip.
 void RigTransfer::compare_bones() {
-    constexpr double kMostBones = 0.9;  // hips and faces move
+    constexpr double kMostBones = 0.9;  // of all bones; joints of hips and faces move
     size_t count = 0, same_count = 0;
     double old_sum = 0, new_sum = 0;
     for (uint32_t node = 0; node < sources_.size(); ++node) {
@@ -110,7 +110,7 @@ void RigTransfer::compare_bones() {
     if (same_count < count && old_sum > 0 && new_sum > 0) size_ratio_ = new_sum / old_sum;
 }
 
-// From the new parent to the place of the old one, in the space of the new one.
+// The vector from the new parent to the place of the old one, in the space of the new parent.
 Vec3<double> RigTransfer::offset_of_parent(const NodeFrame& old_parent, const NodeFrame& parent) const {
     const Vec3<double> offset = old_parent.origin * size_ratio_ - parent.origin;
     const double distance = std::max(length(parent.origin), length(old_parent.origin));

@@ -1,4 +1,4 @@
-// From the nodes of one file to those of another with the same names: what local transforms become.
+// Converts local transforms of one file's nodes to those of another file's nodes with the same names.
 #pragma once
 
 #include "compile/transfer/animated_nodes.h"
@@ -10,7 +10,7 @@
 
 namespace throng {
 
-// model_from_node, of scales that are the same along all axes, or nearly so.
+// model_from_node, with a scale that is the same along all axes, or nearly so.
 struct NodeFrame {
     Quaternion<double> rotation{};
     Vec3<double> origin{};
@@ -24,23 +24,23 @@ struct NodeFrame {
 struct NodeChange {
     bool is_turned = false;     // else `turn` is the identity, and rotations stay as they are, bit for bit
     Quaternion<double> turn{};  // new_parent_from_old_parent
-    double scale = 1;           // of units; and of sizes, unless it is a bone of the same length
-    // If a bone keeps its own length: the rest poses' translations, of `from` and of `to`. For a root, or a joint that
-    // hangs on one that `from` lacks: 0, and the offset between the places of the two nodes that hold it.
+    double scale = 1;           // ratio of units; times that of sizes, unless it is a bone of the same length
+    // If a bone keeps its own length: the rest pose's translation in `from`, and in `to`. For a root, or a joint below
+    // a root that `from` lacks: 0, and the offset from the new parent to the place of the old one. Else 0.
     Vec3<double> old_rest{}, base{};
 
     Quaternion<double> rotation(const Quaternion<double>& old) const { return turn * old; }
     Vec3<double> translation(const Vec3<double>& old) const { return base + way(old - old_rest); }
-    // The same for vectors that are no places, such as tangents of splines.
+    // The same without the offsets, for vectors such as tangents of splines.
     Vec3<double> way(const Vec3<double>& old) const;
     bool keeps_translations() const {
         return !is_turned && scale == 1 && old_rest == Vec3<double>() && base == Vec3<double>();
     }
 };
 
-// Joints keep the model-space rotations of `from`, whatever holds the rig or lies between a joint and its parent,
-// unless clips turn a node there that `to` lacks: that is taken as it is at rest. Bones of another length keep their
-// own length; other translations are scaled by the ratio of mean bone lengths.
+// Joints get the model-space rotations that they have in `from`, whatever nodes are above the rig or between a joint
+// and its parent. The exception: if `to` lacks such a node and clips rotate it, only its rest rotation counts. Bones of
+// another length keep their own length; other translations are scaled by the ratio of mean bone lengths.
 class RigTransfer {
 public:
     RigTransfer(const Asset& from, const Asset& to);
@@ -51,8 +51,9 @@ public:
     // What the clips of `from` do to a node of `from`.
     const AnimatedNode& animated(uint32_t source) const { return animated_[source]; }
     bool is_joint(uint32_t node) const { return is_joint_[node]; }
-    // Whether a track is taken over. Exporters write keys without movement for the node that holds a rig ("Armature").
-    // Here it can be turned and scaled in another way, so it keeps its own rest pose.
+    // Whether the node takes over a track. `holds_rest`: the track never leaves the rest pose of `from`. Exporters
+    // write such tracks for the node that holds a rig ("Armature"). In `to` this node may be rotated and scaled in
+    // another way, so it keeps its own rest pose.
     bool takes(uint32_t node, bool holds_rest) const { return is_joint_[node] || !holds_rest; }
 
 private:
@@ -71,7 +72,7 @@ private:
     std::vector<uint32_t> sources_;       // [node of `to`]
     std::vector<std::vector<uint32_t>> targets_;
     std::vector<NodeFrame> old_frames_;  // [node of `from`] in its rest pose
-    std::vector<NodeFrame> frames_;      // [node of `to`] in its rest pose; once changes are known, with `from` at rest
+    std::vector<NodeFrame> frames_;      // [node of `to`] in its rest pose; once changes are known, in that of `from`
     std::vector<NodeChange> changes_;
     bool is_same_skeleton_ = true;
     double size_ratio_ = 1;  // mean length of bones in `to` over that in `from`

@@ -1,15 +1,14 @@
 // blocks64: doubling inside blocks of 64 joints, then hops from block to block.
 // Source: A GPU-based solution for large-scale skeletal animation simulation, Algorithm 3.
-// Difference: as many in-block rounds as the longest chain within a block needs, where the source always does six; two
-//   slots a joint, so that nothing races, and the in-block products stay as they are while the hops read them (as
-//   printed both steps overwrite what others read); the first round reads local; one workgroup a character, so that
-//   hops need no barrier between workgroups.
+// Difference: only as many in-block rounds as the longest chain within a block needs; the source always does six. Two
+//   slots per joint, so that nothing races, and the hops do not overwrite the in-block products that they read (as
+//   printed, both steps overwrite data that others read). The first round reads local. One workgroup per character, so
+//   that hops need no barrier between workgroups.
 // Input: local[instance][joint], parent_from_joint, affine 3x4. Output: model[instance][joint], model_from_joint.
-// Needs: 96 bytes of shared memory a joint where they fit, else model and scratch hold what shared memory would; any
-//   joint count.
-// Cost: longest thread at most 6 + blocks crossed multiplications, as many barriers as in-block rounds, at most 6.
+// Needs: 96 bytes of shared memory per joint; if they do not fit, uses model and scratch instead. Any joint count.
+// Cost: longest thread at most 6 + (blocks crossed) multiplications; one barrier per in-block round, at most 6.
 // Wins: GPUs, deep skeletons of few blocks.
-// Loses: software devices, where barriers are dear.
+// Loses: software devices, where barriers are expensive.
 // Measured: docs/scan.md#blocks64
 // Methods: blocks64
 // Fused: blocks64
@@ -20,7 +19,7 @@
 #define DOUBLING_OTHER_SLOTS model
 #include "scan/doubling.glsl"
 
-// The first ancestor outside the block: the row of links[] after those of the rounds.
+// The first ancestor outside the block, from the row of links[] after those of the rounds.
 uint outside(uint joint) { return link(kRounds * push.joint_count + joint); }
 
 void scan() {

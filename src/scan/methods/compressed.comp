@@ -1,14 +1,14 @@
-// compressed: blocks of 64 joints; inside a block two strides of eight joints each, then hops from block to block.
+// compressed: blocks of 64 joints; inside a block, first up to eight joints, then strides of eight; then hops from
+//   block to block.
 // Source: A GPU-based solution for large-scale skeletal animation simulation, Algorithm 4 (State compression), its
 //   final method.
-// Difference: each of the three steps reads one array and writes another (as printed they race), and step two follows
-//   the 8th ancestors that it sets up (as printed it follows a variable of step one).
+// Difference: each of the three steps reads one array and writes another (as printed, they race). Step two follows the
+//   8th ancestors that are set up for it (as printed, it follows a variable of step one).
 // Input: local[instance][joint], parent_from_joint, affine 3x4. Output: model[instance][joint], model_from_joint.
-// Needs: 96 bytes of shared memory a joint where they fit, else model and scratch hold what shared memory would; any
-//   joint count.
-// Cost: longest thread 7 + 7 + blocks crossed multiplications, 2 barriers.
+// Needs: 96 bytes of shared memory per joint; if they do not fit, uses model and scratch instead. Any joint count.
+// Cost: longest thread 7 + 7 + (blocks crossed) multiplications, 2 barriers.
 // Wins: GPUs, few barriers at any depth.
-// Loses: software devices, where barriers are dear.
+// Loses: software devices, where barriers are expensive.
 // Measured: docs/scan.md#compressed
 // Methods: compressed
 // Fused: compressed
@@ -17,7 +17,7 @@
 #include "scan/scan.glsl"
 
 CONSTANT(1, uint, kSharedJoints, 1);  // joints that shared memory holds
-CONSTANT(2, bool, kInShared, true);   // false: the character does not fit it
+CONSTANT(2, bool, kInShared, true);   // false: the character does not fit
 
 // links[] has three words a joint: parent, 8th ancestor within the block, first ancestor outside the block.
 const uint kParent = 0, kEighth = 1, kOutside = 2, kWords = 3;
@@ -40,7 +40,7 @@ Affine load_block(uint instance, uint joint) {
 void scan() {
     const uint instance = gl_WorkGroupID.x, thread = gl_LocalInvocationID.x, threads = gl_WorkGroupSize.x;
 
-    // The joint and its nearest seven ancestors inside the block.
+    // Multiplies the joint and its nearest seven ancestors inside the block.
     for (uint joint = thread; joint < push.joint_count; joint += threads) {
         Affine product = load_local(instance, joint);
         const uint outside = link(joint, kOutside);
@@ -56,7 +56,7 @@ void scan() {
     }
     scan_barrier(!kInShared);
 
-    // Strides of eight, up to the block's edge.
+    // Continues in strides of eight, up to the block's edge.
     for (uint joint = thread; joint < push.joint_count; joint += threads) {
         Affine product = load_stride(instance, joint);
         for (uint ancestor = link(joint, kEighth); ancestor != kNone; ancestor = link(ancestor, kEighth))

@@ -1,16 +1,15 @@
-// doubling: in each round every joint multiplies its product by that of the ancestor twice as far up as in the round
-//   before.
+// doubling: in each round, every joint multiplies its product by the product of the ancestor twice as far up as in the
+//   previous round.
 // Source: Hillis and Steele, Data Parallel Algorithms, CACM, 1986; Algorithm 2 of the paper.
-// Difference: ceil(log2(levels)) rounds, not log2(joints); two slots a joint, so that a barrier a round is enough and
-//   nothing races; the first round reads local, the last writes model, and a joint whose chain is complete rests in
-//   between.
+// Difference: ceil(log2(levels)) rounds, not log2(joints). Two slots per joint, so that one barrier per round is enough
+//   and nothing races. The first round reads local, the last one writes model, and joints whose chains are complete
+//   skip the rounds between.
 // Input: local[instance][joint], parent_from_joint, affine 3x4. Output: model[instance][joint], model_from_joint.
-// Needs: 96 bytes of shared memory a joint where they fit, else model and scratch hold what shared memory would; any
-//   joint count.
+// Needs: 96 bytes of shared memory per joint; if they do not fit, uses model and scratch instead. Any joint count.
 // Cost: at most joints * ceil(log2(levels)) multiplications, longest thread ceil(log2(levels)), ceil(log2(levels)) - 1
 //   barriers.
 // Wins: GPUs, few characters.
-// Loses: software devices, where barriers are dear.
+// Loses: software devices, where barriers are expensive.
 // Measured: docs/scan.md#doubling
 // Methods: doubling
 // Fused: doubling

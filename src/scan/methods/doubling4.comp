@@ -1,15 +1,14 @@
-// doubling4: doubling with three ancestors a round: each joint multiplies its product by those of the ancestors once,
-//   twice and three times as far up, which is four times as far as in the round before.
-// Source: doubling; more links followed between two barriers, as in higher-radix parallel scans (Merrill and Grimshaw,
+// doubling4: doubling with three ancestors per round. Each joint multiplies its product by those of the ancestors at
+//   once, twice and three times the round's distance, which is four times that of the previous round.
+// Source: doubling; follows more links between two barriers, as in higher-radix parallel scans (Merrill and Grimshaw,
 //   Parallel Scan for Stream Architectures, 2009).
-// Difference: on a tree an ancestor's own link leads to the next one, so that a round's table has a word a joint.
+// Difference: on a tree, an ancestor's own link leads to the next one, so a round's table has only one word per joint.
 // Input: local[instance][joint], parent_from_joint, affine 3x4. Output: model[instance][joint], model_from_joint.
-// Needs: 96 bytes of shared memory a joint where they fit, else model and scratch hold what shared memory would; any
-//   joint count.
-// Cost: longest thread 3 ceil(log4(levels)) multiplications, ceil(log4(levels)) - 1 barriers: half of doubling's, for
-//   half as many multiplications more.
-// Wins: where barriers are dear beside multiplications.
-// Loses: against doubling, where they are not.
+// Needs: 96 bytes of shared memory per joint; if they do not fit, uses model and scratch instead. Any joint count.
+// Cost: longest thread 3 ceil(log4(levels)) multiplications, ceil(log4(levels)) - 1 barriers: half of doubling's
+//   barriers for 1.5 times its multiplications.
+// Wins: where barriers are expensive relative to multiplications.
+// Loses: against doubling, where they are cheap.
 // Measured: docs/scan.md#doubling4
 // Methods: doubling4
 // Fused: doubling4
@@ -18,7 +17,7 @@
 #include "scan/scan.glsl"
 
 CONSTANT(1, uint, kSharedJoints, 1);  // joints that shared memory holds
-CONSTANT(2, bool, kInShared, true);   // false: the character does not fit it
+CONSTANT(2, bool, kInShared, true);   // false: the character does not fit
 CONSTANT(3, uint, kRounds, 1);
 
 shared StoredAffine shared_products[2 * kSharedJoints];  // [slot][joint]
@@ -27,7 +26,7 @@ shared StoredAffine shared_products[2 * kSharedJoints];  // [slot][joint]
 // memory the last round's slot is model.
 uint slot_of(uint round) { return (kRounds - 1 - round) % 2; }
 
-// A joint's product as the round finds it.
+// A joint's product before the round.
 Affine load_product(uint instance, uint joint, uint round) {
     if (round == 0) return load_local(instance, joint);
     const uint slot = slot_of(round - 1);

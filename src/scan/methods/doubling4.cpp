@@ -7,7 +7,7 @@ namespace {
 
 constexpr uint32_t kRadix = 4;
 
-// Each joint's ancestor `steps` times as far up as the one given.
+// For each joint, the ancestor `steps` times as far up as `ancestors`.
 std::vector<uint32_t> farther(const std::vector<uint32_t>& ancestors, uint32_t steps) {
     std::vector<uint32_t> out = ancestors;
     for (uint32_t i = 1; i < steps; ++i)

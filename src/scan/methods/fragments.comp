@@ -1,18 +1,18 @@
-// fragments: the skeleton in connected pieces, one for each invocation; a small scan over the pieces; then every piece
-//   on its own.
-// Source: the work-efficient scan (Blelloch 1990; Harris, Sengupta, Owens, GPU Gems 3, 2007), which the paper cites and
+// fragments: cuts the skeleton into connected pieces, one for each invocation; scans over the pieces; then walks each
+//   piece independently.
+// Source: the work-efficient scan (Blelloch 1990; Harris, Sengupta, Owens, GPU Gems 3, 2007), which the paper cites but
 //   does not use.
-// Difference: on a tree a block is a connected piece of joints. Instead of scanning each piece and correcting it
-//   afterwards, an invocation multiplies only the path from the piece above to its own attachment; the scan over these
-//   products (doubling) gives the attachment's model transform, from which it walks its piece once. Parents stay in
-//   registers: the largest subtree comes last, and the few parents with a child still to come are kept in shared
-//   memory.
+// Difference: on a tree, a block is a connected piece of joints. Instead of scanning each piece and correcting it
+//   afterwards, an invocation first multiplies only the path through the piece above, down to its own attachment. The
+//   scan over these products (doubling) gives the attachment's model transform, from which it walks its piece once.
+//   Parents stay in registers: the largest subtree comes last, and the few parents with children still to come are kept
+//   in shared memory.
 // Input: local[instance][joint], parent_from_joint, affine 3x4. Output: model[instance][joint], model_from_joint.
-// Needs: 48 bytes of shared memory a piece, twice, and a slot each for up to log2(joints of a piece); any joint count.
+// Needs: per piece, twice 48 bytes of shared memory and up to log2(joints of a piece) slots; any joint count.
 // Cost: joints + paths + pieces * log2(levels of pieces) multiplications (376 to 508 for 300 joints in 32 pieces);
-//   longest thread about 3 n / pieces; a barrier a round of the small scan, at most log2(pieces).
+//   longest thread about 3 n / pieces; a barrier per round of the small scan, at most log2(pieces).
 // Wins: GPUs with few characters; many levels.
-// Loses: software devices, where idle lanes and barriers are dear.
+// Loses: software devices, where idle lanes and barriers are expensive.
 // Measured: docs/scan.md#fragments
 // Methods: fragments
 // Fused: fragments

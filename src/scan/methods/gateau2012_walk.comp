@@ -1,7 +1,7 @@
 // gateau2012_walk: every joint walks up to the root on its own.
 // Source: Samuel Gateau, Massive Crowds on GPU, GTC 2012; Algorithm 1 of the paper.
-// Difference: the printed loop never leaves the joint's parent; here it climbs. Reads local, writes model, so that
-//   nothing races.
+// Difference: the printed loop stays at the joint's parent; here it moves on to the next ancestor. Reads local and
+//   writes model, so that nothing races.
 // Input: local[instance][joint], parent_from_joint, affine 3x4. Output: model[instance][joint], model_from_joint.
 // Needs: nothing; any joint count.
 // Cost: sum of (depth - 1) multiplications, longest thread levels - 1, no barrier, no shared memory.

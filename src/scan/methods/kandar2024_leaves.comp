@@ -1,9 +1,9 @@
 // kandar2024_leaves: an invocation for each leaf walks its path from the root down.
 // Source: Kandar, 2024, as the paper describes it.
-// Difference: the path is a list made offline and walked downward; walking upward, as the text suggests, multiplies
-//   products that begin at the leaf, which are no joint's model transform but the leaf's, and so cannot fill in its
-//   parents. Each joint is written by one of the leaves below it, the first by index, so that nothing is written twice.
-//   Small skeletons share a workgroup.
+// Difference: the path is a list made offline and walked downward. Walking upward, as the text suggests, forms products
+//   that begin at the leaf. Of these only the last is a model transform, the leaf's, so they cannot fill in the
+//   parents. Each joint is written by the first leaf (by index) below it, so that nothing is written twice. Small
+//   skeletons share a workgroup.
 // Input: local[instance][joint], parent_from_joint, affine 3x4. Output: model[instance][joint], model_from_joint.
 // Needs: the paths of all leaves together within 16 Mi words; any joint count.
 // Cost: sum over the leaves of (depth - 1) multiplications, longest thread levels - 1, no barrier, no shared memory.
@@ -15,8 +15,8 @@
 
 CONSTANT(1, uint, kCharacters, 1);  // in a workgroup
 
-// links[0] is the number of leaves; then for each: where in links[] its path begins, where the joints that it writes
-// begin, and where it ends.
+// links[0] is the number of leaves. Then three indices into links[] follow for each leaf: the begin of its path, the
+// begin of the joints that it writes, and the end of the path.
 void scan() {
     const uint leaves = link(0);
     for (uint item = gl_LocalInvocationID.x; item < kCharacters * leaves; item += gl_WorkGroupSize.x) {

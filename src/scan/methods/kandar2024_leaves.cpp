@@ -24,7 +24,7 @@ uint32_t characters_per_workgroup(uint32_t leaf_count, uint32_t subgroup_size, u
 }
 
 ScanPlan plan(const ScanRig& rig, const ScanLimits& limits, uint32_t) {
-    // A joint belongs to the first leaf below it; the joints of a leaf are the lower end of its path.
+    // A joint belongs to the first leaf below it, so the joints of a leaf are the lower end of its path.
     std::vector<uint32_t> leaves, owner(rig.joint_count(), kNone);
     uint64_t word_count = 1;
     for (uint32_t joint = 0; joint < rig.joint_count(); ++joint) {

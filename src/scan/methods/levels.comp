@@ -1,10 +1,10 @@
-// levels: level after level of the skeleton, a barrier between two.
+// levels: computes the skeleton level by level, with a barrier between levels.
 // Source: common practice on GPUs.
-// Difference: invocations for the widest level only, and shared memory for the joints with children of two adjacent
-//   levels, which take turns.
+// Difference: only as many invocations as the widest level has joints. Shared memory holds the joints with children of
+//   two adjacent levels, alternating.
 // Input: local[instance][joint], parent_from_joint, affine 3x4. Output: model[instance][joint], model_from_joint.
-// Needs: 96 bytes of shared memory for each joint with children of the widest level where they fit, else parents are
-//   read back from model; any joint count that the device's loops can count.
+// Needs: 96 bytes of shared memory for each joint with children, of the level that has most of them; if they do not
+//   fit, reads parents back from model. Any joint count within the device's limit of loop iterations.
 // Cost: joints - roots multiplications, longest thread about levels - 1, levels - 1 barriers.
 // Wins: wide, flat skeletons on GPUs.
 // Loses: many levels: a barrier for each.
@@ -15,7 +15,7 @@
 #define SCAN_SHARES
 #include "scan/scan.glsl"
 
-CONSTANT(1, uint, kSharedJoints, 1);  // of a level
+CONSTANT(1, uint, kSharedJoints, 1);  // joints of a level that shared memory holds
 CONSTANT(2, bool, kInShared, true);   // false: they do not fit
 
 shared StoredAffine shared_models[2 * kSharedJoints];
@@ -25,9 +25,9 @@ Affine load_parent(uint instance, uint level, uint parent) {
     return unpack(model[at(instance, parent)]);
 }
 
-// links[0] is the number of levels; for each level two words follow, its first item and the end of those with children,
-// then the end of all items, then the items, by level, those with children first: the joint in the low half; in the
-// high half its parent, as the position in its level, or as a joint where shared memory does not hold the levels.
+// links[]: the number of levels; two words for each level, its first item and the end of its items with children; the
+// end of all items; then the items by level, those with children first. An item has the joint in its low half, and in
+// its high half the parent: its position in its level or, if shared memory does not hold the levels, its joint index.
 void scan() {
     const uint instance = gl_WorkGroupID.x, level_count = link(0), items = 2 + 2 * level_count;
     for (uint level = 0; level < level_count; ++level) {

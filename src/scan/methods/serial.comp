@@ -1,14 +1,14 @@
 // serial: one invocation per character walks its joints in order, parents first.
-// Source: how every CPU runtime does it (ozz-animation's LocalToModelJob, for one).
-// Difference: the skeleton comes as runs of joints in which each is the next one's parent, so that a parent is read
-//   again only where a run begins; a depth-first numbering makes as many runs as there are leaves.
+// Source: common practice of CPU runtimes (for example ozz-animation's LocalToModelJob).
+// Difference: the skeleton is stored as runs of joints in which each joint is the next one's parent, so that a parent
+//   is read back only where a run begins. With depth-first numbering there are as many runs as leaves.
 // Input: local[instance][joint], parent_from_joint, affine 3x4. Output: model[instance][joint], model_from_joint.
 //   serial_quaternion reads similarities; serial_transposed has both arrays as [joint][instance].
-// Needs: nothing; any joint count that the device's loops can count (scan/scan.cpp).
-// Cost: joints - roots multiplications on the one thread, no barrier, no shared memory.
+// Needs: nothing; any joint count within the device's limit of loop iterations (scan/scan.cpp).
+// Cost: joints - roots multiplications on one thread, no barrier, no shared memory.
 // Wins: software devices, at any depth.
 // Loses: GPUs with fewer than some ten thousand characters; loads and stores lie a whole character apart (transposed:
-//   side by side, which only GPUs like).
+//   adjacent, which helps only GPUs).
 // Measured: docs/scan.md#serial
 // Methods: serial serial_quaternion serial_transposed
 // Fused: serial
@@ -16,7 +16,7 @@
 // Native: serial serial_quaternion serial_transposed
 #include "scan/scan.glsl"
 
-// links[0] is the number of runs; then for each: its first joint, its end, the parent of its first joint.
+// links[0] is the number of runs. Then for each run: its first joint, its end, the parent of its first joint.
 void scan() {
     const uint instance = gl_GlobalInvocationID.x;
     if (instance >= instance_count()) return;

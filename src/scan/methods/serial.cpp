@@ -3,8 +3,8 @@
 namespace throng {
 namespace {
 
-// A software device runs one workgroup per core at a time: the smallest ones spread evenly. A GPU wants two warps or
-// more.
+// A software device runs one workgroup per core at a time, so the smallest workgroups spread most evenly. A GPU needs
+// two or more warps.
 ScanPlan plan_with(const ScanRig& rig, const ScanLimits& limits, double rows_of_local) {
     ScanPlan plan{.workgroup_size = limits.is_cpu ? limits.subgroup_size : std::min(64u, limits.workgroup_size),
                   .links = {0}};
@@ -45,7 +45,7 @@ Flow simulate(const ScanRig& rig, const FlowSettings&) {
     flow.phase("one thread,\njoint after joint");
     for (uint32_t joint = 0; joint < rig.joint_count(); ++joint) {
         const uint32_t parent = rig.parents[joint];
-        const bool in_register = parent + 1 == joint;  // a run of joints goes on
+        const bool in_register = parent + 1 == joint;  // within a run of joints
         if (parent != kNone)
             products[joint] = flow.multiply(0, in_register ? FlowSource::kRegister : FlowSource::kShared,
                                             products[parent], products[joint]);

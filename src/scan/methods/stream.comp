@@ -1,17 +1,18 @@
-// stream: joints in chunks of a subgroup's width, each made by a lane of its own; parents by shuffles, or from slots.
+// stream: processes joints in chunks, one joint per lane of a subgroup. Parents come by shuffles, or from slots.
 // Source: doubling inside a chunk as in warp scans (Harris and Garland, GPU Computing Gems Jade, 2012); the order of
 //   the joints by list scheduling (Hu, Operations Research 9 (6), 1961).
-// Difference: a chunk has any joints whose parents are in it or in earlier ones, found offline: few chunks, joints side
-//   by side, so that stores fill whole lines of the cache, few rounds, few slots. Each local transform is loaded once,
-//   by the lane that stores the model transform, so that nothing of a character waits in shared memory but the parents
-//   of later chunks. Small characters share their chunks; several subgroups share a large character's, where there are
-//   few characters: each goes through the rounds of a chunk of its own, and what lies above it is multiplied last, in
-//   turn.
+// Difference: a chunk holds any joints whose parents are in it or in earlier chunks. The order is found offline, for
+//   few chunks, adjacent joints in a chunk (so that stores fill whole cache lines), few rounds and few slots. Each
+//   local transform is loaded once, by the lane that stores the model transform, so that shared memory holds nothing
+//   but the parents of joints in later chunks. Small characters share chunks. If there are few characters, several
+//   subgroups share a large one: each does the rounds of a chunk of its own, then multiplies by the ancestors in
+//   earlier chunks, one subgroup after the other.
 // Input: local[instance][joint], parent_from_joint, affine 3x4. Output: model[instance][joint], model_from_joint.
 //   stream_quaternion reads similarities.
 // Needs: shuffles; lanes a power of two, at most a subgroup's; shared memory for the slots; any joint count.
-// Cost: a multiplication a chunk and one a round; no barrier, or one a chunk where several subgroups share a character.
-// Wins: GPUs, above all fused: no tile of local transforms limits how many subgroups a processor holds.
+// Cost: a multiplication per chunk and one per round; no barrier, or one per chunk if several subgroups share a
+//   character.
+// Wins: GPUs, especially fused: no tile of local transforms limits occupancy.
 // Loses: software devices, on which shuffles and shared memory are slow.
 // Measured: docs/scan.md#stream
 // Methods: stream stream_quaternion
@@ -24,12 +25,12 @@
 #include "scan/shuffled.glsl"
 #include "scan/stream_io.h"
 
-CONSTANT(1, uint, kLanes, 1);           // of a chunk
-CONSTANT(2, uint, kCharacters, 1);      // of a team
-CONSTANT(3, uint, kSlots, 1);           // of a team
-CONSTANT(4, uint, kSlotTransforms, 1);  // of the workgroup
-// A team that is one subgroup, or a part of one, has characters of its own. If a team is several subgroups, they are
-// the whole workgroup, and each takes every kSubgroups-th chunk.
+CONSTANT(1, uint, kLanes, 1);           // lanes of a chunk
+CONSTANT(2, uint, kCharacters, 1);      // characters of a team
+CONSTANT(3, uint, kSlots, 1);           // slots of a team
+CONSTANT(4, uint, kSlotTransforms, 1);  // slots of the workgroup
+// A team shares one or more characters. It is a subgroup, or a part of one; or several subgroups, which are then the
+// whole workgroup, and each takes every kSubgroups-th chunk.
 CONSTANT(5, uint, kSubgroups, 1);
 shared StoredTransform slots[kSlotTransforms];
 
@@ -43,7 +44,7 @@ void scan() {
         member = team;
         team = 0;
     }
-    const uint first_lane = gl_SubgroupInvocationID - lane, first_slot = team * kSlots - 1;  // words count from 1
+    const uint first_lane = gl_SubgroupInvocationID - lane, first_slot = team * kSlots - 1;  // words have 1 + slot
     const uint first_index = (gl_WorkGroupID.x * (gl_WorkGroupSize.x / (kLanes * kSubgroups)) + team) * kCharacters;
     if (kCharacters == 1 && first_index < instance_count()) begin_instance(first_index);
 
@@ -73,7 +74,7 @@ void scan() {
             const Transform above = shuffled(transform, first_lane + ancestor);
             const uint next = subgroupShuffle(ancestor, first_lane + ancestor);
             if (ancestor != lane) transform = multiply(above, transform);
-            ancestor = next == ancestor ? lane : next;  // nothing of the chunk lies above that one
+            ancestor = next == ancestor ? lane : next;  // if unchanged, the chunk has nothing above that ancestor
         }
         for (uint turn = 0; turn < kSubgroups; ++turn) {
             if (turn == member) {

@@ -6,16 +6,16 @@
 namespace throng {
 namespace {
 
-constexpr uint32_t kMostSubgroups = 4;  // for a character: more were slower on an H100 (docs/scan.md#stream)
+constexpr uint32_t kMostSubgroups = 4;  // per character: more were slower on an H100 (docs/scan.md#stream)
 
-// Two subgroups or more, so that a processor's limit of workgroups does not bind.
+// Two or more subgroups, so that the limit of workgroups per processor does not limit occupancy.
 uint32_t workgroup_size(const ScanLimits& limits, const StreamTeam& team) {
     if (team.subgroups > 1) return team.lanes * team.subgroups;
     const uint32_t wanted = limits.is_cpu ? std::max(limits.subgroup_size, team.lanes) : std::max(64u, 2 * team.lanes);
     return std::min(wanted, limits.workgroup_size);
 }
 
-// With 64 lanes a round of doubling would be twice as many products.
+// At most 32: with 64 lanes, a round of doubling would have twice as many products.
 uint32_t preferred_lanes(const ScanLimits& limits) {
     return std::min(32u, std::max(limits.subgroup_size, limits.largest_subgroup_size));
 }
@@ -32,15 +32,15 @@ std::vector<uint32_t> thread_choices(const ScanLimits& limits) {
     if (choices.empty()) return choices;
     for (uint32_t threads = 2 * preferred_lanes(limits); threads <= limits.workgroup_size; threads *= 2) {
         const StreamTeam team(limits, threads);
-        const bool is_certain = team.lanes <= limits.largest_subgroup_size;  // that a subgroup has as many lanes
+        const bool is_certain = team.lanes <= limits.largest_subgroup_size;  // that subgroups have as many lanes
         if (team.subgroups > (is_certain ? kMostSubgroups : 1)) break;
         choices.push_back(threads);
     }
     return choices;
 }
 
-// Multiplications on the critical path: the rounds of a team's subgroups run side by side, but they multiply what lies
-// above their chunks one after the other, since the next needs what the one before has put into slots.
+// Multiplications on the critical path. The rounds of a team's subgroups run in parallel. But they multiply by
+// ancestors in earlier chunks one after the other, since each needs what the one before has put into slots.
 uint32_t longest_thread(const StreamPlan& stream, uint32_t subgroups) {
     uint32_t longest = stream.longest_lane - stream.round_count;
     for (size_t first = 0; first < stream.rounds.size(); first += subgroups) {
@@ -54,7 +54,7 @@ ScanPlan plan_with(const ScanRig& rig, const ScanLimits& limits, uint32_t thread
     const StreamTeam team(limits, threads);
     const uint32_t lanes = team.lanes;
     const uint32_t invocations = workgroup_size(limits, team), teams = invocations / threads;
-    // As for a team of one subgroup, so that the chunks do not depend on how many subgroups share them
+    // The same as for a team of one subgroup, so that the chunks do not depend on how many subgroups share them
     const uint32_t teams_of_one = workgroup_size(limits, StreamTeam(limits, lanes)) / lanes;
     const StreamPlan stream = plan_stream(
         rig, {.lanes = lanes,
@@ -70,11 +70,11 @@ ScanPlan plan_with(const ScanRig& rig, const ScanLimits& limits, uint32_t thread
         .instances_per_workgroup = teams * stream.characters,
         .constants = {lanes, stream.characters, stream.slots, std::max(stream.slots * teams, 1u), team.subgroups},
         .links = stream_links(stream, rig.parents),
-        // Drivers may prefer larger subgroups, in which rounds cost more
+        // Otherwise drivers may choose larger subgroups, in which rounds cost more
         .subgroup_size = lanes >= limits.subgroup_size && lanes <= limits.largest_subgroup_size ? lanes : 0,
         .full_subgroups = true,
         .on_chip = true};
-    constexpr double kShuffles = 0.35;  // in products, by machine code of navi21: 83 instructions a round, 62 a product
+    constexpr double kShuffles = 0.35;  // in products; from navi21 machine code: 83 instructions a round, 62 a product
     const double rows_of_local = bytes_of(format) / 16.0;
     const auto chunks = static_cast<uint32_t>(stream.chunks.size());
     const uint32_t chunks_of_one = (chunks + team.subgroups - 1) / team.subgroups;
@@ -83,7 +83,7 @@ ScanPlan plan_with(const ScanRig& rig, const ScanLimits& limits, uint32_t thread
                    .longest_thread = longest_thread(stream, team.subgroups),
                    .barriers = team.subgroups > 1 ? chunks_of_one * team.subgroups : 0,
                    .shared_bytes = slot_bytes / stream.characters,
-                   // A round is a product and the shuffles that bring it the other factor.
+                   // A round is a product, and the shuffles that fetch its other factor.
                    .issue_steps = (stream.longest_lane + kShuffles * stream.round_count) * subgroups,
                    .loop_iterations = (team.subgroups > 1 ? 2 + team.subgroups : uint64_t{2}) * chunks_of_one +
                                       stream.round_count + 1,
@@ -102,8 +102,9 @@ ScanPlan plan_similarity(const ScanRig& rig, const ScanLimits& limits, uint32_t 
     return plan_with(rig, limits, threads, ScanFormat::kSimilarity);
 }
 
-// One subgroup a character, or as many as there is room for and as have a chunk each. Characters so small that several
-// may share a chunk get one, so that the chunks, and thus the bits, are the same for any number of characters.
+// One subgroup per character, or as many as the device can hold and the character has chunks for. Characters so small
+// that several may share a chunk get one, so that their chunks, and thus their results to the bit, are the same for any
+// number of characters.
 template <uint32_t kOrder>
 FusedPlace fused_place(const ScanLimits& limits, const FusedNeed& need) {
     FusedPlace place{limits.is_cpu ? 0 : kOrder, preferred_lanes(limits)};
@@ -166,9 +167,9 @@ ScanMethod stream() {
             .summary = "joints in chunks of a subgroup's width, a lane each; parents by shuffles or from a few slots",
             .source = "warp scans (Harris and Garland 2012), list scheduling (Hu 1961)",
             .thread_choices = thread_choices,
-            .planned_choices = lane_choices,  // not more: a stage by itself is bound by memory
+            .planned_choices = lane_choices,  // not more: unfused, the stage is bound by memory
             .plan = plan_affine,
-            .fused_place = fused_place<4>,  // it reads rows where a character has them
+            .fused_place = fused_place<4>,  // it reads rows if the character has them
             .picture = {simulate,
                         "Drawn with 4 lanes. A chunk holds any joints whose parents are in it or in earlier ones;\n"
                         "ancestors in earlier chunks wait in shared memory."},
@@ -183,7 +184,7 @@ ScanMethod stream_quaternion() {
             .source = "stream",
             .format = ScanFormat::kSimilarity,
             .thread_choices = thread_choices,
-            .planned_choices = lane_choices,  // not more: a stage by itself is bound by memory
+            .planned_choices = lane_choices,  // not more: unfused, the stage is bound by memory
             .plan = plan_similarity,
             .fused_place = fused_place<5>,
             .rank = 118,

@@ -1,7 +1,7 @@
 // subgroup: fragments within a subgroup, without barriers; a subgroup holds one character or several small ones.
-// Source: fragments; the exchange of registers by shuffles as in warp scans (Harris and Garland, GPU Computing Gems
-//   Jade, 2012).
-// Difference: as in fragments. With one lane a character it is a serial walk that reads no parent back.
+// Source: fragments; registers are exchanged by shuffles as in warp scans (Harris and Garland, GPU Computing Gems Jade,
+//   2012).
+// Difference: as in fragments. With one lane per character it is a serial walk that reads no parents back.
 // Input: local[instance][joint], parent_from_joint, affine 3x4. Output: model[instance][joint], model_from_joint.
 //   subgroup_quaternion reads similarities.
 // Needs: shuffles; lanes a power of two, at most the smallest subgroup; shared memory for the slots; any joint count.

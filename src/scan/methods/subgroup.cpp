@@ -6,12 +6,13 @@
 namespace throng {
 namespace {
 
-// A multiple of every subgroup size up to 64; a software device spreads its smallest workgroups evenly over the cores.
+// On GPUs a multiple of every subgroup size up to 64. On a software device the smallest workgroups spread evenly over
+// the cores.
 uint32_t workgroup_size(const ScanLimits& limits) {
     return std::min(limits.is_cpu ? limits.subgroup_size : 64, limits.workgroup_size);
 }
 
-// A character gets at most a whole subgroup; on a GPU that is the best guess, on a software device a single lane.
+// At most a whole subgroup per character. The best guess is that on a GPU, a single lane on a software device.
 std::vector<uint32_t> thread_choices(const ScanLimits& limits) {
     std::vector<uint32_t> choices;
     if (!limits.shuffle) return choices;
@@ -54,7 +55,7 @@ ScanPlan plan_similarity(const ScanRig& rig, const ScanLimits& limits, uint32_t 
     return plan_with(rig, limits, threads, kRowsOfSimilarity);
 }
 
-// A subgroup a character, so that the barrier after the tile is the only one: see docs/performance.md.
+// A subgroup per character, so that the barrier after the tile is the only one: see docs/performance.md.
 template <uint32_t kOrder>
 FusedPlace fused_place(const ScanLimits& limits, const FusedNeed&) {
     return {limits.is_cpu ? 0 : kOrder, std::min(32u, limits.subgroup_size)};
