@@ -130,10 +130,10 @@ Json measure_control(const Device& device, const ControlCase& control, const Pro
     }
     UpdateTimes times;
     const GpuLoad load(device.gpu());
-    const Contestant updates{what, [&] {
-                                 tell(changed);
-                                 times.take(load, crowd);
-                             }};
+    const TimedRun updates{what, [&] {
+                               tell(changed);
+                               times.take(load, crowd);
+                           }};
     run_rounds({&updates, 1}, control.samples, progress);
     const Spread of_control = times.stage(index_of_stage("control")), of_update = times.total();
     record.update({{"host_samples", times.count_by_host()},

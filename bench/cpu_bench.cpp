@@ -129,7 +129,7 @@ private:
 
 class CpuMeasurement {
 public:
-    CpuMeasurement(const CpuCase& of, const Progress& progress) : of_(of), output_(most_bytes(of)) {
+    CpuMeasurement(const CpuCase& of, const Progress& progress) : of_(of), output_(max_bytes(of)) {
         for (const CpuVariant& variant : of.variants) {
             progress(of.configuration + ": preparing " + variant.name);
             if (!rigs_.contains(variant.character)) rigs_.emplace(variant.character, NativeRig(*variant.character));
@@ -145,23 +145,23 @@ public:
                 add(threads, isa, nullptr, 0);
                 for (size_t v = 0; v < of_.variants.size(); ++v) add(threads, isa, &of_.variants[v], v);
             }
-        for (Entrant& entrant : entrants_)
-            if (entrant.variant) {
-                progress(name_of(entrant) + ": checking");
-                entrant.error = error_of(entrant);
+        for (Candidate& candidate : candidates_)
+            if (candidate.variant) {
+                progress(name_of(candidate) + ": checking");
+                candidate.error = error_of(candidate);
             }
-        std::vector<Contestant> contestants;
-        for (Entrant& entrant : entrants_)
-            if (!entrant.is_wrong()) contestants.push_back({name_of(entrant), [&] { take_sample(entrant); }});
-        for (Entrant& entrant : entrants_) run(entrant, 0, false);  // warm
-        run_rounds(contestants, of_.samples, progress);
+        std::vector<TimedRun> timed_runs;
+        for (Candidate& candidate : candidates_)
+            if (!candidate.is_wrong()) timed_runs.push_back({name_of(candidate), [&] { take_sample(candidate); }});
+        for (Candidate& candidate : candidates_) run(candidate, 0, false);  // warm
+        run_rounds(timed_runs, of_.samples, progress);
         std::vector<Json> records;
-        for (const Entrant& entrant : entrants_) records.push_back(record_of(entrant));
+        for (const Candidate& candidate : candidates_) records.push_back(record_of(candidate));
         return records;
     }
 
 private:
-    struct Entrant {
+    struct Candidate {
         uint32_t threads;
         NativeIsa isa;
         const CpuVariant* variant;  // null: the fill
@@ -184,7 +184,7 @@ private:
         }
     }
 
-    static size_t most_bytes(const CpuCase& of) {
+    static size_t max_bytes(const CpuCase& of) {
         size_t most = 0;
         for (const CpuVariant& variant : of.variants)
             most = std::max(most, variant.character->palette.size() * sizeof(Affine) * of.characters);
@@ -192,108 +192,108 @@ private:
     }
 
     void add(uint32_t threads, NativeIsa isa, const CpuVariant* variant, size_t scene) {
-        entrants_.push_back({.threads = threads, .isa = isa, .variant = variant, .scene = scene});
+        candidates_.push_back({.threads = threads, .isa = isa, .variant = variant, .scene = scene});
     }
 
-    std::string name_of(const Entrant& entrant) const {
-        return of_.configuration + ": " + std::string(throng::name_of(entrant.isa)) + ", " +
-               (entrant.variant ? entrant.variant->name : "fill");
+    std::string name_of(const Candidate& candidate) const {
+        return of_.configuration + ": " + std::string(throng::name_of(candidate.isa)) + ", " +
+               (candidate.variant ? candidate.variant->name : "fill");
     }
 
-    size_t instance_bytes(const Entrant& entrant) const {
-        const Character& character = *(entrant.variant ? entrant.variant : &of_.variants.front())->character;
+    size_t instance_bytes(const Candidate& candidate) const {
+        const Character& character = *(candidate.variant ? candidate.variant : &of_.variants.front())->character;
         return character.palette.size() * sizeof(Affine);
     }
 
-    CpuThreads::Taken run(const Entrant& entrant, uint32_t frame, bool only_decode) {
-        CpuThreads& threads = threads_.at(entrant.threads);
-        const size_t stride = instance_bytes(entrant);
-        if (!entrant.variant)
+    CpuThreads::Taken run(const Candidate& candidate, uint32_t frame, bool only_decode) {
+        CpuThreads& threads = threads_.at(candidate.threads);
+        const size_t stride = instance_bytes(candidate);
+        if (!candidate.variant)
             return threads.run(of_.characters, kCharactersAtATime, [&](uint32_t first, uint32_t end) {
                 const size_t begin = first * stride / 64 * 64, stop = end * stride / 64 * 64;
-                stream_fill({output_.data() + begin, stop - begin}, entrant.isa);
+                stream_fill({output_.data() + begin, stop - begin}, candidate.isa);
             });
-        const NativeRig& rig = rigs_.at(entrant.variant->character);
-        const Scene& scene = scenes_[entrant.scene];
+        const NativeRig& rig = rigs_.at(candidate.variant->character);
+        const Scene& scene = scenes_[candidate.scene];
         NativeUpdate buffers{.cursors = scene.cursors[frame % kFrames].data(), .skin = output_.data()};
-        if (entrant.variant->layers) {
+        if (candidate.variant->layers) {
             buffers.active_clips = scene.layers[frame % kFrames].data();
             buffers.active_clip_limit = kActiveClips;
             buffers.masks = reinterpret_cast<const float*>(scene.ordered_mask.get());
         }
         return threads.run(of_.characters, kCharactersAtATime, [&](uint32_t first, uint32_t end) {
             (only_decode ? decode_only : static_cast<decltype(&decode_only)>(update))(rig, buffers, first, end,
-                                                                                      entrant.isa);
+                                                                                      candidate.isa);
         });
     }
 
-    double error_of(const Entrant& entrant) {
-        // So that another entrant's results do not pass for this one's
+    double error_of(const Candidate& candidate) {
+        // So that another candidate's results do not pass for this one's
         output_.poison();
-        run(entrant, 0, false);
-        const Character& character = *entrant.variant->character;
+        run(candidate, 0, false);
+        const Character& character = *candidate.variant->character;
         return largest_error_of_some(of_.characters, [&](uint32_t instance) {
-            const auto* skin = reinterpret_cast<const Affine*>(output_.data() + instance * instance_bytes(entrant));
-            const Scene& scene = scenes_[entrant.scene];
+            const auto* skin = reinterpret_cast<const Affine*>(output_.data() + instance * instance_bytes(candidate));
+            const Scene& scene = scenes_[candidate.scene];
             const Playback& playback = scene.playbacks[instance];
-            const ReferencePose pose = entrant.variant->layers ? layers_reference(character, playback, scene.mask)
-                                                               : value_of(reference_pose(character, playback));
+            const ReferencePose pose = candidate.variant->layers ? layers_reference(character, playback, scene.mask)
+                                                                 : value_of(reference_pose(character, playback));
             return skin_error({skin, character.palette.size()}, pose.model_from_bind, character.size);
         });
     }
 
-    void take_sample(Entrant& entrant) {
-        const CpuThreads::Taken taken = run(entrant, entrant.frame, false);
-        entrant.ms.push_back(taken.processor_s * 1e3);
-        entrant.wall_ms.push_back(taken.wall_s * 1e3);
-        if (entrant.variant) entrant.decode_ms.push_back(run(entrant, entrant.frame++, true).processor_s * 1e3);
+    void take_sample(Candidate& candidate) {
+        const CpuThreads::Taken taken = run(candidate, candidate.frame, false);
+        candidate.ms.push_back(taken.processor_s * 1e3);
+        candidate.wall_ms.push_back(taken.wall_s * 1e3);
+        if (candidate.variant) candidate.decode_ms.push_back(run(candidate, candidate.frame++, true).processor_s * 1e3);
     }
 
-    Json record_of(const Entrant& entrant) const {
-        const Character& character = *(entrant.variant ? entrant.variant : &of_.variants.front())->character;
-        Json record = where_and_when({.name = processor_name(), .driver = std::string(throng::name_of(entrant.isa))});
+    Json record_of(const Candidate& candidate) const {
+        const Character& character = *(candidate.variant ? candidate.variant : &of_.variants.front())->character;
+        Json record = where_and_when({.name = processor_name(), .driver = std::string(throng::name_of(candidate.isa))});
         record.update({{"bench", "cpu"},
                        {"configuration", of_.configuration},
-                       {"variant", entrant.variant ? entrant.variant->name : "fill"},
-                       {"isa", throng::name_of(entrant.isa)},
-                       {"threads", entrant.threads},
+                       {"variant", candidate.variant ? candidate.variant->name : "fill"},
+                       {"isa", throng::name_of(candidate.isa)},
+                       {"threads", candidate.threads},
                        {"characters", of_.characters},
                        {"joints", character.rig.joint_count()},
                        {"levels", character.rig.level_count},
                        {"palette_entries", character.palette.size()},
-                       {"bytes", instance_bytes(entrant) * of_.characters},
-                       {"samples", entrant.ms.size()}});
-        if (entrant.variant) {
-            record["clips"] = entrant.variant->clips;
-            record["rows_bytes"] = rigs_.at(entrant.variant->character).row_bytes();
-            record["max_error"] = entrant.error;
-            if (entrant.is_wrong()) record["wrong"] = true;
+                       {"bytes", instance_bytes(candidate) * of_.characters},
+                       {"samples", candidate.ms.size()}});
+        if (candidate.variant) {
+            record["clips"] = candidate.variant->clips;
+            record["rows_bytes"] = rigs_.at(candidate.variant->character).row_bytes();
+            record["max_error"] = candidate.error;
+            if (candidate.is_wrong()) record["wrong"] = true;
         }
-        if (entrant.ms.empty()) return record;
-        const Spread ms = spread_of(entrant.ms);
+        if (candidate.ms.empty()) return record;
+        const Spread ms = spread_of(candidate.ms);
         const double quiet_ms = ms.p5;
         const double joints = double{character.rig.joint_count() * 1.0} * of_.characters;
         record["ms"] = spread_json(ms);
         record["ns_per_joint"] = quiet_ms * 1e6 / joints;
         record["gb_per_s"] = record["bytes"].get<double>() / quiet_ms * 1e-6;
-        const Spread wall_ms = spread_of(entrant.wall_ms);
+        const Spread wall_ms = spread_of(candidate.wall_ms);
         record["wall_ms"] = spread_json(wall_ms);
-        if (const Entrant* one = find(entrant, entrant.variant, 1); one && one != &entrant && !one->ms.empty())
+        if (const Candidate* one = find(candidate, candidate.variant, 1); one && one != &candidate && !one->ms.empty())
             record["times_one_thread"] = spread_of(one->wall_ms).p5 / wall_ms.p5;
-        if (!entrant.variant) return record;
-        record["decode_share"] = spread_of(entrant.decode_ms).p5 / quiet_ms;
-        const Entrant& fill = *find(entrant, nullptr, entrant.threads);
+        if (!candidate.variant) return record;
+        record["decode_share"] = spread_of(candidate.decode_ms).p5 / quiet_ms;
+        const Candidate& fill = *find(candidate, nullptr, candidate.threads);
         record["times_fill_floor"] = quiet_ms / spread_of(fill.ms).p5;
         return record;
     }
 
-    // The entrant with the instruction set of `beside` and this variant, or the fill floor if `variant` is null. Null
+    // The candidate with the instruction set of `beside` and this variant, or the fill floor if `variant` is null. Null
     // if there is none.
-    const Entrant* find(const Entrant& beside, const CpuVariant* variant, uint32_t threads) const {
-        const auto found = std::ranges::find_if(entrants_, [&](const Entrant& entrant) {
-            return entrant.variant == variant && entrant.isa == beside.isa && entrant.threads == threads;
+    const Candidate* find(const Candidate& beside, const CpuVariant* variant, uint32_t threads) const {
+        const auto found = std::ranges::find_if(candidates_, [&](const Candidate& candidate) {
+            return candidate.variant == variant && candidate.isa == beside.isa && candidate.threads == threads;
         });
-        return found == entrants_.end() ? nullptr : &*found;
+        return found == candidates_.end() ? nullptr : &*found;
     }
 
     const CpuCase& of_;
@@ -301,7 +301,7 @@ private:
     std::map<const Character*, NativeRig> rigs_;
     std::vector<Scene> scenes_;  // [variant]
     std::map<uint32_t, CpuThreads> threads_;
-    std::vector<Entrant> entrants_;
+    std::vector<Candidate> candidates_;
 };
 
 }  // namespace

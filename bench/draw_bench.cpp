@@ -44,7 +44,7 @@ struct DrawEntrant {
         if (load) load->run();
         const Stopwatch watch;
         const double draw_ms = draw(camera).draw_ms, host_ms = watch.elapsed_s() * 1e3;
-        times.take(load ? believed_reading(load->gpu(), draw_ms, host_ms) : Reading{draw_ms});
+        times.take(load ? credible_reading(load->gpu(), draw_ms, host_ms) : Reading{draw_ms});
         list_ms.push_back(last.list_ms);
         skin_ms.push_back(last.skin_ms);
         shadow_ms.push_back(last.shadow_ms);
@@ -66,43 +66,43 @@ public:
             stage.crowd = drawn_.make_crowd(*stage.device);
             if (!camera_) camera_ = drawn_.camera_of(*stage.crowd);
             for (const NativeIsa isa : drawn_.isas) {
-                DrawEntrant& entrant = add("native", stage);
-                entrant.isa = name_of(isa);
-                entrant.threads = drawn_.threads[i];
-                entrant.native = std::make_unique<NativeRenderer>(stage.device->gpu(), drawn_.picture, isa);
-                compare(entrant, progress);
+                DrawEntrant& candidate = add("native", stage);
+                candidate.isa = name_of(isa);
+                candidate.threads = drawn_.threads[i];
+                candidate.native = std::make_unique<NativeRenderer>(stage.device->gpu(), drawn_.picture, isa);
+                compare(candidate, progress);
             }
         }
         if (drawn_.vulkan_device) add_vulkan(progress);
     }
 
     void time(uint32_t samples, const Progress& progress) {
-        std::vector<Contestant> contestants;
-        for (DrawEntrant& entrant : entrants_)
-            if ((entrant.native || entrant.vulkan) && !entrant.is_wrong)
-                contestants.push_back(
-                    {drawn_.configuration + ": " + entrant.renderer, [&] { entrant.sample(*camera_); }});
+        std::vector<TimedRun> timed_runs;
+        for (DrawEntrant& candidate : candidates_)
+            if ((candidate.native || candidate.vulkan) && !candidate.is_wrong)
+                timed_runs.push_back(
+                    {drawn_.configuration + ": " + candidate.renderer, [&] { candidate.sample(*camera_); }});
         constexpr double kBudget_s = 60;
-        run_rounds(contestants, Sampling{.samples = samples, .least_samples = 3}, kBudget_s, progress);
+        run_rounds(timed_runs, Sampling{.samples = samples, .min_samples = 3}, kBudget_s, progress);
     }
 
     std::vector<Json> records() const {
         std::vector<Json> records;
-        for (const DrawEntrant& entrant : entrants_) records.push_back(record_of(entrant));
+        for (const DrawEntrant& candidate : candidates_) records.push_back(record_of(candidate));
         return records;
     }
 
 private:
     DrawEntrant& add(const char* renderer, Stage& stage) {
-        DrawEntrant& entrant = entrants_.emplace_back();
-        entrant.renderer = renderer;
-        entrant.stage = &stage;
-        return entrant;
+        DrawEntrant& candidate = candidates_.emplace_back();
+        candidate.renderer = renderer;
+        candidate.stage = &stage;
+        return candidate;
     }
 
     void add_vulkan(const Progress& progress) {
         Stage& stage = stages_.back();
-        DrawEntrant& entrant = add("vulkan", stage);
+        DrawEntrant& candidate = add("vulkan", stage);
         const Result<Device> device = Device::create({.select = *drawn_.vulkan_device});
         RendererSettings settings = drawn_.picture;
         settings.path = DrawPath::kDevice;
@@ -112,69 +112,69 @@ private:
         }
         stage.device = *device;
         stage.crowd = drawn_.make_crowd(*stage.device);
-        entrant.vulkan = value_of(Renderer::create(*stage.device, settings));
-        entrant.load.emplace(stage.device->gpu());
-        compare(entrant, progress);
+        candidate.vulkan = value_of(Renderer::create(*stage.device, settings));
+        candidate.load.emplace(stage.device->gpu());
+        compare(candidate, progress);
     }
 
     // A picture is wrong if it differs at all from an earlier one of the same instruction set with another number of
     // threads, or visibly from the first one.
-    void compare(DrawEntrant& entrant, const Progress& progress) {
-        progress(drawn_.configuration + ": checking " + entrant.renderer + " " + entrant.isa);
-        entrant.picture = entrant.draw(*camera_).picture;
-        for (const DrawEntrant& before : entrants_)
-            if (&before != &entrant && before.isa == entrant.isa && before.picture.rgba != entrant.picture.rgba)
-                entrant.is_wrong = true;
-        entrant.alike_db = psnr(entrant.picture, entrants_.front().picture);
-        const uint32_t sub_pixel_bits = entrant.vulkan
-                                            ? entrant.stage->device->gpu()->properties.limits.subPixelPrecisionBits
+    void compare(DrawEntrant& candidate, const Progress& progress) {
+        progress(drawn_.configuration + ": checking " + candidate.renderer + " " + candidate.isa);
+        candidate.picture = candidate.draw(*camera_).picture;
+        for (const DrawEntrant& before : candidates_)
+            if (&before != &candidate && before.isa == candidate.isa && before.picture.rgba != candidate.picture.rgba)
+                candidate.is_wrong = true;
+        candidate.alike_db = psnr(candidate.picture, candidates_.front().picture);
+        const uint32_t sub_pixel_bits = candidate.vulkan
+                                            ? candidate.stage->device->gpu()->properties.limits.subPixelPrecisionBits
                                             : 8;
-        if (!(entrant.alike_db >= least_alike_db(sub_pixel_bits))) entrant.is_wrong = true;
+        if (!(candidate.alike_db >= min_alike_db(sub_pixel_bits))) candidate.is_wrong = true;
     }
 
-    Json record_of(const DrawEntrant& entrant) const {
-        Json record = where_and_when(entrant.stage->device ? entrant.stage->device->info()
-                                                           : stages_.front().device->info());
+    Json record_of(const DrawEntrant& candidate) const {
+        Json record = where_and_when(candidate.stage->device ? candidate.stage->device->info()
+                                                             : stages_.front().device->info());
         const RendererSettings& picture = drawn_.picture;
         record.update({{"bench", "draw"},
                        {"configuration", drawn_.configuration},
-                       {"renderer", entrant.renderer},
-                       {"variant", entrant.native ? entrant.isa : entrant.renderer},
+                       {"renderer", candidate.renderer},
+                       {"variant", candidate.native ? candidate.isa : candidate.renderer},
                        {"size", std::to_string(picture.width) + "x" + std::to_string(picture.height)},
                        {"samples_per_pixel", picture.samples}});
-        if (entrant.threads > 0) record["threads"] = entrant.threads;
-        if (!entrant.stage->unsupported_reason.empty()) {
-            record["unsupported_reason"] = entrant.stage->unsupported_reason;
+        if (candidate.threads > 0) record["threads"] = candidate.threads;
+        if (!candidate.stage->unsupported_reason.empty()) {
+            record["unsupported_reason"] = candidate.stage->unsupported_reason;
             return record;
         }
-        const NativeTimes& of = entrants_.front().last;
-        record.update({{"characters", entrant.stage->crowd->instance_count()},
+        const NativeTimes& of = candidates_.front().last;
+        record.update({{"characters", candidate.stage->crowd->instance_count()},
                        {"drawn", of.instances},
                        {"vertices", of.vertices},
                        {"triangles", of.triangles}});
-        if (std::isfinite(entrant.alike_db)) record["alike_db"] = entrant.alike_db;
-        if (entrant.is_wrong) record["wrong"] = true;
-        if (entrant.times.count() == 0) return record;
-        entrant.times.add_to(record);
-        const double median_ms = entrant.times.total().median;
-        if (entrant.vulkan) record["host_samples"] = entrant.times.count_by_host();
-        if (entrant.native)
-            record["parts"] = {{"list", spread_of(entrant.list_ms).median},
-                               {"skin", spread_of(entrant.skin_ms).median},
-                               {"shadow map", spread_of(entrant.shadow_ms).median},
-                               {"picture", spread_of(entrant.picture_ms).median},
-                               {"resolve", spread_of(entrant.resolve_ms).median}};
+        if (std::isfinite(candidate.alike_db)) record["alike_db"] = candidate.alike_db;
+        if (candidate.is_wrong) record["wrong"] = true;
+        if (candidate.times.count() == 0) return record;
+        candidate.times.add_to(record);
+        const double median_ms = candidate.times.total().median;
+        if (candidate.vulkan) record["host_samples"] = candidate.times.count_by_host();
+        if (candidate.native)
+            record["parts"] = {{"list", spread_of(candidate.list_ms).median},
+                               {"skin", spread_of(candidate.skin_ms).median},
+                               {"shadow map", spread_of(candidate.shadow_ms).median},
+                               {"picture", spread_of(candidate.picture_ms).median},
+                               {"resolve", spread_of(candidate.resolve_ms).median}};
         const double samples = static_cast<double>(uint64_t{picture.width} * picture.height * picture.samples);
         record["mtriangles_per_s"] = static_cast<double>(of.triangles) / median_ms * 1e-3;
         record["msamples_per_s"] = samples / median_ms * 1e-3;
-        if (const DrawEntrant& other = entrants_.back(); other.vulkan && other.times.count() > 0 && entrant.native)
+        if (const DrawEntrant& other = candidates_.back(); other.vulkan && other.times.count() > 0 && candidate.native)
             record["times_faster"] = other.times.total().median / median_ms;
         return record;
     }
 
     const DrawCase& drawn_;
     std::vector<Stage> stages_;
-    std::deque<DrawEntrant> entrants_;  // a deque: entrants keep their addresses
+    std::deque<DrawEntrant> candidates_;  // a deque: candidates keep their addresses
     std::optional<Camera> camera_;
 };
 

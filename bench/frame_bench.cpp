@@ -75,11 +75,11 @@ public:
             if (variant.exact_keys && !frame_.exact) continue;
             progress(frame_.configuration + ": checking " + variant.name);
             const Character* character = variant.exact_keys ? frame_.exact : frame_.character;
-            FrameEntrant entrant{
+            FrameEntrant candidate{
                 .variant = &variant, .character = character, .playback = variant.one_clip ? &one_clip_ : &two_clips_};
-            entrant.made = crowds_.get({character, variant.path, variant.format});
-            if (entrant.crowd()) entrant.max_error = error_of(entrant);
-            entrants_.push_back(std::move(entrant));
+            candidate.made = crowds_.get({character, variant.path, variant.format});
+            if (candidate.crowd()) candidate.max_error = error_of(candidate);
+            candidates_.push_back(std::move(candidate));
         }
         progress(frame_.configuration + ": memory alone");
         for (const auto& [format, name] : kFormats) add_fill(format);
@@ -87,21 +87,21 @@ public:
     }
 
     void time(uint32_t samples, const Progress& progress) {
-        std::vector<Contestant> contestants;
-        for (FrameEntrant& entrant : entrants_)
-            if (entrant.runs())
-                contestants.push_back(
-                    {frame_.configuration + ": " + entrant.variant->name, [&] { take_sample(entrant); }});
+        std::vector<TimedRun> timed_runs;
+        for (FrameEntrant& candidate : candidates_)
+            if (candidate.runs())
+                timed_runs.push_back(
+                    {frame_.configuration + ": " + candidate.variant->name, [&] { take_sample(candidate); }});
         for (Floor& floor : floors_)
             if (floor.work)
-                contestants.push_back({frame_.configuration + ": " + std::string(floor.record["variant"]),
-                                       [&] { floor.times.take(clock_.read(floor.work)); }});
-        run_rounds(contestants, samples, progress);
+                timed_runs.push_back({frame_.configuration + ": " + std::string(floor.record["variant"]),
+                                      [&] { floor.times.take(clock_.read(floor.work)); }});
+        run_rounds(timed_runs, samples, progress);
     }
 
     std::vector<Json> records() const {
         std::vector<Json> records;
-        for (const FrameEntrant& entrant : entrants_) records.push_back(record_of(entrant));
+        for (const FrameEntrant& candidate : candidates_) records.push_back(record_of(candidate));
         for (const Floor& floor : floors_) {
             records.push_back(case_record());
             records.back().update(floor.record);
@@ -116,26 +116,27 @@ private:
     uint64_t joint_count() const { return frame_.character->rig.joint_count(); }
 
     // The largest error of some instances, at the times of their playbacks.
-    double error_of(const FrameEntrant& entrant) const {
-        value_of(entrant.crowd()->set_playback(entrant.crowd()->instances(), *entrant.playback));
-        value_of(entrant.crowd()->update(0));
+    double error_of(const FrameEntrant& candidate) const {
+        value_of(candidate.crowd()->set_playback(candidate.crowd()->instances(), *candidate.playback));
+        value_of(candidate.crowd()->update(0));
         return largest_error_of_some(static_cast<uint32_t>(instance_count()), [&](uint32_t instance) {
-            return skin_error(value_of(entrant.crowd()->read_skin_matrices({instance})),
-                              reference_(*entrant.character, (*entrant.playback)[instance]), entrant.character->size);
+            return skin_error(value_of(candidate.crowd()->read_skin_matrices({instance})),
+                              reference_(*candidate.character, (*candidate.playback)[instance]),
+                              candidate.character->size);
         });
     }
 
     // All variants begin at the same playback times in every round, so that they do the same work.
-    void take_sample(FrameEntrant& entrant) const {
-        value_of(entrant.crowd()->set_playback(entrant.crowd()->instances(), *entrant.playback));
-        entrant.times.take(clock_.load(), *entrant.crowd());
+    void take_sample(FrameEntrant& candidate) const {
+        value_of(candidate.crowd()->set_playback(candidate.crowd()->instances(), *candidate.playback));
+        candidate.times.take(clock_.load(), *candidate.crowd());
     }
 
     void add_fill(SkinFormat format) {
-        const auto written = std::find_if(entrants_.begin(), entrants_.end(), [&](const FrameEntrant& entrant) {
-            return entrant.runs() && entrant.variant->format == format;
+        const auto written = std::find_if(candidates_.begin(), candidates_.end(), [&](const FrameEntrant& candidate) {
+            return candidate.runs() && candidate.variant->format == format;
         });
-        if (written == entrants_.end()) return;
+        if (written == candidates_.end()) return;
         const auto fill = std::make_shared<FillFloor>(device_.gpu(), *written->crowd(), format);
         const std::string bytes = std::to_string(skin_format_bytes(format)) + " bytes";
         const auto add = [&](const std::string& variant, const char* by, std::function<void(VkCommandBuffer)> work) {
@@ -157,11 +158,11 @@ private:
     // A copy of the bytes that the staged update moves.
     void add_copy() {
         Floor floor{
-            .record = {{"variant", "copy as staged"}, {"path", "copy"}, {"bytes", bytes_of(entrants_.front())}}};
+            .record = {{"variant", "copy as staged"}, {"path", "copy"}, {"bytes", bytes_of(candidates_.front())}}};
         if (const std::string unsupported_reason = crowds_.memory_unsupported_reason(
                 2 * crowds_.arena_buffer_bytes(*frame_.character));
             unsupported_reason.empty()) {
-            const auto copy = std::make_shared<CopyFloor>(device_.gpu(), bytes_of(entrants_.front()),
+            const auto copy = std::make_shared<CopyFloor>(device_.gpu(), bytes_of(candidates_.front()),
                                                           crowds_.arena_buffer_bytes(*frame_.character));
             floor.record["by"] = copy->choose(clock_);
             floor.work = [copy](VkCommandBuffer commands) { copy->record(commands); };
@@ -171,17 +172,17 @@ private:
         floors_.push_back(std::move(floor));
     }
 
-    uint64_t bytes_of(const FrameEntrant& entrant) const {
-        const bool staged = entrant.variant->path == UpdatePath::kStaged;
-        const ScanFormat format = staged && entrant.crowd()
-                                      ? parse_scan_request(entrant.crowd()->path(0)->scan.method).method->format
+    uint64_t bytes_of(const FrameEntrant& candidate) const {
+        const bool staged = candidate.variant->path == UpdatePath::kStaged;
+        const ScanFormat format = staged && candidate.crowd()
+                                      ? parse_scan_request(candidate.crowd()->path(0)->scan.method).method->format
                                       : ScanFormat::kAffine;
         const FrameTraffic traffic{.fused = !staged,
-                                   .clip_count = entrant.variant->one_clip ? 1u : 2u,
-                                   .joint_count = entrant.character->rig.joint_count(),
-                                   .palette_count = static_cast<uint32_t>(entrant.character->palette.size()),
+                                   .clip_count = candidate.variant->one_clip ? 1u : 2u,
+                                   .joint_count = candidate.character->rig.joint_count(),
+                                   .palette_count = static_cast<uint32_t>(candidate.character->palette.size()),
                                    .local_bytes = throng::bytes_of(format),
-                                   .skin_bytes = skin_format_bytes(entrant.variant->format)};
+                                   .skin_bytes = skin_format_bytes(candidate.variant->format)};
         return instance_count() * traffic.bytes_per_instance();
     }
 
@@ -193,23 +194,23 @@ private:
         return record;
     }
 
-    Json record_of(const FrameEntrant& entrant) const {
-        const FrameVariant& variant = *entrant.variant;
+    Json record_of(const FrameEntrant& candidate) const {
+        const FrameVariant& variant = *candidate.variant;
         Json record = case_record();
         record.update({{"variant", variant.name},
                        {"path", variant.path == UpdatePath::kStaged ? "staged" : "fused"},
                        {"clips", variant.one_clip ? 1 : 2},
                        {"skin_format", name_of(variant.format)},
                        {"keys", variant.exact_keys ? "exact" : frame_.keys},
-                       {"bytes", bytes_of(entrant)}});
-        if (!entrant.crowd()) {
-            record["unsupported_reason"] = entrant.made->unsupported_reason;
+                       {"bytes", bytes_of(candidate)}});
+        if (!candidate.crowd()) {
+            record["unsupported_reason"] = candidate.made->unsupported_reason;
             return record;
         }
-        record["scan"] = entrant.crowd()->path(0)->scan.method;
-        record["max_error"] = entrant.max_error;
-        if (entrant.is_wrong()) record["wrong"] = true;
-        add_times(record, entrant.times);
+        record["scan"] = candidate.crowd()->path(0)->scan.method;
+        record["max_error"] = candidate.max_error;
+        if (candidate.is_wrong()) record["wrong"] = true;
+        add_times(record, candidate.times);
         return record;
     }
 
@@ -238,7 +239,7 @@ private:
     const SkinReference& reference_;
     std::vector<Playback> two_clips_, one_clip_;
     FrameCrowds crowds_;
-    std::vector<FrameEntrant> entrants_;
+    std::vector<FrameEntrant> candidates_;
     std::vector<Floor> floors_;
 };
 

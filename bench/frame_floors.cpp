@@ -53,13 +53,13 @@ CopyFloor::CopyFloor(std::shared_ptr<Gpu> gpu, uint64_t moved_bytes, uint64_t bu
 }
 
 const char* CopyFloor::choose(const GpuClock& clock) {
-    const auto least_ms = [&](bool by_kernel) {
+    const auto min_ms = [&](bool by_kernel) {
         by_kernel_ = by_kernel;
         const auto run_ms = [&] { return clock.time_ms([&](VkCommandBuffer commands) { record(commands); }); };
         run_ms();  // compiles the kernel, and touches the memory
         return std::min(run_ms(), run_ms());
     };
-    const double kernel_ms = least_ms(true), transfer_ms = least_ms(false);
+    const double kernel_ms = min_ms(true), transfer_ms = min_ms(false);
     by_kernel_ = kernel_ms <= transfer_ms;
     return by_kernel_ ? "kernel" : "vkCmdCopyBuffer";
 }

@@ -14,7 +14,7 @@ GpuClock::GpuClock(std::shared_ptr<Gpu> gpu) : gpu_(std::move(gpu)), load_(gpu_)
 // On a busy machine lavapipe's timestamps were seen to span a fifth of the host's time or less, probably because the
 // thread that writes them is not the one that computes. In this case the host's clock is used, which includes the
 // submission. Work is never submitted again for another try, because an update changes the crowd's state.
-Reading believed_reading(const Gpu& gpu, double gpu_ms, double host_ms) {
+Reading credible_reading(const Gpu& gpu, double gpu_ms, double host_ms) {
     constexpr double kSubmission_ms = 0.5;
     const bool by_host = gpu.is_cpu() && gpu_ms < 0.5 * (host_ms - kSubmission_ms);
     return {by_host ? host_ms : gpu_ms, by_host};
@@ -31,7 +31,7 @@ Reading GpuClock::read(const std::function<void(VkCommandBuffer)>& work) const {
         timestamps_->write(commands);
         timestamps_->publish(commands);
     });
-    return believed_reading(*gpu_, timestamps_->newest().value().ms[1], watch.elapsed_s() * 1e3);
+    return credible_reading(*gpu_, timestamps_->newest().value().ms[1], watch.elapsed_s() * 1e3);
 }
 
 }  // namespace throng::bench

@@ -13,7 +13,7 @@ struct Reading {
 
 // The credible reading for work that took `gpu_ms` by timestamps, and `host_ms` from its submission to the end of the
 // wait.
-Reading believed_reading(const Gpu& gpu, double gpu_ms, double host_ms);
+Reading credible_reading(const Gpu& gpu, double gpu_ms, double host_ms);
 
 class GpuClock {
 public:

@@ -24,7 +24,7 @@ void GpuLoad::run() const {
     if (!work_) return;
     constexpr uint32_t kCopies = 200;
     constexpr double kBusy_s = 0.003, kIdle_s = 0.02, kRampUp_s = 0.1;
-    const double least_s = since_last_ && since_last_->elapsed_s() < kIdle_s ? kBusy_s : kRampUp_s;
+    const double min_s = since_last_ && since_last_->elapsed_s() < kIdle_s ? kBusy_s : kRampUp_s;
     const Stopwatch watch;
     do
         gpu_->submit_and_wait([&](VkCommandBuffer commands) {
@@ -33,7 +33,7 @@ void GpuLoad::run() const {
                 work_->kernel.dispatch(commands, work_->bindings, kBuffer_bytes / kRow_bytes);
             }
         });
-    while (watch.elapsed_s() < least_s);
+    while (watch.elapsed_s() < min_s);
     since_last_.emplace();
 }
 

@@ -82,12 +82,12 @@ public:
     }
 
     void time(uint32_t samples, const Progress& progress) {
-        std::vector<Contestant> contestants;
+        std::vector<TimedRun> timed_runs;
         for (Seen& seen : seen_)
             if (!is_wrong(seen))
-                contestants.push_back({million_.configuration + ": " + seen.viewpoint->name,
-                                       [&] { seen.times.take(load_, *crowd_, kFrame_s, &seen.view); }});
-        run_rounds(contestants, samples, progress);
+                timed_runs.push_back({million_.configuration + ": " + seen.viewpoint->name,
+                                      [&] { seen.times.take(load_, *crowd_, kFrame_s, &seen.view); }});
+        run_rounds(timed_runs, samples, progress);
     }
 
     std::vector<Json> view_records() const {

@@ -16,7 +16,7 @@ namespace {
 
 constexpr uint32_t kSoftwareCharacters = 256;  // more only take longer on a software device
 constexpr double kRun_ms = 10;                 // how long the difference of two runs should be at least
-constexpr uint32_t kMostRepeats = 20'000;
+constexpr uint32_t kMaxRepeats = 20'000;
 
 // Iterations of an invocation's loops in `repeat_count` repeats, including those that fill shared memory.
 uint64_t loop_iterations(const ScanPlan& plan, const ScanRig& rig, uint64_t repeat_count) {
@@ -32,9 +32,9 @@ std::string unsupported_reason_of(const ScanPlan& plan, const ScanMethod& method
     return reason;
 }
 
-std::string unsupported_reason_of(const Entrant& entrant, const ScanRig& rig, const ScanLimits& limits) {
+std::string unsupported_reason_of(const Candidate& candidate, const ScanRig& rig, const ScanLimits& limits) {
     std::string unsupported_reason;
-    for (const ScanChoice& choice : entrant.choices) {
+    for (const ScanChoice& choice : candidate.choices) {
         unsupported_reason = unsupported_reason_of(plan_scan(*choice.method, rig, limits, choice.threads),
                                                    *choice.method, rig, limits);
         if (unsupported_reason.empty()) break;
@@ -42,9 +42,9 @@ std::string unsupported_reason_of(const Entrant& entrant, const ScanRig& rig, co
     return unsupported_reason;
 }
 
-// The largest joint count, up to the cell's, at which every entrant that can run at all can run. All entrants get the
-// same count, so that they can be compared.
-uint32_t common_joint_count(const ScanCell& cell, std::span<const Entrant> entrants, const ScanLimits& limits) {
+// The largest joint count, up to the cell's, at which every candidate that can run at all can run. All candidates get
+// the same count, so that they can be compared.
+uint32_t common_joint_count(const ScanCell& cell, std::span<const Candidate> candidates, const ScanLimits& limits) {
     const auto rig_of = [&](uint32_t joints) {
         ScanCell smaller = cell;
         smaller.joints = joints;
@@ -52,14 +52,14 @@ uint32_t common_joint_count(const ScanCell& cell, std::span<const Entrant> entra
     };
     uint32_t fitting = cell.shape == SkeletonShape::kRandom ? cell.levels : 1, too_many = cell.joints + 1;
     const ScanRig smallest = rig_of(fitting);
-    std::vector<Entrant> able;
-    for (const Entrant& entrant : entrants)
-        if (unsupported_reason_of(entrant, smallest, limits).empty()) able.push_back(entrant);
+    std::vector<Candidate> able;
+    for (const Candidate& candidate : candidates)
+        if (unsupported_reason_of(candidate, smallest, limits).empty()) able.push_back(candidate);
     while (fitting + 1 < too_many) {
         const uint32_t middle = fitting + (too_many - fitting) / 2;
         const ScanRig rig = rig_of(middle);
-        const bool fits = std::all_of(able.begin(), able.end(), [&](const Entrant& entrant) {
-            return unsupported_reason_of(entrant, rig, limits).empty();
+        const bool fits = std::all_of(able.begin(), able.end(), [&](const Candidate& candidate) {
+            return unsupported_reason_of(candidate, rig, limits).empty();
         });
         (fits ? fitting : too_many) = middle;
     }
@@ -113,7 +113,7 @@ public:
         for (const bool barriers_twice : {false, true}) run_ms(1, barriers_twice);
         // The device silently ends loops after a limit of iterations: runs of twice the repeats must stay below it.
         const auto can_double = [&] {
-            return 2 * repeat_count_ <= kMostRepeats &&
+            return 2 * repeat_count_ <= kMaxRepeats &&
                    loop_iterations(plan_, rig_, 4 * uint64_t{repeat_count_}) <= scan_limits(*gpu_).loop_iterations / 2;
         };
         while (can_double() && run_ms(repeat_count_, false) < kRun_ms) repeat_count_ *= 2;
@@ -158,11 +158,11 @@ struct CheckedOnChip : ScanCheck {
     }
 };
 
-CheckedOnChip check(const std::shared_ptr<Gpu>& gpu, const GpuClock& clock, const Entrant& entrant, const ScanRig& rig,
-                    uint32_t character_count, const PoseSet& pose) {
+CheckedOnChip check(const std::shared_ptr<Gpu>& gpu, const GpuClock& clock, const Candidate& candidate,
+                    const ScanRig& rig, uint32_t character_count, const PoseSet& pose) {
     CheckedOnChip checked;
     double best_ns = std::numeric_limits<double>::infinity();
-    for (const ScanChoice& choice : entrant.choices) {
+    for (const ScanChoice& choice : candidate.choices) {
         ScanPlan plan = plan_scan(*choice.method, rig, scan_limits(*gpu), choice.threads);
         if (const std::string unsupported_reason = unsupported_reason_of(plan, *choice.method, rig, scan_limits(*gpu));
             !unsupported_reason.empty()) {
@@ -190,8 +190,8 @@ CheckedOnChip check(const std::shared_ptr<Gpu>& gpu, const GpuClock& clock, cons
     return checked;
 }
 
-Json record_of(const Entrant& entrant, const CheckedOnChip& checked, const Json& cell_record) {
-    Json record = describe_check(cell_record, entrant, checked);
+Json record_of(const Candidate& candidate, const CheckedOnChip& checked, const Json& cell_record) {
+    Json record = describe_check(cell_record, candidate, checked);
     if (!checked.runs()) return record;
     const Spread ns = spread_of(checked.ns), barriers_twice_ns = spread_of(checked.barriers_twice_ns);
     record.update({{"samples", checked.ns.size()},
@@ -205,27 +205,27 @@ Json record_of(const Entrant& entrant, const CheckedOnChip& checked, const Json&
 
 }  // namespace
 
-std::vector<Json> measure_on_chip(const std::shared_ptr<Gpu>& gpu, ScanCell cell, std::span<const Entrant> entrants,
+std::vector<Json> measure_on_chip(const std::shared_ptr<Gpu>& gpu, ScanCell cell, std::span<const Candidate> candidates,
                                   const Sampling& sampling, const Progress& progress) {
     const Stopwatch watch;
     const GpuClock clock(gpu);
-    cell.joints = common_joint_count(cell, entrants, scan_limits(*gpu));
+    cell.joints = common_joint_count(cell, candidates, scan_limits(*gpu));
     if (gpu->is_cpu()) cell.characters = std::min(cell.characters, kSoftwareCharacters);
     const ScanRig rig = cell.rig();
     const PoseSet pose(rig, 1, cell.seed);
 
-    std::vector<CheckedOnChip> checked = check_all(entrants, progress, [&](const Entrant& entrant) {
-        return check(gpu, clock, entrant, rig, cell.characters, pose);
+    std::vector<CheckedOnChip> checked = check_all(candidates, progress, [&](const Candidate& candidate) {
+        return check(gpu, clock, candidate, rig, cell.characters, pose);
     });
 
-    std::vector<Contestant> contestants;
-    for (size_t i = 0; i < entrants.size(); ++i)
-        if (checked[i].runs()) contestants.push_back({entrants[i].name, [&one = checked[i]] { one.sample(); }});
-    run_rounds(contestants, sampling, sampling.budget_s - watch.elapsed_s(), progress);
+    std::vector<TimedRun> timed_runs;
+    for (size_t i = 0; i < candidates.size(); ++i)
+        if (checked[i].runs()) timed_runs.push_back({candidates[i].name, [&one = checked[i]] { one.sample(); }});
+    run_rounds(timed_runs, sampling, sampling.budget_s - watch.elapsed_s(), progress);
 
     const Json cell_record = describe_cell(cell, rig, gpu->info);
     std::vector<Json> records;
-    for (size_t i = 0; i < entrants.size(); ++i) records.push_back(record_of(entrants[i], checked[i], cell_record));
+    for (size_t i = 0; i < candidates.size(); ++i) records.push_back(record_of(candidates[i], checked[i], cell_record));
     return records;
 }
 

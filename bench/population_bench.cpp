@@ -32,7 +32,7 @@ struct PopulationEntrant {
 // Frames in which many instances change.
 struct Turnover {
     const char* name = "";
-    PopulationEntrant entrant;
+    PopulationEntrant candidate;
     std::function<void(PopulationEntrant&)> change;
     std::vector<double> call_ms{}, update_ms{};
 };
@@ -52,7 +52,7 @@ public:
             for (const Kind kind : {Kind::kForGood, Kind::kTogether, Kind::kAnywhere}) {
                 const auto count = std::max(1u, static_cast<uint32_t>(part * capacity_));
                 progress(population_.configuration + ": checking " + std::to_string(count));
-                compare(entrants_.emplace_back(make(kind, count)));
+                compare(candidates_.emplace_back(make(kind, count)));
             }
     }
 
@@ -65,162 +65,163 @@ public:
         turnovers_.push_back({"by shaders", make_commanded(count), [&](auto& commanded) { command(commanded); }});
         for (Turnover& turnover : turnovers_) {
             progress(population_.configuration + ": checking " + turnover.name);
-            value_of(turnover.entrant.crowd.update(0));
-            turnover.change(turnover.entrant);
-            compare(turnover.entrant);
+            value_of(turnover.candidate.crowd.update(0));
+            turnover.change(turnover.candidate);
+            compare(turnover.candidate);
         }
     }
 
     void time(uint32_t samples, const Progress& progress) {
-        std::vector<Contestant> contestants;
-        for (PopulationEntrant& entrant : entrants_)
-            if (!entrant.is_wrong())
-                contestants.push_back({population_.configuration + ": " + std::to_string(entrant.count),
-                                       [&] { entrant.times.take(load_, entrant.crowd); }});
-        run_rounds(contestants, samples, progress);
+        std::vector<TimedRun> timed_runs;
+        for (PopulationEntrant& candidate : candidates_)
+            if (!candidate.is_wrong())
+                timed_runs.push_back({population_.configuration + ": " + std::to_string(candidate.count),
+                                      [&] { candidate.times.take(load_, candidate.crowd); }});
+        run_rounds(timed_runs, samples, progress);
     }
 
     void time_turnover(uint32_t samples, const Progress& progress) {
-        std::vector<Contestant> contestants;
+        std::vector<TimedRun> timed_runs;
         for (Turnover& turnover : turnovers_)
-            if (!turnover.entrant.is_wrong())
-                contestants.push_back(
+            if (!turnover.candidate.is_wrong())
+                timed_runs.push_back(
                     {population_.configuration + ": " + turnover.name, [&] { take_sample(turnover); }});
-        run_rounds(contestants, samples, progress);
+        run_rounds(timed_runs, samples, progress);
     }
 
     std::vector<Json> records() const {
         std::vector<Json> all;
-        for (const PopulationEntrant& entrant : entrants_) all.push_back(record_of(entrant));
+        for (const PopulationEntrant& candidate : candidates_) all.push_back(record_of(candidate));
         for (const Turnover& turnover : turnovers_) all.push_back(record_of(turnover));
         return all;
     }
 
 private:
-    // The n-th instance of each entrant plays and stands as the n-th of the case.
+    // The n-th instance of each candidate plays and stands as the n-th of the case.
     PopulationEntrant make(Kind kind, uint32_t count) const {
         CrowdGroup group{.character = population_.character};
         if (kind == Kind::kForGood)
             group.instance_count = count;
         else
             group.capacity = capacity_;
-        PopulationEntrant entrant = entrant_of(kind, count, group);
-        Crowd& crowd = entrant.crowd;
+        PopulationEntrant candidate = candidate_of(kind, count, group);
+        Crowd& crowd = candidate.crowd;
         if (kind == Kind::kForGood) {
-            for (uint32_t i = 0; i < count; ++i) entrant.instances.push_back({.instance = i});
+            for (uint32_t i = 0; i < count; ++i) candidate.instances.push_back({.instance = i});
         } else {
             const uint32_t born = kind == Kind::kAnywhere ? capacity_ : count;
-            entrant.instances = value_of(crowd.spawn(0, population_.placement.first(born)));
-            std::shuffle(entrant.instances.begin(), entrant.instances.end(), std::mt19937(1));
-            value_of(crowd.despawn(std::span(entrant.instances).subspan(count)));
-            entrant.instances.resize(count);
+            candidate.instances = value_of(crowd.spawn(0, population_.placement.first(born)));
+            std::shuffle(candidate.instances.begin(), candidate.instances.end(), std::mt19937(1));
+            value_of(crowd.despawn(std::span(candidate.instances).subspan(count)));
+            candidate.instances.resize(count);
         }
-        value_of(crowd.set_placement(entrant.instances, population_.placement.first(count)));
-        value_of(crowd.set_playback(entrant.instances, population_.playback.first(count)));
-        return entrant;
+        value_of(crowd.set_placement(candidate.instances, population_.placement.first(count)));
+        value_of(crowd.set_playback(candidate.instances, population_.playback.first(count)));
+        return candidate;
     }
 
-    PopulationEntrant entrant_of(Kind kind, uint32_t count, const CrowdGroup& group) const {
-        PopulationEntrant entrant{
+    PopulationEntrant candidate_of(Kind kind, uint32_t count, const CrowdGroup& group) const {
+        PopulationEntrant candidate{
             kind, count,
             value_of(Crowd::create(device_, {.groups = {group}, .path = population_.path, .culling = Culling{}}))};
-        entrant.plays.resize(count);
-        std::iota(entrant.plays.begin(), entrant.plays.end(), 0u);
-        return entrant;
+        candidate.plays.resize(count);
+        std::iota(candidate.plays.begin(), candidate.plays.end(), 0u);
+        return candidate;
     }
 
     // Checks after an update of zero time. A wrong number of instances counts as an infinite error.
-    void compare(PopulationEntrant& entrant) const {
-        value_of(entrant.crowd.update(0));
-        entrant.found_count = value_of(entrant.crowd.read_drawn()).size();
-        if (entrant.found_count != entrant.count)
-            entrant.max_error = std::numeric_limits<double>::infinity();
+    void compare(PopulationEntrant& candidate) const {
+        value_of(candidate.crowd.update(0));
+        candidate.found_count = value_of(candidate.crowd.read_drawn()).size();
+        if (candidate.found_count != candidate.count)
+            candidate.max_error = std::numeric_limits<double>::infinity();
         else
-            entrant.max_error = largest_error_of_some(entrant.count, [&](uint32_t i) { return error_of(entrant, i); });
+            candidate.max_error = largest_error_of_some(candidate.count,
+                                                        [&](uint32_t i) { return error_of(candidate, i); });
     }
 
-    double error_of(PopulationEntrant& entrant, uint32_t i) const {
-        return skin_error(value_of(entrant.crowd.read_skin_matrices(entrant.instances[i])),
-                          reference_(*population_.character, population_.playback[entrant.plays[i]]),
+    double error_of(PopulationEntrant& candidate, uint32_t i) const {
+        return skin_error(value_of(candidate.crowd.read_skin_matrices(candidate.instances[i])),
+                          reference_(*population_.character, population_.playback[candidate.plays[i]]),
                           population_.character->size);
     }
 
     void take_sample(Turnover& turnover) const {
         load_.run();
         const Stopwatch calls;
-        turnover.change(turnover.entrant);
+        turnover.change(turnover.candidate);
         turnover.call_ms.push_back(calls.elapsed_s() * 1e3);
         const Stopwatch update;
-        value_of(turnover.entrant.crowd.update(kFrame_s));
+        value_of(turnover.candidate.crowd.update(kFrame_s));
         turnover.update_ms.push_back(update.elapsed_s() * 1e3);
     }
 
     // Moves the instances to be changed, chosen at random, to the end of the list.
-    void choose(PopulationEntrant& entrant) {
+    void choose(PopulationEntrant& candidate) {
         for (uint32_t i = 0; i < changed_count_; ++i) {
-            const uint32_t last = entrant.count - 1 - i,
+            const uint32_t last = candidate.count - 1 - i,
                            chosen = std::uniform_int_distribution<uint32_t>(0, last)(random_);
-            std::swap(entrant.instances[last], entrant.instances[chosen]);
-            std::swap(entrant.plays[last], entrant.plays[chosen]);
+            std::swap(candidate.instances[last], candidate.instances[chosen]);
+            std::swap(candidate.plays[last], candidate.plays[chosen]);
         }
     }
 
-    void tell(PopulationEntrant& entrant) {
-        choose(entrant);
-        set_playback(entrant);
+    void tell(PopulationEntrant& candidate) {
+        choose(candidate);
+        set_playback(candidate);
     }
 
-    void replace(PopulationEntrant& entrant) {
-        choose(entrant);
-        const uint32_t kept = entrant.count - changed_count_;
-        value_of(entrant.crowd.despawn(std::span(entrant.instances).subspan(kept)));
+    void replace(PopulationEntrant& candidate) {
+        choose(candidate);
+        const uint32_t kept = candidate.count - changed_count_;
+        value_of(candidate.crowd.despawn(std::span(candidate.instances).subspan(kept)));
         const std::vector<InstanceHandle> born = value_of(
-            entrant.crowd.spawn(0, population_.placement.subspan(kept, changed_count_)));
-        std::ranges::copy(born, entrant.instances.begin() + kept);
-        set_playback(entrant);
+            candidate.crowd.spawn(0, population_.placement.subspan(kept, changed_count_)));
+        std::ranges::copy(born, candidate.instances.begin() + kept);
+        set_playback(candidate);
     }
 
     // Sets the playback of the instances at the end of the list.
-    void set_playback(PopulationEntrant& entrant) const {
-        const uint32_t kept = entrant.count - changed_count_;
-        value_of(entrant.crowd.set_playback(std::span(entrant.instances).subspan(kept),
-                                            population_.playback.subspan(kept, changed_count_)));
-        std::iota(entrant.plays.begin() + kept, entrant.plays.end(), kept);
+    void set_playback(PopulationEntrant& candidate) const {
+        const uint32_t kept = candidate.count - changed_count_;
+        value_of(candidate.crowd.set_playback(std::span(candidate.instances).subspan(kept),
+                                              population_.playback.subspan(kept, changed_count_)));
+        std::iota(candidate.plays.begin() + kept, candidate.plays.end(), kept);
     }
 
     // Like make(), but spawns the instances by commands, as shaders do, at a random half of the instance numbers.
     PopulationEntrant make_commanded(uint32_t count) const {
-        PopulationEntrant entrant = entrant_of(Kind::kAnywhere, count,
-                                               {.character = population_.character,
-                                                .capacity = capacity_,
-                                                .command_capacity = 3 * capacity_,
-                                                .shaders_populate = true});
-        for (uint32_t i = 0; i < capacity_; ++i) entrant.instances.push_back({.instance = i});
-        std::shuffle(entrant.instances.begin(), entrant.instances.end(), std::mt19937(1));
-        value_of(entrant.crowd.update(0));
+        PopulationEntrant candidate = candidate_of(Kind::kAnywhere, count,
+                                                   {.character = population_.character,
+                                                    .capacity = capacity_,
+                                                    .command_capacity = 3 * capacity_,
+                                                    .shaders_populate = true});
+        for (uint32_t i = 0; i < capacity_; ++i) candidate.instances.push_back({.instance = i});
+        std::shuffle(candidate.instances.begin(), candidate.instances.end(), std::mt19937(1));
+        value_of(candidate.crowd.update(0));
         std::vector<InstanceCommand> commands;
-        for (uint32_t i = 0; i < count; ++i) add_birth(commands, entrant, i);
-        write(entrant.crowd, commands);
-        return entrant;
+        for (uint32_t i = 0; i < count; ++i) add_birth(commands, candidate, i);
+        write(candidate.crowd, commands);
+        return candidate;
     }
 
     // The first `count` instances of the list are alive. Some of them die, and as many others are born with the same
     // playbacks.
-    void command(PopulationEntrant& entrant) {
+    void command(PopulationEntrant& candidate) {
         std::vector<InstanceCommand> commands;
         for (uint32_t i = 0; i < changed_count_; ++i) {
-            const uint32_t gone = std::uniform_int_distribution<uint32_t>(0, entrant.count - 1)(random_),
-                           born = std::uniform_int_distribution<uint32_t>(std::min(entrant.count, capacity_ - 1),
+            const uint32_t gone = std::uniform_int_distribution<uint32_t>(0, candidate.count - 1)(random_),
+                           born = std::uniform_int_distribution<uint32_t>(std::min(candidate.count, capacity_ - 1),
                                                                           capacity_ - 1)(random_);
-            commands.push_back(InstanceCommand::despawn(entrant.instances[gone].instance));
-            std::swap(entrant.instances[gone], entrant.instances[born]);
-            add_birth(commands, entrant, gone);
+            commands.push_back(InstanceCommand::despawn(candidate.instances[gone].instance));
+            std::swap(candidate.instances[gone], candidate.instances[born]);
+            add_birth(commands, candidate, gone);
         }
-        write(entrant.crowd, commands);
+        write(candidate.crowd, commands);
     }
 
-    void add_birth(std::vector<InstanceCommand>& commands, const PopulationEntrant& entrant, uint32_t i) const {
-        const uint32_t instance = entrant.instances[i].instance;
+    void add_birth(std::vector<InstanceCommand>& commands, const PopulationEntrant& candidate, uint32_t i) const {
+        const uint32_t instance = candidate.instances[i].instance;
         commands.push_back(InstanceCommand::spawn(instance, population_.placement[i]));
         commands.push_back(InstanceCommand::set_playback(instance, population_.playback[i]));
     }
@@ -242,29 +243,29 @@ private:
         });
     }
 
-    Json record_of(const PopulationEntrant& entrant, const char* field, const char* name) const {
+    Json record_of(const PopulationEntrant& candidate, const char* field, const char* name) const {
         Json record = new_record(device_, "population", population_.configuration, *population_.character);
-        record.update({{"path", path_name(entrant.crowd)},
+        record.update({{"path", path_name(candidate.crowd)},
                        {"capacity", capacity_},
                        {field, name},
-                       {"characters", entrant.count},
-                       {"max_error", entrant.max_error}});
-        if (entrant.is_wrong()) record["wrong"] = true;
-        if (entrant.found_count != entrant.count) record["found"] = entrant.found_count;
+                       {"characters", candidate.count},
+                       {"max_error", candidate.max_error}});
+        if (candidate.is_wrong()) record["wrong"] = true;
+        if (candidate.found_count != candidate.count) record["found"] = candidate.found_count;
         return record;
     }
 
-    Json record_of(const PopulationEntrant& entrant) const {
-        Json record = record_of(entrant, "instances", kKindNames[static_cast<size_t>(entrant.kind)]);
-        record["memory_bytes"] = entrant.crowd.size_bytes();
-        entrant.times.add_to(record);
+    Json record_of(const PopulationEntrant& candidate) const {
+        Json record = record_of(candidate, "instances", kKindNames[static_cast<size_t>(candidate.kind)]);
+        record["memory_bytes"] = candidate.crowd.size_bytes();
+        candidate.times.add_to(record);
         return record;
     }
 
     Json record_of(const Turnover& turnover) const {
-        Json record = record_of(turnover.entrant, "frames_with", turnover.name);
+        Json record = record_of(turnover.candidate, "frames_with", turnover.name);
         record["changed"] = changed_count_;
-        if (turnover.entrant.is_wrong()) return record;
+        if (turnover.candidate.is_wrong()) return record;
         record.update({{"samples", turnover.call_ms.size()},
                        {"call_ms", spread_json(spread_of(turnover.call_ms))},
                        {"update_ms", spread_json(spread_of(turnover.update_ms))}});
@@ -277,7 +278,7 @@ private:
     const SkinReference& reference_;
     uint32_t capacity_, changed_count_;
     std::mt19937 random_{2};
-    std::vector<PopulationEntrant> entrants_;
+    std::vector<PopulationEntrant> candidates_;
     std::vector<Turnover> turnovers_;
 };
 

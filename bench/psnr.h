@@ -30,6 +30,6 @@ inline double psnr(const Picture& a, const Picture& b, size_t left_out_pixels = 
 // The least psnr() that two renderers' pictures must have if one of them places vertices with this number of sub-pixel
 // bits. With 8, as most devices and throng's own renderer have, 45 dB is a difference of 1.4 of 255 in every pixel, or
 // of 20 in 0.5 % of them; with SwiftShader's 4 the edges of all triangles move a little.
-constexpr double least_alike_db(uint32_t sub_pixel_bits) { return sub_pixel_bits >= 8 ? 45 : 33; }
+constexpr double min_alike_db(uint32_t sub_pixel_bits) { return sub_pixel_bits >= 8 ? 45 : 33; }
 
 }  // namespace throng::bench

@@ -1,4 +1,4 @@
-// Interleaved rounds: A B C A B C …, so that whatever disturbs the machine disturbs all contestants alike.
+// Interleaved rounds: A B C A B C …, so that whatever disturbs the machine disturbs all timed_runs alike.
 #pragma once
 
 #include <chrono>
@@ -21,22 +21,22 @@ private:
 
 struct Sampling {
     uint32_t samples = 15;
-    uint32_t least_samples = 3;  // even if it is too slow for the budget
-    double budget_s = 0;         // for checking and timing
+    uint32_t min_samples = 3;  // even if it is too slow for the budget
+    double budget_s = 0;       // for checking and timing
 };
 
-struct Contestant {
+struct TimedRun {
     std::string name;
     std::function<void()> sample;  // takes one
 };
 
 using Progress = std::function<void(const std::string&)>;
 
-// Runs rounds until each contestant has all its samples, or has the least number of them and has used up its share of
+// Runs rounds until each timed_run has all its samples, or has the least number of them and has used up its share of
 // `time_s`.
-void run_rounds(std::span<const Contestant> contestants, const Sampling& sampling, double time_s,
+void run_rounds(std::span<const TimedRun> timed_runs, const Sampling& sampling, double time_s,
                 const Progress& progress);
 // All samples, however long they take.
-void run_rounds(std::span<const Contestant> contestants, uint32_t samples, const Progress& progress);
+void run_rounds(std::span<const TimedRun> timed_runs, uint32_t samples, const Progress& progress);
 
 }  // namespace throng::bench

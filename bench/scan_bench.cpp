@@ -65,7 +65,7 @@ std::string label(const ScanCell& cell) {
 }
 
 // "name" with each number of threads that the device allows, or "name:threads".
-Entrant entrant(const std::string& text, const ScanLimits& limits) {
+Candidate candidate(const std::string& text, const ScanLimits& limits) {
     const auto [method, wanted] = parse_scan_request(text);
     std::vector<uint32_t> threads = method->thread_choices(limits);
     if (wanted) {
@@ -76,17 +76,17 @@ Entrant entrant(const std::string& text, const ScanLimits& limits) {
         threads = {*wanted};
     }
     if (threads.empty()) threads = {0};  // plan_scan() says why not
-    Entrant out{.name = std::string(method->name)};
+    Candidate out{.name = std::string(method->name)};
     for (const uint32_t count : threads) out.choices.push_back({method, count});
     return out;
 }
 
-std::vector<Entrant> entrants_of(const ScanBenchSettings& settings, const ScanLimits& limits) {
-    std::vector<Entrant> entrants;
-    for (const std::string& method : settings.methods) entrants.push_back(entrant(method, limits));
+std::vector<Candidate> candidates_of(const ScanBenchSettings& settings, const ScanLimits& limits) {
+    std::vector<Candidate> candidates;
+    for (const std::string& method : settings.methods) candidates.push_back(candidate(method, limits));
     if (settings.methods.empty())
-        for (const ScanMethod& method : scan_table()) entrants.push_back(entrant(std::string(method.name), limits));
-    return entrants;
+        for (const ScanMethod& method : scan_table()) candidates.push_back(candidate(std::string(method.name), limits));
+    return candidates;
 }
 
 constexpr const char* kAuto = "auto";
@@ -99,17 +99,17 @@ bool is_choice(const Json& record, const ScanChoice& choice) {
 // The cell's records, and one more for the planner's choice: a copy of the record of the same choice if there is one,
 // so that a kernel is not compared with itself, else one measured in the same rounds.
 std::vector<Json> measure_with_planner(const std::shared_ptr<Gpu>& gpu, const ScanCell& cell,
-                                       std::vector<Entrant> entrants, const Sampling& sampling,
+                                       std::vector<Candidate> candidates, const Sampling& sampling,
                                        const Progress& progress) {
     const ScanChoice chosen =
         choose_scan(kAuto, cell.rig(), cell.characters, scan_limits(*gpu), scan_costs(*gpu)).choice;
     // A method with a choice of threads has a row only for its fastest choice.
     const bool has_row = chosen.threads == 0 &&
-                         std::any_of(entrants.begin(), entrants.end(), [&](const Entrant& entrant) {
-                             return entrant.choices.front().method == chosen.method;
+                         std::any_of(candidates.begin(), candidates.end(), [&](const Candidate& candidate) {
+                             return candidate.choices.front().method == chosen.method;
                          });
-    if (!has_row) entrants.push_back({kAuto, {chosen}});
-    std::vector<Json> records = measure_scans(gpu, cell, entrants, sampling, progress);
+    if (!has_row) candidates.push_back({kAuto, {chosen}});
+    std::vector<Json> records = measure_scans(gpu, cell, candidates, sampling, progress);
     if (!has_row &&
         std::any_of(records.begin(), records.end() - 1, [&](const Json& record) { return is_choice(record, chosen); }))
         records.pop_back();
@@ -144,7 +144,7 @@ void run_scan_bench(const Device& device, const ScanBenchSettings& settings, con
                     const std::function<void(std::span<const Json>)>& cell_done) {
     const std::shared_ptr<Gpu>& gpu = device.gpu();
     const std::vector<ScanCell> cells = cells_of(settings);
-    const std::vector<Entrant> entrants = entrants_of(settings, scan_limits(*gpu));
+    const std::vector<Candidate> candidates = candidates_of(settings, scan_limits(*gpu));
 
     const Stopwatch watch;
     const double all_weight = std::accumulate(cells.begin(), cells.end(), 0.0,
@@ -161,8 +161,8 @@ void run_scan_bench(const Device& device, const ScanBenchSettings& settings, con
             progress(label(cell) + ": " + text + "; " +
                      time_left(cell_left_s + s_per_weight * (left_weight - weight(cell))));
         };
-        cell_done(cell.experiment == "on_chip" ? measure_on_chip(gpu, cell, entrants, sampling, cell_progress)
-                                               : measure_with_planner(gpu, cell, entrants, sampling, cell_progress));
+        cell_done(cell.experiment == "on_chip" ? measure_on_chip(gpu, cell, candidates, sampling, cell_progress)
+                                               : measure_with_planner(gpu, cell, candidates, sampling, cell_progress));
         done_weight += weight(cell);
         done_s = watch.elapsed_s();
     }

@@ -20,9 +20,9 @@ Json describe_cell(const ScanCell& cell, const ScanRig& rig, const DeviceInfo& d
 
 bool ScanCheck::runs() const { return choice && !is_wrong(max_error); }
 
-Json describe_check(const Json& cell_record, const Entrant& entrant, const ScanCheck& check) {
+Json describe_check(const Json& cell_record, const Candidate& candidate, const ScanCheck& check) {
     Json record = cell_record;
-    record["method"] = entrant.name;
+    record["method"] = candidate.name;
     if (!check.choice) {
         record["unsupported_reason"] = check.unsupported_reason;
         return record;

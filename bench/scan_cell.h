@@ -20,12 +20,12 @@ struct ScanCell {
 };
 
 // A row of the results. Only the fastest of its choices is timed; they share the layout and the format of one method.
-struct Entrant {
+struct Candidate {
     std::string name;
     std::vector<ScanChoice> choices;
 };
 
-// What the check of an entrant has shown.
+// What the check of an candidate has shown.
 struct ScanCheck {
     std::string unsupported_reason;
     std::optional<ScanChoice> choice;  // the fastest; none where no choice applies
@@ -36,29 +36,30 @@ struct ScanCheck {
     bool runs() const;
 };
 
-// The fields of bench/README.md that a cell's records share, and those of an entrant after its check.
+// The fields of bench/README.md that a cell's records share, and those of an candidate after its check.
 Json describe_cell(const ScanCell& cell, const ScanRig& rig, const DeviceInfo& device);
-Json describe_check(const Json& cell_record, const Entrant& entrant, const ScanCheck& check);
+Json describe_check(const Json& cell_record, const Candidate& candidate, const ScanCheck& check);
 
-// Calls check(entrant) for each.
+// Calls check(candidate) for each.
 template <class Check>
-auto check_all(std::span<const Entrant> entrants, const Progress& progress, const Check& check) {
-    std::vector<decltype(check(entrants.front()))> checked;
-    for (const Entrant& entrant : entrants) {
-        progress("checking " + entrant.name + ", " + std::to_string(checked.size() + 1) + " of " +
-                 std::to_string(entrants.size()));
-        checked.push_back(check(entrant));
+auto check_all(std::span<const Candidate> candidates, const Progress& progress, const Check& check) {
+    std::vector<decltype(check(candidates.front()))> checked;
+    for (const Candidate& candidate : candidates) {
+        progress("checking " + candidate.name + ", " + std::to_string(checked.size() + 1) + " of " +
+                 std::to_string(candidates.size()));
+        checked.push_back(check(candidate));
     }
     return checked;
 }
 
-// measure_scans: checks each entrant, then times the correct ones and a copy of the same bytes in interleaved rounds.
+// measure_scans: checks each candidate, then times the correct ones and a copy of the same bytes in interleaved rounds.
 // measure_on_chip: the same without memory (scan.glsl, SCAN_ON_CHIP), with as many joints as leave every method room in
-// shared memory, and with few characters on a software device. Both return a record for each entrant, in their order,
+// shared memory, and with few characters on a software device. Both return a record for each candidate, in their order,
 // and throw kLimit and kOutOfMemory.
 std::vector<Json> measure_scans(const std::shared_ptr<Gpu>& gpu, const ScanCell& cell,
-                                std::span<const Entrant> entrants, const Sampling& sampling, const Progress& progress);
-std::vector<Json> measure_on_chip(const std::shared_ptr<Gpu>& gpu, ScanCell cell, std::span<const Entrant> entrants,
+                                std::span<const Candidate> candidates, const Sampling& sampling,
+                                const Progress& progress);
+std::vector<Json> measure_on_chip(const std::shared_ptr<Gpu>& gpu, ScanCell cell, std::span<const Candidate> candidates,
                                   const Sampling& sampling, const Progress& progress);
 
 }  // namespace throng::bench

@@ -15,7 +15,7 @@ constexpr std::array<Constant, 5> kOfEveryDevice{&ScanCosts::launch_ms, &ScanCos
 constexpr std::array<Constant, 5> kOfGpus{&ScanCosts::scattered_rows, &ScanCosts::latency_ns, &ScanCosts::units,
                                           &ScanCosts::resident_subgroups, &ScanCosts::bytes_per_ns};
 
-constexpr double kLeast = 1e-3;  // lower bound, in each constant's unit: a cost that is too small to show is not 0
+constexpr double kMinimum = 1e-3;  // lower bound, in each constant's unit: a cost that is too small to show is not 0
 
 // An observation with its plan, which does not depend on the constants.
 struct PlannedObservation {
@@ -67,7 +67,7 @@ ScanCosts fit_scan_costs(std::span<const ScanObservation> observations, const Sc
         for (const Constant constant : constants) {
             for (const double step : {factor, 1 / factor}) {
                 ScanCosts trial = best;
-                trial.*constant = std::max(trial.*constant * step, kLeast);
+                trial.*constant = std::max(trial.*constant * step, kMinimum);
                 const double cost = cost_of(planned, limits, trial);
                 if (cost >= best_cost) continue;
                 best = trial;

@@ -50,27 +50,27 @@ private:
 
 // The kernel of the choice that is fastest here, compiled and warm; none where no choice applies, and
 // `unsupported_reason` says why.
-std::optional<Runner> fastest(const std::shared_ptr<Gpu>& gpu, const GpuClock& clock, const Entrant& entrant,
+std::optional<Runner> fastest(const std::shared_ptr<Gpu>& gpu, const GpuClock& clock, const Candidate& candidate,
                               const ScanRig& rig, ScanCrowd& crowd, std::string& unsupported_reason) {
     // A software device's time is proportional to the number of characters if there are many: a part of them will do.
     constexpr uint32_t kMany = 4'000, kPart = 8, kRuns = 3;
     const uint32_t part = gpu->is_cpu() && crowd.instance_count() >= kMany ? kPart : 1;
     const auto best_of_runs_ms = [&](const Runner& runner) {
-        double least_ms = std::numeric_limits<double>::infinity();
+        double min_ms = std::numeric_limits<double>::infinity();
         for (uint32_t run = 0; run < kRuns; ++run)
-            least_ms = std::min(least_ms,
-                                clock.time_ms([&](VkCommandBuffer commands) { runner.record(commands, crowd, part); }));
-        return least_ms;
+            min_ms = std::min(min_ms,
+                              clock.time_ms([&](VkCommandBuffer commands) { runner.record(commands, crowd, part); }));
+        return min_ms;
     };
     std::optional<Runner> best;
     double best_ms = std::numeric_limits<double>::infinity();
-    for (const ScanChoice& choice : entrant.choices) {
+    for (const ScanChoice& choice : candidate.choices) {
         unsupported_reason = plan_scan(*choice.method, rig, scan_limits(*gpu), choice.threads).unsupported_reason;
         if (!unsupported_reason.empty()) continue;
         Runner runner(gpu, choice, rig, crowd);
         // The first run compiles
         gpu->submit_and_wait([&](VkCommandBuffer commands) { runner.stage.record(commands, runner.bindings[0], 1); });
-        const double time_ms = entrant.choices.size() > 1 ? best_of_runs_ms(runner) : 0;
+        const double time_ms = candidate.choices.size() > 1 ? best_of_runs_ms(runner) : 0;
         if (time_ms >= best_ms) continue;
         best_ms = time_ms;
         best = std::move(runner);
@@ -78,10 +78,10 @@ std::optional<Runner> fastest(const std::shared_ptr<Gpu>& gpu, const GpuClock& c
     return best;
 }
 
-CheckedRun check(const std::shared_ptr<Gpu>& gpu, const GpuClock& clock, const Entrant& entrant, const ScanRig& rig,
+CheckedRun check(const std::shared_ptr<Gpu>& gpu, const GpuClock& clock, const Candidate& candidate, const ScanRig& rig,
                  ScanCrowd& crowd) {
     CheckedRun checked;
-    checked.runner = fastest(gpu, clock, entrant, rig, crowd, checked.unsupported_reason);
+    checked.runner = fastest(gpu, clock, candidate, rig, crowd, checked.unsupported_reason);
     if (!checked.runner) return checked;
     const ScanStage& stage = checked.runner->stage;
     checked.choice = stage.choice();
@@ -93,8 +93,8 @@ CheckedRun check(const std::shared_ptr<Gpu>& gpu, const GpuClock& clock, const E
     return checked;
 }
 
-Json record_of(const Entrant& entrant, const CheckedRun& checked, const Json& cell_record, double copy_ms) {
-    Json record = describe_check(cell_record, entrant, checked);
+Json record_of(const Candidate& candidate, const CheckedRun& checked, const Json& cell_record, double copy_ms) {
+    Json record = describe_check(cell_record, candidate, checked);
     if (!checked.runs()) return record;
     const uint64_t matrix_count = record["characters"].get<uint64_t>() * record["joints"].get<uint64_t>();
     const Spread spread = spread_of(checked.times_ms);
@@ -110,7 +110,8 @@ Json record_of(const Entrant& entrant, const CheckedRun& checked, const Json& ce
 }  // namespace
 
 std::vector<Json> measure_scans(const std::shared_ptr<Gpu>& gpu, const ScanCell& cell,
-                                std::span<const Entrant> entrants, const Sampling& sampling, const Progress& progress) {
+                                std::span<const Candidate> candidates, const Sampling& sampling,
+                                const Progress& progress) {
     const Stopwatch watch;
     const GpuClock clock(gpu);
     const ScanRig rig = cell.rig();
@@ -118,29 +119,29 @@ std::vector<Json> measure_scans(const std::shared_ptr<Gpu>& gpu, const ScanCell&
     ScanCrowd crowd(gpu, rig, cell.characters, cell.seed);
 
     std::vector<CheckedRun> checked = check_all(
-        entrants, progress, [&](const Entrant& entrant) { return check(gpu, clock, entrant, rig, crowd); });
+        candidates, progress, [&](const Candidate& candidate) { return check(gpu, clock, candidate, rig, crowd); });
 
     std::vector<double> copy_times_ms;
-    std::vector<Contestant> contestants;
+    std::vector<TimedRun> timed_runs;
     const auto enter = [&](const std::string& name, const auto& runner, std::vector<double>& times_ms) {
-        contestants.push_back(
-            {name, [&] {
-                 times_ms.push_back(clock.time_ms([&](VkCommandBuffer commands) { runner.record(commands, crowd); }));
-             }});
+        timed_runs.push_back({name, [&] {
+                                  times_ms.push_back(
+                                      clock.time_ms([&](VkCommandBuffer commands) { runner.record(commands, crowd); }));
+                              }});
     };
     const CopyRunner copy(gpu, crowd);
     // Warms up the copy; the check has warmed up the others
     clock.time_ms([&](VkCommandBuffer commands) { copy.record(commands, crowd); });
     enter("copy", copy, copy_times_ms);
-    for (size_t i = 0; i < entrants.size(); ++i)
-        if (checked[i].runs()) enter(entrants[i].name, *checked[i].runner, checked[i].times_ms);
-    run_rounds(contestants, sampling, sampling.budget_s - watch.elapsed_s(), progress);
+    for (size_t i = 0; i < candidates.size(); ++i)
+        if (checked[i].runs()) enter(candidates[i].name, *checked[i].runner, checked[i].times_ms);
+    run_rounds(timed_runs, sampling, sampling.budget_s - watch.elapsed_s(), progress);
 
     const Json cell_record = describe_cell(cell, rig, gpu->info);
     const double copy_ms = spread_of(copy_times_ms).median;
     std::vector<Json> records;
-    for (size_t i = 0; i < entrants.size(); ++i)
-        records.push_back(record_of(entrants[i], checked[i], cell_record, copy_ms));
+    for (size_t i = 0; i < candidates.size(); ++i)
+        records.push_back(record_of(candidates[i], checked[i], cell_record, copy_ms));
     return records;
 }
 

@@ -20,11 +20,11 @@ void weigh(std::span<ScanObservation> of_cell) {
 
 std::vector<ScanObservation> observe_scans(const std::shared_ptr<Gpu>& gpu, bool quick, const Progress& progress) {
     const ScanLimits limits = scan_limits(*gpu);
-    std::vector<Entrant> entrants;
+    std::vector<Candidate> candidates;
     for (const ScanMethod& method : scan_table())
         if (method.layout == ScanLayout::kCharacterMajor)
             for (const uint32_t threads : planned_choices(method, limits))
-                entrants.push_back({name_of(ScanChoice{&method, threads}), {{&method, threads}}});
+                candidates.push_back({name_of(ScanChoice{&method, threads}), {{&method, threads}}});
 
     // Crowds limited by the launch, by latency, and by throughput; fewer than `many` do not fill a GPU.
     const uint32_t many = limits.is_cpu ? 1'000 : 20'000;
@@ -39,16 +39,16 @@ std::vector<ScanObservation> observe_scans(const std::shared_ptr<Gpu>& gpu, bool
                 progress(std::to_string(joints) + " joints, " + std::to_string(characters) + " characters: " + text);
             };
             const std::vector<Json> records = measure_scans(
-                gpu, cell, entrants, {.samples = quick ? 3u : 7u, .least_samples = 2, .budget_s = quick ? 2.0 : 6.0},
+                gpu, cell, candidates, {.samples = quick ? 3u : 7u, .min_samples = 2, .budget_s = quick ? 2.0 : 6.0},
                 cell_progress);
             const size_t first = observations.size();
-            for (size_t i = 0; i < entrants.size(); ++i) {
+            for (size_t i = 0; i < candidates.size(); ++i) {
                 if (records[i].contains("wrong"))
-                    throw Failure(ErrorCode::kVulkan, "scan method '" + entrants[i].name + "'",
+                    throw Failure(ErrorCode::kVulkan, "scan method '" + candidates[i].name + "'",
                                   "gives wrong results on this device; nothing was kept");
                 const double median_ms = records[i].value("median_ms", 0.0);
                 if (median_ms > 0)
-                    observations.push_back({entrants[i].choices.front(), cell.rig(), characters, median_ms});
+                    observations.push_back({candidates[i].choices.front(), cell.rig(), characters, median_ms});
             }
             weigh(std::span(observations).subspan(first));
         }

@@ -59,7 +59,7 @@ void UpdateTimes::take(const GpuLoad& load, Crowd& crowd, float time_step_s, con
     value_of(crowd.update(time_step_s, view));
     const double host_ms = watch.elapsed_s() * 1e3;
     const StageTimes times = value_of(crowd.stage_times());
-    take(believed_reading(load.gpu(), times.total(), host_ms));
+    take(credible_reading(load.gpu(), times.total(), host_ms));
     for (size_t s = 0; s < stage_names().size(); ++s) stage_ms_[s].push_back(times.ms[s]);
 }
 

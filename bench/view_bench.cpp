@@ -44,8 +44,8 @@ public:
     void check(const Progress& progress) {
         for (const ViewVariant& variant : kViewVariants) {
             progress(seen_.configuration + ": checking " + variant.name);
-            ViewEntrant& entrant = entrants_.emplace_back();
-            entrant.variant = &variant;
+            ViewEntrant& candidate = candidates_.emplace_back();
+            candidate.variant = &variant;
             Result<Crowd> made = Crowd::create(
                 device_, {.groups = {{.character = seen_.character, .instance_count = count()}},
                           .path = seen_.path,
@@ -53,47 +53,47 @@ public:
                                                                            .reduces_joints = variant.reduces_joints})
                                                    : std::nullopt});
             if (!made) {
-                entrant.unsupported_reason = made.error().text();
+                candidate.unsupported_reason = made.error().text();
                 continue;
             }
-            entrant.crowd = std::move(*made);
-            value_of(entrant.crowd->set_placement(entrant.crowd->instances(), seen_.placement));
-            value_of(entrant.crowd->set_playback(entrant.crowd->instances(), seen_.playback));
-            if (!view_) view_ = seen_.view_of(world_bounds(*entrant.crowd));
-            for (uint32_t i = 0; i < kSettling; ++i) value_of(entrant.crowd->update(0, entrant.view(*view_)));
-            compare(entrant);
-            if (!entrant.drawn.empty()) continue;
-            entrant.unsupported_reason = "the camera sees none of the characters";  // so nothing has been checked
-            entrant.crowd.reset();
+            candidate.crowd = std::move(*made);
+            value_of(candidate.crowd->set_placement(candidate.crowd->instances(), seen_.placement));
+            value_of(candidate.crowd->set_playback(candidate.crowd->instances(), seen_.playback));
+            if (!view_) view_ = seen_.view_of(world_bounds(*candidate.crowd));
+            for (uint32_t i = 0; i < kSettling; ++i) value_of(candidate.crowd->update(0, candidate.view(*view_)));
+            compare(candidate);
+            if (!candidate.drawn.empty()) continue;
+            candidate.unsupported_reason = "the camera sees none of the characters";  // so nothing has been checked
+            candidate.crowd.reset();
         }
     }
 
     void time(uint32_t samples, const Progress& progress) {
-        std::vector<Contestant> contestants;
-        for (ViewEntrant& entrant : entrants_)
-            if (entrant.crowd && !is_wrong(entrant))
-                contestants.push_back({seen_.configuration + ": " + entrant.variant->name, [&] {
-                                           entrant.times.take(load_, *entrant.crowd, kFrame_s, entrant.view(*view_));
-                                       }});
-        run_rounds(contestants, samples, progress);
+        std::vector<TimedRun> timed_runs;
+        for (ViewEntrant& candidate : candidates_)
+            if (candidate.crowd && !is_wrong(candidate))
+                timed_runs.push_back(
+                    {seen_.configuration + ": " + candidate.variant->name,
+                     [&] { candidate.times.take(load_, *candidate.crowd, kFrame_s, candidate.view(*view_)); }});
+        run_rounds(timed_runs, samples, progress);
     }
 
     std::vector<Json> records() const {
         std::vector<Json> records;
-        for (const ViewEntrant& entrant : entrants_) records.push_back(record_of(entrant));
+        for (const ViewEntrant& candidate : candidates_) records.push_back(record_of(candidate));
         return records;
     }
 
 private:
     // Fewer joints may move a vertex by at most the error that the view allows for levels of detail.
-    bool is_wrong(const ViewEntrant& entrant) const {
-        return !(entrant.max_error <= kSkinErrorBound && entrant.max_pixels <= view_->lod_pixels);
+    bool is_wrong(const ViewEntrant& candidate) const {
+        return !(candidate.max_error <= kSkinErrorBound && candidate.max_pixels <= view_->lod_pixels);
     }
 
     uint32_t count() const { return static_cast<uint32_t>(seen_.playback.size()); }
 
-    std::vector<DrawnInstance> drawn_by(ViewEntrant& entrant) const {
-        if (entrant.variant->culls) return value_of(entrant.crowd->read_drawn());
+    std::vector<DrawnInstance> drawn_by(ViewEntrant& candidate) const {
+        if (candidate.variant->culls) return value_of(candidate.crowd->read_drawn());
         std::vector<DrawnInstance> all;
         for (uint32_t i = 0; i < count(); ++i) all.push_back({.instance = i});
         return all;
@@ -101,49 +101,49 @@ private:
 
     // Checks some instances of each level of detail that is drawn: their skin matrices, or, if they have fewer joints,
     // how far the vertices are off as seen in the view.
-    void compare(ViewEntrant& entrant) const {
-        std::vector<DrawnInstance> drawn = drawn_by(entrant);
+    void compare(ViewEntrant& candidate) const {
+        std::vector<DrawnInstance> drawn = drawn_by(candidate);
         std::ranges::stable_sort(drawn, {}, &DrawnInstance::lod);  // large crowds are listed batch by batch
-        entrant.drawn = tools::count_by_lod(drawn);
+        candidate.drawn = tools::count_by_lod(drawn);
         auto first = drawn.begin();
-        for (const uint32_t of_level : entrant.drawn) {
+        for (const uint32_t of_level : candidate.drawn) {
             const uint32_t checked = std::min(kCheckedOfEachLevel, of_level);
-            for (uint32_t i = 0; i < checked; ++i) compare(entrant, first[int64_t{of_level} * i / checked]);
+            for (uint32_t i = 0; i < checked; ++i) compare(candidate, first[int64_t{of_level} * i / checked]);
             first += of_level;
         }
     }
 
-    void compare(ViewEntrant& entrant, const DrawnInstance& one) const {
+    void compare(ViewEntrant& candidate, const DrawnInstance& one) const {
         const ReferencePose pose = value_of(reference_pose(*seen_.character, seen_.playback[one.instance]));
-        if (entrant.variant->reduces_joints && one.lod > 0)
-            entrant.max_pixels = std::max(
-                entrant.max_pixels,
-                pixels_off(value_of(entrant.crowd->read_positions({one.instance})),
+        if (candidate.variant->reduces_joints && one.lod > 0)
+            candidate.max_pixels = std::max(
+                candidate.max_pixels,
+                pixels_off(value_of(candidate.crowd->read_positions({one.instance})),
                            reference_positions(*seen_.character, pose), seen_.placement[one.instance], *view_));
         else
-            entrant.max_error = std::max(entrant.max_error,
-                                         skin_error(value_of(entrant.crowd->read_skin_matrices({one.instance})),
-                                                    pose.model_from_bind, seen_.character->size));
+            candidate.max_error = std::max(candidate.max_error,
+                                           skin_error(value_of(candidate.crowd->read_skin_matrices({one.instance})),
+                                                      pose.model_from_bind, seen_.character->size));
     }
 
-    Json record_of(const ViewEntrant& entrant) const {
+    Json record_of(const ViewEntrant& candidate) const {
         Json record = new_record(device_, "view", seen_.configuration, *seen_.character);
-        record.update({{"variant", entrant.variant->name}, {"characters", count()}});
-        if (!entrant.crowd) {
-            record["unsupported_reason"] = entrant.unsupported_reason;
+        record.update({{"variant", candidate.variant->name}, {"characters", count()}});
+        if (!candidate.crowd) {
+            record["unsupported_reason"] = candidate.unsupported_reason;
             return record;
         }
-        record.update({{"path", path_name(*entrant.crowd)},
-                       {"drawn", entrant.drawn},
-                       {"memory_bytes", entrant.crowd->size_bytes()},
-                       {"max_error", entrant.max_error}});
-        if (entrant.variant->culls) record["lod_pixels"] = view_->lod_pixels;
-        if (entrant.variant->reduces_joints) record["max_pixels"] = entrant.max_pixels;
-        if (entrant.variant->skips_updates) record["full_rate_pixels"] = view_->full_rate_pixels;
-        if (is_wrong(entrant)) record["wrong"] = true;
-        entrant.times.add_to(record);
-        if (const double all_ms = entrants_.front().times.total().median; all_ms > 0 && entrant.times.count() > 0)
-            record["times_faster"] = all_ms / entrant.times.total().median;
+        record.update({{"path", path_name(*candidate.crowd)},
+                       {"drawn", candidate.drawn},
+                       {"memory_bytes", candidate.crowd->size_bytes()},
+                       {"max_error", candidate.max_error}});
+        if (candidate.variant->culls) record["lod_pixels"] = view_->lod_pixels;
+        if (candidate.variant->reduces_joints) record["max_pixels"] = candidate.max_pixels;
+        if (candidate.variant->skips_updates) record["full_rate_pixels"] = view_->full_rate_pixels;
+        if (is_wrong(candidate)) record["wrong"] = true;
+        candidate.times.add_to(record);
+        if (const double all_ms = candidates_.front().times.total().median; all_ms > 0 && candidate.times.count() > 0)
+            record["times_faster"] = all_ms / candidate.times.total().median;
         return record;
     }
 
@@ -151,7 +151,7 @@ private:
     GpuLoad load_;
     const ViewCase& seen_;
     std::optional<CrowdView> view_;
-    std::vector<ViewEntrant> entrants_;
+    std::vector<ViewEntrant> candidates_;
 };
 
 }  // namespace

@@ -381,18 +381,18 @@ TEST_P(AttachInRows, NobodyHangsOnItself) {
 }
 
 TEST_P(AttachInRows, MayNotBeTooLong) {
-    constexpr uint32_t kMost = 64;
+    constexpr uint32_t kMaximum = 64;
     Crowd crowd =
         Crowd::create(
             test_device(),
-            {.groups = {{.character = &rider_, .instance_count = kMost + 2, .sockets = {4, 1}, .is_carried = true}},
+            {.groups = {{.character = &rider_, .instance_count = kMaximum + 2, .sockets = {4, 1}, .is_carried = true}},
              .path = GetParam()})
             .expect();
-    const std::vector<InstanceHandle> all = handles(crowd, 0, kMost + 2);
+    const std::vector<InstanceHandle> all = handles(crowd, 0, kMaximum + 2);
     std::vector<Hanging> rows;
-    for (uint32_t i = 1; i <= kMost; ++i) rows.push_back({all[i], {.carrier = all[i - 1]}});
+    for (uint32_t i = 1; i <= kMaximum; ++i) rows.push_back({all[i], {.carrier = all[i - 1]}});
     hang(crowd, rows);
-    EXPECT_NE(refusal(crowd.attach(all[0], Attachment{.carrier = all[kMost + 1]})).find("more than 64 carriers"),
+    EXPECT_NE(refusal(crowd.attach(all[0], Attachment{.carrier = all[kMaximum + 1]})).find("more than 64 carriers"),
               std::string::npos);
     ASSERT_TRUE(crowd.update(0.1f));
     expect_all_there(crowd, rows);

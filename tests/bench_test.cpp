@@ -106,18 +106,16 @@ TEST(Bench, SomeInstancesAreSpreadUpToTheLast) {
 
 TEST(Bench, RoundsAlternateAndSlowOnesStop) {
     std::string order;
-    const auto contestant = [&](char name, int milliseconds) {
-        return Contestant{std::string(1, name), [&order, name, milliseconds] {
-                              order += name;
-                              std::this_thread::sleep_for(std::chrono::milliseconds(milliseconds));
-                          }};
+    const auto timed_run = [&](char name, int milliseconds) {
+        return TimedRun{std::string(1, name), [&order, name, milliseconds] {
+                            order += name;
+                            std::this_thread::sleep_for(std::chrono::milliseconds(milliseconds));
+                        }};
     };
-    run_rounds(std::vector{contestant('a', 0), contestant('b', 30)}, {.samples = 5, .least_samples = 2}, 0.05,
-               kBenchQuiet);
+    run_rounds(std::vector{timed_run('a', 0), timed_run('b', 30)}, {.samples = 5, .min_samples = 2}, 0.05, kBenchQuiet);
     EXPECT_EQ(order, "ababaaa");
     order.clear();
-    run_rounds(std::vector{contestant('a', 0), contestant('b', 0)}, {.samples = 3, .least_samples = 2}, 10,
-               kBenchQuiet);
+    run_rounds(std::vector{timed_run('a', 0), timed_run('b', 0)}, {.samples = 3, .min_samples = 2}, 10, kBenchQuiet);
     EXPECT_EQ(order, "ababab");
 }
 
@@ -163,26 +161,26 @@ ScanMethod broken(std::string_view name, ScanPlan (*plan)(const ScanRig&, const 
     method.plan = plan;
     return method;
 }
-Entrant entrant_of(const std::string& name, const ScanMethod& method) {
-    Entrant entrant{name, {}};
+Candidate candidate_of(const std::string& name, const ScanMethod& method) {
+    Candidate candidate{name, {}};
     for (const uint32_t threads : method.thread_choices(scan_limits(*test_gpu())))
-        entrant.choices.push_back({&method, threads});
-    return entrant;
+        candidate.choices.push_back({&method, threads});
+    return candidate;
 }
 
 const ScanCell kCell{.experiment = "levels", .characters = 150, .joints = 40, .levels = 12, .seed = 1};
-const Sampling kSampling{.samples = 3, .least_samples = 1, .budget_s = 60};
+const Sampling kSampling{.samples = 3, .min_samples = 1, .budget_s = 60};
 
 TEST(Bench, AWrongMethodIsReportedAndNotTimed) {
     const ScanMethod one_joint = broken("gateau2012_walk", plan_with_another_parent),
                      nothing = broken("serial", plan_without_work);
-    const std::vector<Entrant> entrants{entrant_of("one joint", one_joint),
-                                        entrant_of("right", *find_scan_method("serial")),
-                                        entrant_of("nothing", nothing)};
-    const auto records = measure_scans(test_gpu(), kCell, entrants, kSampling, kBenchQuiet);
+    const std::vector<Candidate> candidates{candidate_of("one joint", one_joint),
+                                            candidate_of("right", *find_scan_method("serial")),
+                                            candidate_of("nothing", nothing)};
+    const auto records = measure_scans(test_gpu(), kCell, candidates, kSampling, kBenchQuiet);
     ASSERT_EQ(records.size(), 3u);
     for (const size_t wrong : {0u, 2u}) {
-        EXPECT_EQ(records[wrong]["method"], entrants[wrong].name);
+        EXPECT_EQ(records[wrong]["method"], candidates[wrong].name);
         EXPECT_EQ(records[wrong]["wrong"], true);
         for (const char* field : {"median_ms", "samples", "times_copy", "ns_per_joint"})
             EXPECT_FALSE(records[wrong].contains(field)) << field;
@@ -194,7 +192,7 @@ TEST(Bench, AWrongMethodIsReportedAndNotTimed) {
     EXPECT_EQ(records[1]["samples"], 3);
     EXPECT_GT(records[1]["median_ms"], 0);
 
-    const auto on_chip = measure_on_chip(test_gpu(), kCell, std::span(entrants).first(1), kSampling, kBenchQuiet);
+    const auto on_chip = measure_on_chip(test_gpu(), kCell, std::span(candidates).first(1), kSampling, kBenchQuiet);
     EXPECT_EQ(on_chip[0]["wrong"], true);
     EXPECT_FALSE(on_chip[0].contains("on_chip_ns_per_joint"));
 }
@@ -202,19 +200,19 @@ TEST(Bench, AWrongMethodIsReportedAndNotTimed) {
 // Every row of the table, in both measurements, is correct and timed, or gives a reason why not. A method with more
 // than two thread counts runs only the first, since each is compiled separately; scan_test runs all of them.
 TEST(Bench, EveryMethodIsMeasured) {
-    std::vector<Entrant> entrants;
+    std::vector<Candidate> candidates;
     for (const ScanMethod& method : scan_table()) {
-        entrants.push_back(entrant_of(std::string(method.name), method));
-        if (entrants.back().choices.size() > 2) entrants.back().choices.resize(1);
+        candidates.push_back(candidate_of(std::string(method.name), method));
+        if (candidates.back().choices.size() > 2) candidates.back().choices.resize(1);
     }
-    const auto records = measure_scans(test_gpu(), kCell, entrants, kSampling, kBenchQuiet),
-               on_chip = measure_on_chip(test_gpu(), kCell, entrants, kSampling, kBenchQuiet);
-    ASSERT_EQ(records.size(), entrants.size());
-    ASSERT_EQ(on_chip.size(), entrants.size());
+    const auto records = measure_scans(test_gpu(), kCell, candidates, kSampling, kBenchQuiet),
+               on_chip = measure_on_chip(test_gpu(), kCell, candidates, kSampling, kBenchQuiet);
+    ASSERT_EQ(records.size(), candidates.size());
+    ASSERT_EQ(on_chip.size(), candidates.size());
     size_t timed = 0, timed_on_chip = 0;
-    for (size_t i = 0; i < entrants.size(); ++i) {
+    for (size_t i = 0; i < candidates.size(); ++i) {
         for (const auto* list : {&records, &on_chip})
-            EXPECT_FALSE((*list)[i].contains("wrong")) << entrants[i].name << ", error " << (*list)[i]["max_error"];
+            EXPECT_FALSE((*list)[i].contains("wrong")) << candidates[i].name << ", error " << (*list)[i]["max_error"];
         EXPECT_NE(records[i].contains("median_ms"), records[i].contains("unsupported_reason")) << records[i];
         EXPECT_NE(on_chip[i].contains("on_chip_ns_per_joint"), on_chip[i].contains("unsupported_reason")) << on_chip[i];
         timed += records[i].contains("median_ms") ? 1 : 0;

@@ -1,4 +1,4 @@
-// A crowd's bounds, to which pictures are fitted: they follow where updates move instances, and a few strays do not
+// A crowd's bounds, to which pictures are fitted: they follow where updates move instances, and a few outliers do not
 // distort them.
 #include "draw/crowd_bounds.h"
 #include "tests/crowd_cases.h"
@@ -176,7 +176,7 @@ TEST_F(CrowdBoundsTest, LeaveOutStraysButNotAParty) {
     ASSERT_TRUE(crowd.set_placement(crowd.instances(), places));
     EXPECT_TRUE(same(main_bounds(crowd), all));
     EXPECT_LT(world_bounds(crowd).min.y, -9e5f);
-    EXPECT_NEAR(bounds_of(std::array{&crowd.state()}, Strays::kLeftOut).ground, all.min.y, character_.size);
+    EXPECT_NEAR(bounds_of(std::array{&crowd.state()}, Outliers::kLeftOut).ground, all.min.y, character_.size);
     places[10] = placed_at(10, 0, 1e7f);  // more than one in a hundred
     ASSERT_TRUE(crowd.set_placement(crowd.instances(), places));
     EXPECT_TRUE(same(main_bounds(crowd), world_bounds(crowd)));
@@ -218,7 +218,7 @@ TEST_F(CrowdBoundsTest, LeaveOutWhatAClipThrowsFarAway) {
     const auto posed_height_where_clips_reach_down = [&](float sizes) {
         throwing.clips[0].bounds_min.y = throwing.bounds_min.y - sizes * throwing.size;
         const Crowd crowd = create({.groups = {{.character = &throwing, .instance_count = 1}}});
-        const Bounds posed = bounds_of(std::array{&crowd.state()}, Strays::kIncluded).posed;
+        const Bounds posed = bounds_of(std::array{&crowd.state()}, Outliers::kIncluded).posed;
         return (posed.max.y - posed.min.y) / throwing.size;
     };
     const float usual = posed_height_where_clips_reach_down(1);

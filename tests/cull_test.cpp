@@ -305,8 +305,8 @@ TEST(Cull, PicturesAreThoseOfEverything) {
         double difference = 0;
         for (size_t i = 0; i < a.rgba.size(); ++i) difference += std::abs(int{a.rgba[i]} - int{b.rgba[i]});
         difference /= static_cast<double>(a.rgba.size());
-        const double most_off = rounds_like_the_cpu() ? 0 : 1e-4;  // a few colours differ by one step
-        EXPECT_TRUE(!exact || difference <= most_off) << "frame " << frame << ": " << difference;
+        const double max_off = rounds_like_the_cpu() ? 0 : 1e-4;  // a few colours differ by one step
+        EXPECT_TRUE(!exact || difference <= max_off) << "frame " << frame << ": " << difference;
         worst = std::max(worst, difference);
     }
     EXPECT_LT(drawn, 60 * kCount * 9 / 10) << "something is culled";

@@ -97,7 +97,7 @@ void expect_lit_as_the_reference(const std::vector<LitSquare>& squares, const Dr
     const float middle = placements.back().row[0][3] / 2;
     const Camera camera{.eye = {middle + 0.9f, 1.2f, 2.4f + 1.3f * middle}, .target = {middle, 0.5f, 0}};
     const Picture picture = shared_renderer(1, options).render_frame(*crowd, 0, camera)->picture;
-    const io::DrawScene scene = make_scene(bounds_of(std::array{&crowd->state()}, Strays::kLeftOut), camera,
+    const io::DrawScene scene = make_scene(bounds_of(std::array{&crowd->state()}, Outliers::kLeftOut), camera,
                                            {kDrawWidth, kDrawHeight}, 512, options);
     const auto row = [](const io::vec4& v) { return Vec3<double>{v.x, v.y, v.z}; };
     for (size_t i = 0; i < squares.size(); ++i) {

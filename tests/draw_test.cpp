@@ -252,7 +252,7 @@ TEST(Draw, AFailedUploadIsNotBlamedOnTheNextTexture) {
     const Device device = another_device();
     Gpu& gpu = *device.gpu();
     Uploads uploads(device.gpu());
-    const Buffer before = upload(uploads, "before", std::vector(Uploads::kMostStaged_bytes, std::byte{1}));
+    const Buffer before = upload(uploads, "before", std::vector(Uploads::kMaxStaged_bytes, std::byte{1}));
     driver_submit = std::exchange(gpu.vk.vkQueueSubmit2, [](VkQueue, uint32_t, const VkSubmitInfo2*, VkFence) {
         return VK_ERROR_OUT_OF_DEVICE_MEMORY;
     });

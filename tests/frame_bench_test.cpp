@@ -250,7 +250,7 @@ TEST(FrameBench, CopiesMoveEveryRowTheWayStagesDo) {
 
 TEST(FrameBench, HostTimeCountsWhereASoftwareDevicesTimestampsAreTooShort) {
     const Gpu& gpu = *test::test_gpu();
-    const Reading believed = believed_reading(gpu, 10, 12), doubted = believed_reading(gpu, 4, 12);
+    const Reading believed = credible_reading(gpu, 10, 12), doubted = credible_reading(gpu, 4, 12);
     EXPECT_EQ(believed.ms, 10);
     EXPECT_FALSE(believed.by_host);
     EXPECT_EQ(doubted.by_host, gpu.is_cpu());

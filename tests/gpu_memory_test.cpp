@@ -180,11 +180,11 @@ TEST(GpuMemory, ThreadsDoNotGetEachOthersParts) {
 }
 
 PFN_vkAllocateMemory driver_allocate = nullptr;
-VkDeviceSize most_allocated_bytes = 0;
+VkDeviceSize max_allocated_bytes = 0;
 
 VKAPI_ATTR VkResult VKAPI_CALL allocate_little(VkDevice device, const VkMemoryAllocateInfo* info,
                                                const VkAllocationCallbacks* callbacks, VkDeviceMemory* memory) {
-    if (info->allocationSize > most_allocated_bytes) return VK_ERROR_OUT_OF_DEVICE_MEMORY;
+    if (info->allocationSize > max_allocated_bytes) return VK_ERROR_OUT_OF_DEVICE_MEMORY;
     return driver_allocate(device, info, callbacks, memory);
 }
 
@@ -192,7 +192,7 @@ TEST(GpuMemory, WhereABlockDoesNotFitWhatIsNeededMay) {
     const Device device = another_device();
     Gpu& gpu = *device.gpu();
     driver_allocate = std::exchange(gpu.vk.vkAllocateMemory, &allocate_little);
-    most_allocated_bytes = kMiB;
+    max_allocated_bytes = kMiB;
     const std::vector<uint32_t> values(1000, 7);
     std::optional<Buffer> buffer(upload(device.gpu(), "values", values));
     EXPECT_EQ(download<uint32_t>(device.gpu(), *buffer), values);
@@ -210,7 +210,7 @@ PFN_vkFreeMemory driver_free = nullptr;
 VKAPI_ATTR void VKAPI_CALL free_and_have_more(VkDevice device, VkDeviceMemory memory,
                                               const VkAllocationCallbacks* callbacks) {
     driver_free(device, memory, callbacks);
-    most_allocated_bytes = 64 * kMiB;
+    max_allocated_bytes = 64 * kMiB;
 }
 
 TEST(GpuMemory, WhatIsKeptGoesWhereMemoryIsOut) {
@@ -221,7 +221,7 @@ TEST(GpuMemory, WhatIsKeptGoesWhereMemoryIsOut) {
     ASSERT_EQ(gpu.memory.block_count(), 1u) << "kept, and too small for what follows";
     driver_allocate = std::exchange(gpu.vk.vkAllocateMemory, &allocate_little);
     driver_free = std::exchange(gpu.vk.vkFreeMemory, &free_and_have_more);
-    most_allocated_bytes = 0;
+    max_allocated_bytes = 0;
     const MemoryPart part = gpu.memory.take(type, 30 * kMiB, 64);
     EXPECT_EQ(gpu.memory.block_count(), 1u);
     gpu.memory.give_back(part);
@@ -347,7 +347,7 @@ void make_crowds(bool natively, const std::string& scan = "auto") {
         const char* name;
         size_t group_count, kind_count;
         bool culls;
-        uint64_t most_pipelines;
+        uint64_t max_pipelines;
     };
     // Kernels that read rows are made for a rig and a set of its joints; those of software devices read keys.
     const bool has_rows = scan == "stream" || !test_gpu()->uses_software_kernels();
@@ -377,7 +377,7 @@ void make_crowds(bool natively, const std::string& scan = "auto") {
                         static_cast<int>(counts.pipelines - pipelines), taken_ms.count());
             EXPECT_LE(counts.allocations - allocations, 4u) << of.name;
             EXPECT_EQ(counts.submissions - submissions, 0u) << of.name;
-            EXPECT_LE(counts.pipelines - pipelines, !when.empty() || natively ? 0 : of.most_pipelines) << of.name;
+            EXPECT_LE(counts.pipelines - pipelines, !when.empty() || natively ? 0 : of.max_pipelines) << of.name;
             if (when == ", again") {
                 second = std::move(*crowd);
                 ASSERT_TRUE(second->update(0));

@@ -172,6 +172,13 @@ TEST(ImageFile, PngsOfAllKindsAreDecoded) {
     EXPECT_EQ(packed.rgba, ImageBytes(64 * 64 * 4));
 }
 
+TEST(ImageFile, MessagesHoldNoBytesOfTheFile) {
+    ImageBytes png{0x89, 'P', 'N', 'G', '\r', '\n', 0x1A, '\n'};
+    append_chunk(png, "IHDR", {0, 0, 0, 1, 0, 0, 0, 1, 8, 6, 0, 0, 0});
+    append_chunk(png, "A\nB\x1B", {});  // upper case: a chunk that a reader must know
+    expect_refused(encoded_image(png), "cannot be decoded: PNG not supported: unknown PNG chunk type");
+}
+
 TEST(ImageFile, APngMustNotUnpackToFarMoreThanItsPixels) {
     expect_refused(png_of({.width = 1, .height = 1}, stream_of_zeros(1 << 14)),
                    "cannot be decoded: its data are larger than 1 x 1 pixels can be: a damaged PNG file");

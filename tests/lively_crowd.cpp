@@ -78,11 +78,11 @@ Feedback feedback_of(Crowd& crowd) {
     return std::move(feedback.at(0));
 }
 
-bool same_events(const Feedback& a, const Feedback& b, float most_apart_s) {
+bool same_events(const Feedback& a, const Feedback& b, float max_apart_s) {
     return a.lost_event_count == b.lost_event_count &&
            std::ranges::equal(a.events, b.events, [&](const CharacterEvent& x, const CharacterEvent& y) {
                return x.instance == y.instance && x.event == y.event && x.layer == y.layer &&
-                      std::abs(x.time_s - y.time_s) <= most_apart_s;
+                      std::abs(x.time_s - y.time_s) <= max_apart_s;
            });
 }
 

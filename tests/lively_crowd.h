@@ -35,7 +35,7 @@ struct LivelyCrowd {
 
 Feedback feedback_of(Crowd& crowd);
 
-bool same_events(const Feedback& a, const Feedback& b, float most_apart_s = 0);
+bool same_events(const Feedback& a, const Feedback& b, float max_apart_s = 0);
 
 // A view from above that sees all within a box.
 CrowdView view_of_box(const Vec3<float>& middle, float half);

@@ -23,9 +23,9 @@ const InSubset kNativeDrawInSubsets({Subset::kNative}, {"NativePictures.*"});
 using bench::psnr;
 
 constexpr uint32_t kNativeDrawWidth = 240, kNativeDrawHeight = 160;
-constexpr double kLeastDetail = 0.005;  // of the pixels (part_with_detail)
+constexpr double kMinDetail = 0.005;  // of the pixels (part_with_detail)
 
-double least_dB() { return bench::least_alike_db(test_gpu()->properties.limits.subPixelPrecisionBits); }
+double min_dB() { return bench::min_alike_db(test_gpu()->properties.limits.subPixelPrecisionBits); }
 
 Renderer make_renderer(const RendererSettings& settings) {
     Result<Renderer> made = Renderer::create(test_device(), settings);
@@ -93,12 +93,12 @@ protected:
         EXPECT_GT(static_cast<NativeRenderer&>(pair.native.state()).times().triangles, 0u) << what << ": empty";
         const double alike_dB = psnr(pictures[0], pictures[1], left_out_pixels);
         std::printf("  %s: %.1f dB\n", what.c_str(), alike_dB);
-        EXPECT_GE(alike_dB, least_dB()) << what;
+        EXPECT_GE(alike_dB, min_dB()) << what;
 
         DrawOptions characters_only = options;
         characters_only.shadows = characters_only.skeletons = characters_only.bounds = false;
         ASSERT_TRUE(pair.native.set_options(characters_only));
-        EXPECT_GT(part_with_detail(pair.native.render(crowd, camera)->picture), kLeastDetail)
+        EXPECT_GT(part_with_detail(pair.native.render(crowd, camera)->picture), kMinDetail)
             << what << ": no characters are seen";
     }
     static void expect_alike(const std::string& what, Crowd& crowd, const Camera& camera,
@@ -172,7 +172,7 @@ TEST_F(NativeDraw, Files) {
         Crowd one = placed_crowd(*character, 1), many = placed_crowd(*character, 100, {.culling = Culling{}});
         // Some clips walk far away from where the rest pose stands
         expect_alike(name, one,
-                     fit_camera(bounds_of(std::array{&one.state()}, Strays::kIncluded).posed,
+                     fit_camera(bounds_of(std::array{&one.state()}, Outliers::kIncluded).posed,
                                 static_cast<float>(kNativeDrawWidth) / kNativeDrawHeight));
         expect_alike(name + " 100", many);
     }
@@ -333,7 +333,7 @@ TEST_F(NativeDraw, AStrayHighAbove) {
     const float size = ball.size;
     ASSERT_TRUE(crowd.set_placement(InstanceHandle{0}, placed_at(4 * size, 400 * size, 4 * size)));
     const Camera camera{.eye = {12 * size, 9 * size, 14 * size}, .target = {4 * size, 0, 4 * size}};
-    expect_alike("a stray high above", crowd, camera, {.to_sun = {0, 1, 0}});
+    expect_alike("an outlier high above", crowd, camera, {.to_sun = {0, 1, 0}});
 }
 
 // With these cameras, triangles cross the near plane, are seen through the ground, or are smaller than pixels.
@@ -466,7 +466,7 @@ TEST_F(NativeDraw, TheDeviceDrawsWhatItUpdates) {
         EXPECT_GT(renderer.draw_ms(), 0);
         const Result<RenderResult> drawn = renderer.render(crowd, camera);
         ASSERT_TRUE(drawn);
-        EXPECT_GE(psnr(copy.picture(), drawn->picture), least_dB());
+        EXPECT_GE(psnr(copy.picture(), drawn->picture), min_dB());
         EXPECT_GT(renderer.draw_ms(), 0);
     }
 }
@@ -490,8 +490,8 @@ TEST_F(NativeDraw, TheDeviceDrawsAlsoWhenTheLastUpdateIsDiscarded) {
     });
     recorder.submit(frame);
     test_gpu()->wait_idle();
-    EXPECT_GT(part_with_detail(copy.picture()), kLeastDetail);
-    EXPECT_GE(psnr(copy.picture(), renderer.render(crowd, camera)->picture), least_dB());
+    EXPECT_GT(part_with_detail(copy.picture()), kMinDetail);
+    EXPECT_GE(psnr(copy.picture(), renderer.render(crowd, camera)->picture), min_dB());
 }
 
 TEST_F(NativeDraw, IsChosenForSoftwareDevicesAndNotForGpus) {
@@ -547,7 +547,7 @@ TEST_F(NativeDraw, Resizes) {
         const Picture wanted = made.render(crowd, camera)->picture;
         EXPECT_EQ(copy.picture().rgba, wanted.rgba);
         EXPECT_EQ(renderer.render(crowd, camera)->picture.rgba, wanted.rgba);
-        EXPECT_GE(psnr(of_device.picture(), made.render(updated_by_device, camera)->picture), least_dB());
+        EXPECT_GE(psnr(of_device.picture(), made.render(updated_by_device, camera)->picture), min_dB());
     }
 }
 
@@ -569,7 +569,7 @@ TEST(NativePictures, ThreadsChangeNothing) {
         EXPECT_TRUE(result && result->draw_ms > 0);
         return std::move(result->picture);
     };
-    EXPECT_GT(part_with_detail(picture({.select = "native", .threads = 1}, {.shadows = false})), kLeastDetail);
+    EXPECT_GT(part_with_detail(picture({.select = "native", .threads = 1}, {.shadows = false})), kMinDetail);
     const DrawOptions all{.skeletons = true, .bounds = true};
     const Picture alone = picture({.select = "native", .threads = 1}, all);
     for (const uint32_t threads : {2u, 7u})

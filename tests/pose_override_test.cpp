@@ -126,10 +126,10 @@ constexpr uint32_t kAnyNumber = ~0u;
 
 // Characters that play two clips, in several groups and batches, with more poses than one upload chunk holds. `scan`
 // may be a method that takes similarities.
-void expect_blended(UpdatePath path, const std::string& scan, SkinFormat format, uint32_t most_workgroups) {
+void expect_blended(UpdatePath path, const std::string& scan, SkinFormat format, uint32_t max_workgroups) {
     constexpr uint32_t kInstances = 70;
     const Character character = creature(100), other = creature(30, 15, 0);
-    const Device device = device_of_workgroups(most_workgroups);
+    const Device device = device_of_workgroups(max_workgroups);
     CrowdSettings settings{.groups = {{.character = &other, .instance_count = 3, .pose_capacity = 1},
                                       {.character = &character, .instance_count = kInstances}},
                            .path = path,
@@ -141,7 +141,7 @@ void expect_blended(UpdatePath path, const std::string& scan, SkinFormat format,
     settings.groups[1].pose_capacity = kInstances;
     Result<Crowd> crowd = Crowd::create(device, settings);
     ASSERT_TRUE(crowd) << crowd.error().text();
-    EXPECT_EQ(crowd->outputs().size() > 2, most_workgroups < kInstances) << "batches";
+    EXPECT_EQ(crowd->outputs().size() > 2, max_workgroups < kInstances) << "batches";
 
     Random random(4);
     std::vector<Playback> playbacks = random_playbacks(random, other, 3);

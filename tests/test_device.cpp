@@ -66,10 +66,10 @@ Device another_device() { return created_device({.select = test_device().info().
 
 bool has_scan(std::string_view method) { return !test_device().gpu()->is_native() || scan_shaders(method).native; }
 
-Device device_of_workgroups(uint32_t most_workgroups) {
+Device device_of_workgroups(uint32_t max_workgroups) {
     Device device = another_device();
     uint32_t& limit = device.gpu()->properties.limits.maxComputeWorkGroupCount[0];
-    limit = std::min(limit, most_workgroups);
+    limit = std::min(limit, max_workgroups);
     return device;
 }
 

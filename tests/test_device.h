@@ -23,6 +23,6 @@ Device another_device();
 // Whether the device has this scan method. A device without Vulkan has few.
 bool has_scan(std::string_view method);
 // A device that dispatches at most this many workgroups (or its own limit), so that crowds are split into batches.
-Device device_of_workgroups(uint32_t most_workgroups);
+Device device_of_workgroups(uint32_t max_workgroups);
 
 }  // namespace throng

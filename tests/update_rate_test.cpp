@@ -66,7 +66,7 @@ std::vector<Affine> previous_of(Crowd& crowd, uint32_t instance) {
 uint32_t animated_in_last_update(Crowd& crowd) {
     const std::vector<uint32_t> work = download<uint32_t>(test_gpu(), crowd.state().batches[0][io::kWorkBuffer]);
     uint32_t count = 0;
-    for (uint32_t section = 0; section < io::kGoingOn; ++section) count += work[2 * section + 1];
+    for (uint32_t section = 0; section < io::kInterpolated; ++section) count += work[2 * section + 1];
     return count;
 }
 

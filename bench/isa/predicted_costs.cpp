@@ -107,14 +107,14 @@ PredictedCosts predict_scan_costs(const Machine& machine, const ScanCosts& assum
         }
     const auto [start, barrier, multiplication, row] = fitted_costs(features, issue_ns);
 
-    constexpr double kLeast = 1e-3;  // the lower bound: a cost that is too small to show is not 0
+    constexpr double kMinimum = 1e-3;  // the lower bound: a cost that is too small to show is not 0
     PredictedCosts predicted{.costs = assumed, .scan_count = static_cast<uint32_t>(features.size())};
     ScanCosts& costs = predicted.costs;
-    costs.workgroup_ns = std::max(start, kLeast);
-    costs.barrier_ns = std::max(barrier, kLeast);
-    costs.multiplication_ns = std::max(multiplication, kLeast);
-    costs.row_ns = std::max(row, kLeast);
-    costs.latency_ns = std::max(spread_of(latency_ns).median - kRowsOfAffine * row, kLeast);
+    costs.workgroup_ns = std::max(start, kMinimum);
+    costs.barrier_ns = std::max(barrier, kMinimum);
+    costs.multiplication_ns = std::max(multiplication, kMinimum);
+    costs.row_ns = std::max(row, kMinimum);
+    costs.latency_ns = std::max(spread_of(latency_ns).median - kRowsOfAffine * row, kMinimum);
     costs.units = machine.simd_count;
     costs.resident_subgroups = machine.simd_count * spread_of(occupancies).median;
     costs.bytes_per_ns = machine.bytes_per_ns;

@@ -132,13 +132,13 @@ std::string matrix_table(const Cells& cells, const char* field, std::string_view
 
 std::string on_chip_table(const Cells& cells) {
     Cells ordered;
-    std::map<double, double> least_ns;  // of a number of levels
+    std::map<double, double> min_ns;  // of a number of levels
     for (const Cells& level : grouped(cells, {"levels"})) {
-        least_ns[number(*level.front(), "levels")] = least(level, "on_chip_ns_per_joint");
+        min_ns[number(*level.front(), "levels")] = least(level, "on_chip_ns_per_joint");
         for (const Json* cell : by_rank(level)) ordered.push_back(cell);
     }
     const auto is_fastest = [&](const Json& cell) {
-        return number(cell, "on_chip_ns_per_joint") == least_ns[number(cell, "levels")];
+        return number(cell, "on_chip_ns_per_joint") == min_ns[number(cell, "levels")];
     };
     return record_table(ordered,
                         {{"method", [](const Json& cell) { return method_name(text(cell, "method")); }},

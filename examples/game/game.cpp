@@ -29,7 +29,7 @@ using namespace throng;
 namespace {
 
 constexpr float kFrame_s = 1.0f / 60;
-constexpr uint32_t kFrames = 600, kWaveEvery = 60, kMostDying = 600, kMostAtOnce = 32;
+constexpr uint32_t kFrames = 600, kWaveEvery = 60, kMaxDying = 600, kMaxAtOnce = 32;
 constexpr uint32_t kDropEvery = 60, kLoadAt = 150, kSaveAt = 400, kReplayed = 60, kBeasts = 20;
 constexpr double kFalls_s = 0.6, kLies_s = 1.5;
 
@@ -116,7 +116,7 @@ public:
                 .frames_in_flight = Frames::kInFlight,
                 .culling = Culling{},
                 .watch_capacity = watch_capacity,
-                .pose_request_capacity = kMostAtOnce};
+                .pose_request_capacity = kMaxAtOnce};
     }
 
 private:
@@ -128,7 +128,7 @@ private:
                                 .steering = Steering{.radius = 0.2f * size_,
                                                      .speed = 1.5f * size_,
                                                      .speed_parameter = mind.parameter_named("speed").expect()},
-                                .pose_capacity = kMostDying,
+                                .pose_capacity = kMaxDying,
                                 .capacity = most_,
                                 .outfits = {{}, {armoured(body)}}};
         const CrowdGroup things{.character = &thing, .is_carried = true, .capacity = most_};
@@ -210,8 +210,7 @@ private:
             const Attacker& attacker = entry.second;
             const auto& row = attacker.world_from_model.row;
             const bool is_near = std::hypot(row[0][3], row[2][3]) < 12 * size_;
-            if (!is_near || chance(world.random) > 0.02f || world.dying.size() == kMostDying ||
-                hit.size() == kMostAtOnce)
+            if (!is_near || chance(world.random) > 0.02f || world.dying.size() == kMaxDying || hit.size() == kMaxAtOnce)
                 return false;
             hit.push_back(attacker.body);
             world.dying.push_back({attacker.body, now_s + kLies_s});

@@ -120,7 +120,7 @@ struct Morph {
     float default_weight = 0;       // of instances whose clips do not animate it
 };
 
-inline constexpr float kLeastMorphWeight = 1e-6f;  // a weight whose magnitude is not larger counts as 0
+inline constexpr float kMinMorphWeight = 1e-6f;  // a weight whose magnitude is not larger counts as 0
 
 // What one morph at weight 1 adds to one vertex, in the bind space of its mesh. The position is exact floats. The
 // normal is three signed integers of 10 bits, x lowest, in units of kMorphNormalStep; it may be off by 0.002 a

@@ -18,9 +18,9 @@ namespace throng {
 // Follows symbolic links to the final target, which need not exist. Other paths are returned as they are.
 inline std::filesystem::path link_target(std::filesystem::path path) {
     namespace fs = std::filesystem;
-    constexpr int kMostLinks = 40;  // the limit of Linux
+    constexpr int kMaxLinks = 40;  // the limit of Linux
     std::error_code error;
-    for (int links = 0; links < kMostLinks && fs::is_symlink(fs::symlink_status(path, error)); ++links)
+    for (int links = 0; links < kMaxLinks && fs::is_symlink(fs::symlink_status(path, error)); ++links)
         path = path.parent_path() / fs::read_symlink(path, error);  // an absolute target replaces the folder
     return path;
 }

@@ -18,7 +18,7 @@ struct Utf8Character {
 // The first character of the text; kNoCharacter, with a length of one byte, if the text does not begin with valid
 // UTF-8.
 Utf8Character first_of(std::string_view text) {
-    constexpr std::array<uint32_t, 5> kLeast{0, 0, 0x80, 0x800, 0x10000};  // least code of each byte count
+    constexpr std::array<uint32_t, 5> kMinimum{0, 0, 0x80, 0x800, 0x10000};  // least code of each byte count
     const auto first = static_cast<uint8_t>(text[0]);
     if (first < 0x80) return {first, 1};
     const auto byte_count = static_cast<size_t>(std::countl_one(first));
@@ -30,8 +30,8 @@ Utf8Character first_of(std::string_view text) {
         code = code << 6 | (next & 0x3Fu);
     }
     const bool is_surrogate = code >= 0xD800 && code < 0xE000;
-    return code < kLeast[byte_count] || code > 0x10FFFF || is_surrogate ? Utf8Character{}
-                                                                        : Utf8Character{code, byte_count};
+    return code < kMinimum[byte_count] || code > 0x10FFFF || is_surrogate ? Utf8Character{}
+                                                                          : Utf8Character{code, byte_count};
 }
 
 bool is_printable(uint32_t code) {

@@ -52,9 +52,9 @@ bool can_be_obeyed(InstanceCommand command) {
                (data.z == kNone || data.z < push.mask_count) && is_fade(data.w);
     if (command.kind == kSetParameter)
         return (push.flags & kHasController) != 0 && command.target < push.parameter_count && is_finite(data.x);
-    const float kMostTint = 1000;
-    return command.kind == kSetLook && is_within(data.x, 0, kMostTint) && is_within(data.y, 0, kMostTint) &&
-           is_within(data.z, 0, kMostTint) && data.w < push.outfit_count;
+    const float kMaxTint = 1000;
+    return command.kind == kSetLook && is_within(data.x, 0, kMaxTint) && is_within(data.y, 0, kMaxTint) &&
+           is_within(data.z, 0, kMaxTint) && data.w < push.outfit_count;
 }
 
 void main() {

@@ -168,7 +168,7 @@ struct EventRecord {
 };
 
 // Loop counts of plays stop here. The sum of two such numbers fits an int
-THRONG_IO_CONSTANT kMostLoops = 1000000000;
+THRONG_IO_CONSTANT kMaxLoops = 1000000000;
 
 // Longer fades are shortened to this. Their rate would be denormal, and a device may flush it to 0, which means at
 // once.

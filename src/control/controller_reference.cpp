@@ -73,7 +73,7 @@ struct ControllerText : ArrayTables {
         const ControlClip& heard = load_clip(clip);
         if (heard.event_count == 0) return;  // saves going through up to a billion cycles
         const int64_t direction = step.crossed < 0 ? -1 : 1, cycle_count = std::abs(int64_t{step.crossed}) + 1;
-        const auto has_room = [&] { return update->events.size() < kMostEvents; };
+        const auto has_room = [&] { return update->events.size() < kMaxEvents; };
         for (int64_t cycle = 0; cycle < cycle_count && has_room(); ++cycle)
             for (const ControlEvent& event : std::span(arrays.events).subspan(heard.first_event, heard.event_count)) {
                 const int64_t place = direction * cycle * kCycle + event.phase;

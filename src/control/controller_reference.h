@@ -31,11 +31,11 @@ struct ControllerEventAt {
     double time_s;  // 0..|time step|
 };
 
-constexpr size_t kMostEvents = 16'384;  // the default of CrowdSettings::event_capacity
+constexpr size_t kMaxEvents = 16'384;  // the default of CrowdSettings::event_capacity
 
 struct ControllerUpdate {
     std::vector<ControllerActiveClip> active_clips;  // lowest layer first; at least one
-    // Layer by layer, and by time within a layer. At most kMostEvents, so that a clip that loops a billion times in one
+    // Layer by layer, and by time within a layer. At most kMaxEvents, so that a clip that loops a billion times in one
     // update does not take memory without bound
     std::vector<ControllerEventAt> events;
     GroundMove move;       // in model space before the update

@@ -77,7 +77,7 @@ io::ControlCommand state_command(std::span<const LayerKind> kinds, uint32_t laye
             .target = layer,
             .motion = state.motion,
             .phase = static_cast<uint32_t>(std::min(state.phase * 0x1p32, 0x1p32 - 1)),
-            .loop = std::min(state.loops, io::kMostLoops),
+            .loop = std::min(state.loops, io::kMaxLoops),
             .value = 0,
             .fade_rate = rate_of(fade_s, place)};
 }

@@ -84,7 +84,7 @@ vec3 weights_of_plays(LayerState state) {
     return weights;
 }
 
-const float kMostCycles = float(kMostLoops);  // of an update
+const float kMaxCycles = float(kMaxLoops);  // of an update
 
 // What one update did to a play's time.
 struct PhaseStep {
@@ -99,7 +99,7 @@ PhaseStep step_phase(INOUT(LayerPlay) play, float rate, bool loop, bool backward
     phase_step.before = play.phase;
     phase_step.reached_end = false;
     const float asked = product(time_step_s, rate);
-    const float x = isnan(asked) ? 0 : clamp(asked, -kMostCycles, kMostCycles);
+    const float x = isnan(asked) ? 0 : clamp(asked, -kMaxCycles, kMaxCycles);
     phase_step.cycles = x;
     float whole = floor(x), part = difference(x, whole);
     if (part >= 1) {
@@ -110,7 +110,7 @@ PhaseStep step_phase(INOUT(LayerPlay) play, float rate, bool loop, bool backward
     const int crossed = int(whole) + (after < play.phase ? 1 : 0);
     if (loop) {
         play.phase = after;
-        play.loops = uint(clamp(int(play.loops) + (backwards ? -crossed : crossed), 0, int(kMostLoops)));
+        play.loops = uint(clamp(int(play.loops) + (backwards ? -crossed : crossed), 0, int(kMaxLoops)));
         phase_step.crossed = crossed;
     } else {
         if (crossed != 0)

@@ -190,13 +190,13 @@ private:
         require_between(-kBlendPlaceLimit, kBlendPlaceLimit, point.x, place);
         require_between(-kBlendPlaceLimit, kBlendPlaceLimit, point.y, place);
         if (state.y_parameter.empty()) {
-            if (i > 0 && !(point.x - state.points[i - 1].x >= kLeastBlendDistance))
+            if (i > 0 && !(point.x - state.points[i - 1].x >= kMinBlendDistance))
                 refuse(place, text(point.x), " does not lie above the ", text(state.points[i - 1].x),
                        " of the clip before; sort them, and keep them 0.000001 apart");
             return;
         }
         for (size_t k = 0; k < i; ++k)
-            if (std::hypot(point.x - state.points[k].x, point.y - state.points[k].y) < kLeastBlendDistance)
+            if (std::hypot(point.x - state.points[k].x, point.y - state.points[k].y) < kMinBlendDistance)
                 refuse(place, "clips[", k, "] is at this place already; keep them 0.000001 apart");
     }
 
@@ -207,7 +207,7 @@ private:
                                                       : states.require(transition.from, place_of(place, "from"));
         const uint32_t to = states.require(transition.to, place_of(place, "to"));
         require_between(0, kExitLimit, transition.exit, exit);
-        if (transition.fade_s != 0) require_between(kLeastFade_s, kMostFade_s, transition.fade_s, fade);
+        if (transition.fade_s != 0) require_between(kMinFade_s, kMaxFade_s, transition.fade_s, fade);
         if (from != kNone && layer.states[from].points.empty() && transition.exit > 0)
             refuse(exit, "is never reached: state '", printable(transition.from),
                    "' plays nothing, so it counts no cycles; use 'when'");

@@ -16,10 +16,10 @@ inline constexpr size_t kEventLimit = 4'096;
 inline constexpr size_t kMaskLimit = 256;
 inline constexpr size_t kMaskItemLimit = 4'096;  // of a mask
 inline constexpr float kExitLimit = 1e6f;        // cycles
-inline constexpr float kLeastFade_s = 1e-4f;     // 1 / fade must not overflow; a shorter one would be invisible
-inline constexpr float kMostFade_s = 1e3f;
-inline constexpr float kBlendPlaceLimit = 1e6f;      // of blend points
-inline constexpr float kLeastBlendDistance = 1e-6f;  // between them; 1 / distance must not overflow
+inline constexpr float kMinFade_s = 1e-4f;       // 1 / fade must not overflow; a shorter one would be invisible
+inline constexpr float kMaxFade_s = 1e3f;
+inline constexpr float kBlendPlaceLimit = 1e6f;    // of blend points
+inline constexpr float kMinBlendDistance = 1e-6f;  // between them; 1 / distance must not overflow
 
 // Throws kInvalidArgument or kLimit. The place of an error is a path in the JSON, such as
 // layers[0].states.walk.clips[1].at.

@@ -34,7 +34,7 @@ uint32_t active_points(const io::ControlState& state) {
     return std::min(state.x_parameter == kNone ? 1u : 2u, state.point_count);
 }
 
-uint32_t most_active_clips(const ControllerArrays& arrays) {
+uint32_t max_active_clips(const ControllerArrays& arrays) {
     uint32_t count = 1;  // the rest pose
     for (const io::ControlLayer& layer : arrays.layers) {
         uint32_t of_play = 1;
@@ -84,7 +84,7 @@ ControllerTables make_controller_tables(const Controller& controller, const Char
     for (const ControllerParameter& parameter : controller.parameters)
         tables.initial_parameters.push_back(parameter.initial);
     for (const io::ControlLayer& layer : arrays.layers) tables.initial_layers.push_back(initial_state(layer));
-    tables.active_clip_limit = most_active_clips(arrays);
+    tables.active_clip_limit = max_active_clips(arrays);
     return tables;
 }
 

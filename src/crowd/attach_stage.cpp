@@ -14,8 +14,8 @@
 namespace throng {
 namespace {
 
-constexpr io::InstanceAttachment kOnNobody{.carrier_batch = kNone};
-constexpr uint32_t kMostLevels = 64;  // each is a dispatch, which waits for the one before
+constexpr io::InstanceAttachment kUnattached{.carrier_batch = kNone};
+constexpr uint32_t kMaxLevels = 64;  // each is a dispatch, which waits for the one before
 
 bool has_world_sockets(const Group& group) { return group.sockets && group.socket_space == SocketSpace::kWorld; }
 
@@ -41,7 +41,7 @@ void AttachStage::plan(BatchPlan& plan) {
 }
 
 AttachStage::AttachStage(const StageContext& context)
-    : Stage(context), attachments_(context.instance_count, kOnNobody), kernel_(kernels::attach.on(gpu_)) {
+    : Stage(context), attachments_(context.instance_count, kUnattached), kernel_(kernels::attach.on(gpu_)) {
     dirty_.add(0, context.instance_count);
     for (uint32_t carried = 0; carried < batches_.size(); ++carried) {
         const Batch& batch = batches_[carried];
@@ -103,19 +103,19 @@ void AttachStage::attach(const Instances& instances, const Each<Attachment>& att
 }
 
 void AttachStage::detach(const Instances& instances) {
-    for (uint32_t i = 0; i < instances.size(); ++i) set(instances.number(i), kOnNobody);
+    for (uint32_t i = 0; i < instances.size(); ++i) set(instances.number(i), kUnattached);
 }
 
 void AttachStage::despawn(std::span<const InstanceHandle> gone) {
     std::set<std::pair<uint32_t, uint32_t>> carriers;
     for (const InstanceHandle& one : gone) {
-        if (group_at(one.instance).is_carried) set(one.instance, kOnNobody);
+        if (group_at(one.instance).is_carried) set(one.instance, kUnattached);
         const InBatch at = in_batch(batches_, one.instance);
         if (batches_[at.batch][io::kSocketsBuffer]) carriers.insert({at.batch, at.instance});
     }
     if (carriers.empty()) return;
     for (uint32_t i = 0; i < attachments_.size(); ++i)
-        if (carriers.contains({attachments_[i].carrier_batch, attachments_[i].carrier})) set(i, kOnNobody);
+        if (carriers.contains({attachments_[i].carrier_batch, attachments_[i].carrier})) set(i, kUnattached);
 }
 
 void AttachStage::set(uint32_t instance, const io::InstanceAttachment& attachment) {
@@ -153,8 +153,8 @@ std::string AttachStage::set_levels() {
         uint32_t level = at == kNone ? ~0u : levels[at];
         if (level == kOnTheWay) return "instance " + std::to_string(at) + " would hang on itself";
         for (; !way.empty(); way.pop_back()) levels[way.back()] = ++level;
-        if (levels[instance] > kMostLevels)
-            return "instance " + std::to_string(instance) + " would have more than " + std::to_string(kMostLevels) +
+        if (levels[instance] > kMaxLevels)
+            return "instance " + std::to_string(instance) + " would have more than " + std::to_string(kMaxLevels) +
                    " carriers, each on the next";
     }
     for (uint32_t instance = 0; instance < levels.size(); ++instance) {
@@ -204,7 +204,7 @@ void AttachStage::record(const Update& update) {
 void AttachStage::exchange(StateArchive& archive) {
     if (!archive.reads()) return;
     for (uint32_t instance = 0; instance < attachments_.size(); ++instance)
-        if (attachments_[instance].carrier_batch != kNone) set(instance, kOnNobody);
+        if (attachments_[instance].carrier_batch != kNone) set(instance, kUnattached);
 }
 
 // Stores carriers by their numbers in the crowd. After reading, all attachments go to the device with the next update.
@@ -222,7 +222,7 @@ void AttachStage::exchange_group(StateArchive& archive, uint32_t group) {
             io::InstanceAttachment& one = by_number[i];
             if (one.carrier_batch != kNone) one.carrier = archive.renumbered(one.carrier);
             if (one.carrier_batch == kNone || one.carrier == kNone) {
-                set(batch.first_instance + i, kOnNobody);
+                set(batch.first_instance + i, kUnattached);
                 continue;
             }
             const Batch* const carrier = batch_at(batches_, one.carrier);

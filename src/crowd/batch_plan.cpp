@@ -20,8 +20,8 @@ void BatchPlan::add(uint32_t number, uint64_t instance_bytes, Make make) {
     entries_.push_back({number, instance_bytes, std::move(make)});
 }
 
-void BatchPlan::add_of_batch(uint32_t number, uint64_t most_bytes, Make make) {
-    batch_bytes_ += most_bytes * buffer_count(number);
+void BatchPlan::add_of_batch(uint32_t number, uint64_t max_bytes, Make make) {
+    batch_bytes_ += max_bytes * buffer_count(number);
     entries_.push_back({number, 0, std::move(make)});
 }
 

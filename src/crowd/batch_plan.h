@@ -42,8 +42,8 @@ public:
         });
     }
     void add(uint32_t number, uint64_t instance_bytes, Make make);
-    // A buffer of at most `most_bytes`, whose size does not grow with the batch.
-    void add_of_batch(uint32_t number, uint64_t most_bytes, Make make);
+    // A buffer of at most `max_bytes`, whose size does not grow with the batch.
+    void add_of_batch(uint32_t number, uint64_t max_bytes, Make make);
     // Keeps batches small enough for a buffer that they share and do not own, such as the arena of the staged update.
     // `instance_bytes`: what an instance takes of that buffer.
     void limit(uint64_t instance_bytes) { largest_bytes_ = std::max(largest_bytes_, instance_bytes); }

@@ -13,10 +13,10 @@
 namespace throng {
 namespace {
 
-constexpr size_t kFew = 16;                  // at most this many ranges are recorded one by one
-constexpr size_t kLong_bytes = 4096;         // from this size on, a range is always its own command
-constexpr size_t kRoundWords = 1 << 16;      // 256 KiB
-constexpr size_t kMostWordsAnInstance = 80;  // about as many as can change in one update; more take another round
+constexpr size_t kFew = 16;                 // at most this many ranges are recorded one by one
+constexpr size_t kLong_bytes = 4096;        // from this size on, a range is always its own command
+constexpr size_t kRoundWords = 1 << 16;     // 256 KiB
+constexpr size_t kMaxWordsAnInstance = 80;  // about as many as can change in one update; more take another round
 
 }  // namespace
 
@@ -24,7 +24,7 @@ ChangeStage::ChangeStage(const StageContext& context) : Stage(context) {
     if (gpu_->is_native()) return;
     scatter_ = kernels::scatter.on(gpu_);
     if (context.instance_count <= kFew) return;
-    const size_t words = std::min(kRoundWords, context.instance_count * kMostWordsAnInstance);
+    const size_t words = std::min(kRoundWords, context.instance_count * kMaxWordsAnInstance);
     uploaded_ = Buffer(gpu_, "changes", words * sizeof(uint32_t), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT);
     pending_.resize(batches_.size());
     for (size_t i = 0; i < batches_.size(); ++i)

@@ -12,7 +12,7 @@
 namespace throng {
 namespace {
 
-constexpr float kMostPoseMargin = 1000;
+constexpr float kMaxPoseMargin = 1000;
 
 }  // namespace
 
@@ -35,19 +35,19 @@ void CrowdState::check_groups(const CrowdSettings& settings) const {
         check_steering(group);
         check_carried(group);
         check_command_settings(group);
-        if (const float margin = group.pose_margin.value_or(0); !(margin >= 0 && margin <= kMostPoseMargin))
+        if (const float margin = group.pose_margin.value_or(0); !(margin >= 0 && margin <= kMaxPoseMargin))
             throw Failure(ErrorCode::kInvalidArgument, group.character->name + ": pose margin", margin, "; 0 to ",
-                          kMostPoseMargin);
+                          kMaxPoseMargin);
         total += group.instance_count;
     }
     if (total == 0) throw Failure(ErrorCode::kInvalidArgument, "crowd", "it has no instances");
     if (total > UINT32_MAX)
         throw Failure(ErrorCode::kLimit, "crowd", std::to_string(total) + " instances; at most 4,294,967,295");
     check_terrain(settings);
-    constexpr uint32_t kMostInFlight = 4;  // feedback is kept for as many updates
-    if (settings.frames_in_flight < 1 || settings.frames_in_flight > kMostInFlight)
+    constexpr uint32_t kMaxInFlight = 4;  // feedback is kept for as many updates
+    if (settings.frames_in_flight < 1 || settings.frames_in_flight > kMaxInFlight)
         throw Failure(ErrorCode::kInvalidArgument, "frames in flight", settings.frames_in_flight, "; 1 to ",
-                      kMostInFlight);
+                      kMaxInFlight);
     check_memory("matrices and state", pose_bytes(settings));
 }
 
@@ -213,19 +213,19 @@ void CrowdState::make_feedback() {
     watch_capacity_ = settings_.watch_capacity;
     pose_request_capacity_ = settings_.pose_request_capacity;
     bool any = pose_request_capacity_ > 0;
-    uint64_t most_bytes = 0, most_skin_bytes = 0;  // of one that is watched, or whose pose is requested
+    uint64_t max_bytes = 0, max_skin_bytes = 0;  // of one that is watched, or whose pose is requested
     for (const Group& group : groups) {
         any = any || group.controller || group.sockets || group.steering;
         uint64_t size_bytes = sizeof(Affine) + sizeof(io::RootState) + group.socket_count() * sizeof(Affine);
         if (group.controller)
             size_bytes += group.controller->parameter_count * sizeof(float) +
                           group.controller->layer_count * sizeof(io::LayerState);
-        most_bytes = std::max(most_bytes, size_bytes);
+        max_bytes = std::max(max_bytes, size_bytes);
         if (group.pose_of_skin)
-            most_skin_bytes = std::max(most_skin_bytes, group.palette_count * uint64_t{skin_format_bytes(skin_format)});
+            max_skin_bytes = std::max(max_skin_bytes, group.palette_count * uint64_t{skin_format_bytes(skin_format)});
     }
     if (!any) return;
-    const uint64_t instance_bytes = watch_capacity_ * most_bytes + pose_request_capacity_ * most_skin_bytes;
+    const uint64_t instance_bytes = watch_capacity_ * max_bytes + pose_request_capacity_ * max_skin_bytes;
     check_memory("feedback (event_capacity, watch_capacity, pose_request_capacity)",
                  FeedbackRing::bytes_needed(settings_.event_capacity, instance_bytes));
     if (feedback) return feedback->make_room(instance_bytes);

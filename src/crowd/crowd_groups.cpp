@@ -139,9 +139,9 @@ void CrowdState::count_instances() {
 
 // Does everything about a change of groups that can fail. `moves`: of groups that join the crowd, whose states are
 // `joining`, or leave it.
-CrowdState::Remade CrowdState::remake(std::span<const StageState> before, std::span<const StageState> joining,
-                                      std::span<const Move> moves) {
-    Remade made{.uploads = std::make_unique<FirstUploads>(gpu, events_)};
+CrowdState::RebuiltStages CrowdState::rebuild_stages(std::span<const StageState> before,
+                                                     std::span<const StageState> joining, std::span<const Move> moves) {
+    RebuiltStages made{.uploads = std::make_unique<FirstUploads>(gpu, events_)};
     made.stages = make_stages(made.uploads->uploads);
     const auto renumbered = [&](uint32_t number) {
         for (const Move& move : moves)
@@ -193,10 +193,10 @@ std::vector<uint32_t> CrowdState::add_groups(CrowdState& from) {
         if (!natively_) groups[move.to].leave_native("the crowd's other groups are not updated natively");
         numbers.push_back(move.to);
     }
-    Remade made;
+    RebuiltStages made;
     try {
         make_feedback();
-        made = remake(before, joining, moves);
+        made = rebuild_stages(before, joining, moves);
     } catch (...) {
         for (const Move& move : moves) from.put_in(take_out(move.to), move.from, move.first_from);
         from.natively_ = from.natively_ && natively_;
@@ -204,7 +204,8 @@ std::vector<uint32_t> CrowdState::add_groups(CrowdState& from) {
     }
     for (auto& uploads : from.first_uploads_) first_uploads_.push_back(std::move(uploads));
     from.groups.clear();
-    go_on_with(std::move(made), {.stages = std::move(from.stages), .buffer = std::move(from.terrain_heights_)});
+    commit_group_change(std::move(made),
+                        {.stages = std::move(from.stages), .buffer = std::move(from.terrain_heights_)});
     for (const uint32_t group : numbers) population->join_group(group);
     return numbers;
 }
@@ -220,18 +221,18 @@ void CrowdState::remove_group(uint32_t group) {
     const Instances gone = instances(group);
     const Move move{.from = group, .to = kNone, .first_from = gone.first(), .first_to = kNone, .count = gone.size()};
     GroupInTransit moving = take_out(group);
-    Remade made;
+    RebuiltStages made;
     try {
-        made = remake(before, {}, std::span(&move, 1));
+        made = rebuild_stages(before, {}, std::span(&move, 1));
     } catch (...) {
         put_in(std::move(moving), group, move.first_from);
         throw;
     }
-    go_on_with(std::move(made), {.batches = std::move(moving.batches), .group = std::move(moving.group)});
+    commit_group_change(std::move(made), {.batches = std::move(moving.batches), .group = std::move(moving.group)});
 }
 
 // `gone`: what updates under way may still use, apart from the old stages.
-void CrowdState::go_on_with(Remade made, Retired::Things gone) {
+void CrowdState::commit_group_change(RebuiltStages made, Retired::Things gone) {
     for (auto& stage : stages) gone.stages.push_back(std::move(stage));
     use_stages(std::move(made.stages));
     first_uploads_.push_back(std::move(made.uploads));

@@ -85,12 +85,12 @@ std::vector<Feedback> CrowdState::take_feedback() {
     if (!feedback) return {};
     std::vector<Feedback> taken = feedback->take();
     for (Feedback& one : taken) {
-        const auto tell_generation = [&](auto& of) {
+        const auto set_generation = [&](auto& of) {
             of.instance.generation = population->generation_at(of.instance.instance, one.update);
         };
-        std::ranges::for_each(one.events, tell_generation);
-        std::ranges::for_each(one.watched, tell_generation);
-        std::ranges::for_each(one.poses, tell_generation);
+        std::ranges::for_each(one.events, set_generation);
+        std::ranges::for_each(one.watched, set_generation);
+        std::ranges::for_each(one.poses, set_generation);
     }
     return taken;
 }

@@ -310,13 +310,13 @@ void CrowdState::discard_last_record() {
 float CrowdState::budgeted_full_rate_pixels(const CrowdView* view) {
     if (!view) return 0;
     if (!(view->budget_ms > 0) || !timer) return view->full_rate_pixels;
-    constexpr float kSlack = 0.9f, kMost = 1e6f;
+    constexpr float kSlack = 0.9f, kMaximum = 1e6f;
     if (const std::optional<StageTimes> times = timer->take_newest()) {
         const auto load = static_cast<float>(times->total()) / view->budget_ms;
         full_rate_factor_ = std::clamp(load > 1        ? full_rate_factor_ * std::min(load, 1.5f)
                                        : load < kSlack ? full_rate_factor_ * 0.95f
                                                        : full_rate_factor_,
-                                       1.0f, kMost);
+                                       1.0f, kMaximum);
     }
     return full_rate_factor_ > 1 ? std::max(view->full_rate_pixels, 1.0f) * full_rate_factor_ : view->full_rate_pixels;
 }

@@ -199,7 +199,7 @@ private:
         std::vector<Batch> batches;
     };
     // What the crowd continues with after a change of groups.
-    struct Remade {
+    struct RebuiltStages {
         Stages stages{};
         std::unique_ptr<FirstUploads> uploads{};
         std::unique_ptr<StageTimer> timer{};  // if the one before has too little room
@@ -212,8 +212,9 @@ private:
     GroupInTransit take_out(uint32_t group);
     void put_in(GroupInTransit moving, uint32_t group, uint32_t first_instance);
     void count_instances();
-    Remade remake(std::span<const StageState> before, std::span<const StageState> joining, std::span<const Move> moves);
-    void go_on_with(Remade made, Retired::Things gone);
+    RebuiltStages rebuild_stages(std::span<const StageState> before, std::span<const StageState> joining,
+                                 std::span<const Move> moves);
+    void commit_group_change(RebuiltStages made, Retired::Things gone);
 
     EventPool events_;
     RecordedUpdates recorded_{events_};
@@ -221,7 +222,7 @@ private:
     std::vector<std::unique_ptr<FirstUploads>> first_uploads_;  // of the crowd, and of later changes of groups
     std::vector<Retired> retired_;
     Buffer terrain_heights_;
-    uint32_t timer_room_ = 0;  // StageTimer's most_stages
+    uint32_t timer_room_ = 0;  // StageTimer's max_stages
     bool natively_ = false;    // all groups are updated natively, where that is possible
     bool keeps_previous_ = false;
     bool is_in_flight_ = false;          // drawing may read the outputs of one update while the next one runs

@@ -11,8 +11,8 @@
 
 namespace throng {
 io::CullView cull_view_of(const CrowdView* view, float full_rate_pixels) {
-    constexpr float kMost = 1e30f;
-    io::CullView seen{.eye = {0, 0, 0, kMost}, .ground = -kMost, .shared_pixels = kMost};
+    constexpr float kMaximum = 1e30f;
+    io::CullView seen{.eye = {0, 0, 0, kMaximum}, .ground = -kMaximum, .shared_pixels = kMaximum};
     if (!view) return seen;
     const auto& rows = view->clip_from_world;
     if (!all_finite(rows)) throw Failure(ErrorCode::kInvalidArgument, "view", "clip_from_world must be finite");
@@ -26,7 +26,7 @@ io::CullView cull_view_of(const CrowdView* view, float full_rate_pixels) {
     if (!std::isfinite(view->pixels) && !(std::isfinite(view->lod_pixels) && std::isfinite(view->shared_pose_pixels)))
         throw Failure(ErrorCode::kInvalidArgument, "view",
                       "where pixels is infinite, lod_pixels and shared_pose_pixels must not be");
-    if (!(full_rate_pixels >= 0 && full_rate_pixels <= kMost) || !(view->budget_ms >= 0))
+    if (!(full_rate_pixels >= 0 && full_rate_pixels <= kMaximum) || !(view->budget_ms >= 0))
         throw Failure(ErrorCode::kInvalidArgument, "view",
                       "full_rate_pixels and budget_ms must not be negative, and the first is at most 1e30");
     // A point is inside where its clip coordinates are: -w <= x, y <= w and 0 <= z <= w (G. Gribb and K. Hartmann, Fast
@@ -39,14 +39,14 @@ io::CullView cull_view_of(const CrowdView* view, float full_rate_pixels) {
                             plane(1, 1, -1), plane(0, 2, 1),  plane(1, 2, -1)};
     std::ranges::copy(planes, seen.planes);
     for (size_t r = 0; r < 4; ++r) seen.clip_from_world[r] = {rows[r][0], rows[r][1], rows[r][2], rows[r][3]};
-    seen.eye = {eye.x, eye.y, eye.z, std::min(view->pixels / view->lod_pixels, kMost)};
+    seen.eye = {eye.x, eye.y, eye.z, std::min(view->pixels / view->lod_pixels, kMaximum)};
     seen.shadow = {shadow.x, shadow.y, shadow.z,
                    full_rate_pixels > 0
-                       ? std::clamp(view->pixels / full_rate_pixels, std::numeric_limits<float>::min(), kMost)
+                       ? std::clamp(view->pixels / full_rate_pixels, std::numeric_limits<float>::min(), kMaximum)
                        : 0};
     seen.occlusion = view->occlusion;
     seen.ground = view->ground;
-    seen.shared_pixels = std::min(view->pixels / view->shared_pose_pixels, kMost);
+    seen.shared_pixels = std::min(view->pixels / view->shared_pose_pixels, kMaximum);
     return seen;
 }
 
@@ -59,7 +59,7 @@ void CullStage::plan(BatchPlan& plan) {
         };
     };
     plan.add(io::kListBuffer, kWord_bytes, words(io::kFirstListed, 1));
-    plan.add(io::kWorkBuffer, io::kMostWorkOfInstance * kWord_bytes, words(io::kFirstWork, io::kMostWorkOfInstance));
+    plan.add(io::kWorkBuffer, io::kMaxWorkOfInstance * kWord_bytes, words(io::kFirstWork, io::kMaxWorkOfInstance));
     plan.add_filled(io::kStatesBuffer, std::vector<uint32_t>(1));
     plan.add_storage(io::kVerdictsBuffer, kWord_bytes);
     plan.add(io::kCountsBuffer, kWord_bytes, [](Uploads& uploads, const std::string& what, uint64_t n) {

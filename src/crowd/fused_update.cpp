@@ -182,7 +182,7 @@ void FusedUpdate::update_natively(const ServedBatch& served, uint32_t set, const
         natively.listed = work + work[2 * section];
         count = work[2 * section + 1];
     }
-    gpu_->processor->for_parts(count, least_part(*joints.native, skin_format_), [&](uint32_t first, uint32_t end) {
+    gpu_->processor->for_parts(count, min_part(*joints.native, skin_format_), [&](uint32_t first, uint32_t end) {
         throng::update(*joints.native, natively, first, end);
     });
 }

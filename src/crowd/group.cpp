@@ -327,9 +327,9 @@ void Group::bound_poses(const Character& character, float margin) {
 
 void Group::make_procedural(Uploads& uploads, const ProceduralRules& rules, const Character& character) {
     const ProceduralTables made = make_procedural_tables(rules, character);
-    if (const uint64_t most = scan_limits(*uploads.gpu()).loop_iterations; made.most_steps > most)
+    if (const uint64_t most = scan_limits(*uploads.gpu()).loop_iterations; made.max_steps > most)
         throw Failure(ErrorCode::kUnsupported, name + ": procedural rules",
-                      "one of their chains takes " + std::to_string(made.most_steps) +
+                      "one of their chains takes " + std::to_string(made.max_steps) +
                           " steps, and the device ends loops after " + std::to_string(most));
     uint64_t checksum = crc64(std::as_bytes(std::span(made.words)));
     for (const std::string& target : rules.targets) checksum = crc64(std::as_bytes(std::span(target)), checksum);

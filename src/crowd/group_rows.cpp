@@ -15,10 +15,10 @@ std::vector<native::RowJoint> joints_of(const native::RowSpaces& spaces, const F
 
 std::optional<GpuRows> rows_of(const Gpu& gpu, const Character& character, const native::RowSpaces& spaces,
                                const FusedRig& finest) {
-    constexpr uint64_t kMostRows_bytes = uint64_t{1} << 30;  // which are made in host memory first
+    constexpr uint64_t kMaxRows_bytes = uint64_t{1} << 30;  // which are made in host memory first
     return make_gpu_rows(
         character, joints_of(spaces, finest),
-        std::min({kMostRows_bytes, uint64_t{gpu.properties.limits.maxStorageBufferRange}, gpu.max_allocation_bytes}));
+        std::min({kMaxRows_bytes, uint64_t{gpu.properties.limits.maxStorageBufferRange}, gpu.max_allocation_bytes}));
 }
 
 }  // namespace

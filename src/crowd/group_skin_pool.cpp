@@ -41,17 +41,17 @@ GroupSkinPool make_skin_pool(Uploads& uploads, SharedRigs& rigs, Group& group, c
     const SkinPool& pool = *made_of.skin_pool;
     if (const std::string reason = unsupported_reason(group, character, settings); !reason.empty())
         throw Failure(ErrorCode::kUnsupported, place, reason);
-    constexpr float kMostPoses_per_s = 1000;
-    if (pool.capacity == 0 || !(pool.shared_poses_per_s > 0 && pool.shared_poses_per_s <= kMostPoses_per_s))
+    constexpr float kMaxPoses_per_s = 1000;
+    if (pool.capacity == 0 || !(pool.shared_poses_per_s > 0 && pool.shared_poses_per_s <= kMaxPoses_per_s))
         throw Failure(ErrorCode::kInvalidArgument, place,
                       "capacity and shared_poses_per_s must be above 0, and the second at most 1000");
     const uint64_t rows = shared_pose_count(character, pool.shared_poses_per_s) +
                           std::min(pool.capacity, made_of.instance_count),
-                   most_rows = arena_limit_bytes(*uploads.gpu()) / row_bytes(group, settings.skin_format);
-    if (rows > most_rows)
+                   max_rows = arena_limit_bytes(*uploads.gpu()) / row_bytes(group, settings.skin_format);
+    if (rows > max_rows)
         throw Failure(ErrorCode::kLimit, place,
                       std::to_string(rows) + " rows, those of shared poses among them; at most " +
-                          std::to_string(most_rows) + " fit one buffer (of this device, and of at most 256 MiB)");
+                          std::to_string(max_rows) + " fit one buffer (of this device, and of at most 256 MiB)");
     if (const uint32_t most = uploads.gpu()->properties.limits.maxComputeWorkGroupCount[0];
         std::min(pool.capacity, made_of.instance_count) > most)
         throw Failure(ErrorCode::kLimit, place,

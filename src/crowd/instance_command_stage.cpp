@@ -25,7 +25,7 @@ static_assert(io::kNothing == static_cast<uint32_t>(CommandKind::kNothing) &&
               io::kSetParameter == static_cast<uint32_t>(CommandKind::kSetParameter) &&
               io::kSetLook == static_cast<uint32_t>(CommandKind::kSetLook));
 
-constexpr uint32_t kMostCommands = 1u << 20;  // as include/throng/crowd.h says
+constexpr uint32_t kMaxCommands = 1u << 20;  // as include/throng/crowd.h says
 
 uint64_t claim_count(const Group& group) {
     return io::kFirstOtherClaim +
@@ -44,9 +44,9 @@ uint32_t flags_of(const Group& group, const Batch& batch) {
 
 void check_command_settings(const CrowdGroup& group) {
     const std::string name = group.character->name;
-    if (group.command_capacity > kMostCommands)
+    if (group.command_capacity > kMaxCommands)
         throw Failure(ErrorCode::kLimit, name + ": command_capacity", group.command_capacity, "; at most ",
-                      kMostCommands);
+                      kMaxCommands);
     if (group.is_carried && group.command_capacity > 0)
         throw Failure(ErrorCode::kInvalidArgument, name + ": command_capacity",
                       "not together with is_carried: what is carried is where its carrier is");

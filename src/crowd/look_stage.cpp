@@ -12,8 +12,8 @@ namespace throng {
 static_assert(sizeof(InstanceLook) == sizeof(io::InstanceLook));
 
 bool is_color(const std::array<float, 3>& color) {
-    constexpr float kMost = 1000;
-    return std::ranges::all_of(color, [](float of) { return of >= 0 && of <= kMost; });
+    constexpr float kMaximum = 1000;
+    return std::ranges::all_of(color, [](float of) { return of >= 0 && of <= kMaximum; });
 }
 
 std::vector<io::SectionLook> section_looks_of(const CrowdGroup& group) {

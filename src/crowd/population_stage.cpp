@@ -168,7 +168,7 @@ void PopulationStage::take_over(const Batch& batch, std::span<const uint32_t> bi
 }
 
 // Kernels go no further than the last instance that exists, if the CPU knows which one that is.
-void PopulationStage::tell_batches() const {
+void PopulationStage::update_batches() const {
     for (Batch& batch : batches_) {
         const Population& population = populations_[batch.group];
         if (population.numbers.capacity() == 0) continue;
@@ -182,7 +182,7 @@ void PopulationStage::tell_batches() const {
 void PopulationStage::begin(const Update& update) {
     ++update_number_;
     while (!deaths_.empty() && deaths_.front().update + kUpdatesRemembered < update_number_) deaths_.pop_front();
-    tell_batches();
+    update_batches();
     const std::span<const DirtyRanges::Range> ranges = dirty_.take();
     for_each_part(batches_, ranges, [&](const Batch& batch, uint32_t first, uint32_t count) {
         const Population& population = populations_[batch.group];

@@ -76,7 +76,7 @@ private:
     Deaths& deaths_after_last_update();
     const Population& population_of(uint32_t instance) const;
     static uint32_t generation(const Population& population, uint32_t instance);
-    void tell_batches() const;
+    void update_batches() const;
 
     bool has_feedback_;
     std::vector<Population> populations_;  // [group]

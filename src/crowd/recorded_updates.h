@@ -29,12 +29,12 @@ public:
 
 private:
     // Commands run in the order in which they were recorded: if some have run, those recorded earlier have run too, or
-    // never will. If kMost are pending and none has run, the oldest is assumed never to run.
+    // never will. If kMaximum are pending and none has run, the oldest is assumed never to run.
     void give_back_known() {
-        constexpr size_t kMost = 64;
+        constexpr size_t kMaximum = 64;
         size_t known = under_way_.size();
         while (known > 0 && !under_way_[known - 1].is_set()) --known;
-        if (under_way_.size() == kMost) known = std::max<size_t>(known, 1);
+        if (under_way_.size() == kMaximum) known = std::max<size_t>(known, 1);
         for (; known > 0; --known) {
             events_.give_back(std::move(under_way_.front()));
             under_way_.pop_front();

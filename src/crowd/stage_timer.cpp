@@ -7,7 +7,7 @@
 
 namespace throng {
 
-StageTimer::StageTimer(std::shared_ptr<Gpu> gpu, uint32_t most_stages) : stamps_(std::move(gpu), most_stages + 1) {}
+StageTimer::StageTimer(std::shared_ptr<Gpu> gpu, uint32_t max_stages) : stamps_(std::move(gpu), max_stages + 1) {}
 
 void StageTimer::begin(VkCommandBuffer commands) {
     stamps_.begin(commands);

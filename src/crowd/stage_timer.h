@@ -9,9 +9,9 @@ namespace throng {
 
 class StageTimer {
 public:
-    StageTimer(std::shared_ptr<Gpu> gpu, uint32_t most_stages);
+    StageTimer(std::shared_ptr<Gpu> gpu, uint32_t max_stages);
 
-    // begin() once an update, then end_stage() after each stage, at most most_stages times; a stage may come several
+    // begin() once an update, then end_stage() after each stage, at most max_stages times; a stage may come several
     // times. publish() after the last one, and again after the second half of an update.
     void begin(VkCommandBuffer commands);
     // `name`: one of stage_names().

@@ -28,7 +28,7 @@ void check_layer(const io::LayerState& layer, const LayerKind& kind, uint32_t ma
     const uint32_t motion_count = kind.state_count > 0 ? kind.state_count : clip_count + 1;  // also the rest pose
     StateArchive::require(layer.play_count <= io::kStackSize, "a layer that plays too much at once");
     for (uint32_t i = 0; i < layer.play_count; ++i)
-        StateArchive::require(layer.plays[i].motion < motion_count && layer.plays[i].loops <= io::kMostLoops,
+        StateArchive::require(layer.plays[i].motion < motion_count && layer.plays[i].loops <= io::kMaxLoops,
                               "a state or clip that does not exist, or too many loops of it");
     StateArchive::require(layer.mode <= io::kModeAdditive, "an unknown mode of a layer");
     StateArchive::require(layer.mask == kNone || layer.mask < mask_count, "a mask that does not exist");
@@ -42,7 +42,7 @@ void check_layer_command(const io::ControlCommand& command, const GroupControlle
     StateArchive::require(command.target < controller.layer_count, kTakesNone);
     const LayerKind& layer = controller.layer_kinds[command.target];
     StateArchive::require((layer.state_count > 0) == is_of_state && (layer.inertial_plays || !is_inertial), kTakesNone);
-    StateArchive::require(is_of_state  ? command.motion < layer.state_count && command.loop <= io::kMostLoops
+    StateArchive::require(is_of_state  ? command.motion < layer.state_count && command.loop <= io::kMaxLoops
                           : is_of_clip ? command.motion <= clip_count
                                        : (command.motion == kNone || command.motion < controller.mask_count) &&
                                              command.phase <= io::kModeAdditive,

@@ -15,8 +15,8 @@ void check_steering(const CrowdGroup& group) {
     if (!group.steering) return;
     const Steering& steering = *group.steering;
     const auto check = [&](const char* what, float value, float least) {
-        constexpr float kMost = 1e6f;
-        if (!(value >= least && value <= kMost))
+        constexpr float kMaximum = 1e6f;
+        if (!(value >= least && value <= kMaximum))
             throw Failure(ErrorCode::kInvalidArgument, group.character->name + ": steering",
                           std::string(what) + " " + std::to_string(value) + "; give one from " +
                               (least > 0 ? "0.000001" : "0") + " to 1000000");

@@ -43,7 +43,7 @@ void UpdateRateStage::record(const Update& update) {
         }
         separate_kernels(update.commands);
     };
-    record_section(io::kGoingOn, &ServedBatch::to_current);
+    record_section(io::kInterpolated, &ServedBatch::to_current);
     if (keeps_previous_) record_section(io::kAppearing, &ServedBatch::to_previous);
     update.end_stage("update_rate");
 }

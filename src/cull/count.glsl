@@ -39,6 +39,6 @@ void count(uint verdict) {
     if ((verdict & kVerdictDrawn) != 0) count_one(verdict & kVerdictLodMask);
     if ((verdict & kVerdictAnimated) != 0)
         count_one(kLodCount + (verdict >> kVerdictSectionShift & kVerdictSectionMask));
-    if ((verdict & kVerdictGoesOn) != 0) count_one(kLodCount + kGoingOn);
+    if ((verdict & kVerdictInterpolated) != 0) count_one(kLodCount + kInterpolated);
     if ((verdict & kVerdictAppears) != 0) count_one(kLodCount + kAppearing);
 }

@@ -64,7 +64,7 @@ void main() {
 
 #else
 
-shared uint seen_cells[kMostCells];
+shared uint seen_cells[kMaxCells];
 
 void main() {
     count_begin();

@@ -22,7 +22,7 @@ uint32_t cell_count(uint32_t instance_count) { return quotient_up(instance_count
 // more of them make the offsets kernel take longer (docs/performance.md, "A million").
 uint32_t cells_of_workgroup(uint32_t instance_count) {
     constexpr uint32_t kWorkgroups = 1024;
-    return std::clamp(quotient_up(cell_count(instance_count), kWorkgroups), 1u, uint32_t{io::kMostCells});
+    return std::clamp(quotient_up(cell_count(instance_count), kWorkgroups), 1u, uint32_t{io::kMaxCells});
 }
 
 uint32_t cull_workgroups_of(uint32_t instance_count) {

@@ -71,7 +71,7 @@ uint lod_of(CullView view, float distance_to_it, float scale, vec4 lod_errors, u
 uint period_of(CullView view, float distance_to_it, float scale, vec3 half_extent) {
     const float size = 2 * scale * length(half_extent) * view.shadow.w;
     uint period_log2 = 0;
-    for (uint k = 1; k <= kMostPeriodLog2; ++k)
+    for (uint k = 1; k <= kMaxPeriodLog2; ++k)
         if (size * float(1u << (k - 1)) < distance_to_it) period_log2 = k;
     return view.shadow.w == 0 ? 1 : 1u << period_log2;
 }
@@ -93,7 +93,7 @@ uint verdict_of(CullView view, CullPush push, Affine world_from_model, uint inst
     uint verdict = kVerdictInView | kVerdictDrawn | lod;
     if (is_due)
         verdict |= kVerdictAnimated | (joint_set + (is_at_once ? kAnimated : kAnimatedAhead)) << kVerdictSectionShift;
-    if (!is_at_once && (left > 0 || push.keeps_previous != 0)) verdict |= kVerdictGoesOn;
+    if (!is_at_once && (left > 0 || push.keeps_previous != 0)) verdict |= kVerdictInterpolated;
     if (!has_joints && push.keeps_previous != 0) verdict |= kVerdictAppears;
     state = kStateDrawn | kStateVisible | (left > 0 ? left - 1 : 0) << kStateLeftShift | left << kStateStepShift |
             (is_due ? joint_set : last_set) << kStateSetShift;

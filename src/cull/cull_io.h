@@ -7,9 +7,9 @@ THRONG_IO_BEGIN
 THRONG_IO_CONSTANT kCullWorkgroupSize = 64;
 // A cell is as many consecutive instances as a workgroup has invocations. In large batches a workgroup goes through
 // several cells, so that the offsets kernel does not have to go through too many workgroups.
-THRONG_IO_CONSTANT kMostCells = 64;      // of a workgroup
-THRONG_IO_CONSTANT kLodCount = 4;        // levels of detail of a character; 0 is the finest
-THRONG_IO_CONSTANT kMostPeriodLog2 = 3;  // the smallest instances are animated in every eighth update
+THRONG_IO_CONSTANT kMaxCells = 64;      // of a workgroup
+THRONG_IO_CONSTANT kLodCount = 4;       // levels of detail of a character; 0 is the finest
+THRONG_IO_CONSTANT kMaxPeriodLog2 = 3;  // the smallest instances are animated in every eighth update
 
 // The list of a batch: how many instances are drawn; where each level's instances begin, counted from kFirstListed;
 // then the instances, finest level first, each level's in ascending order.
@@ -27,17 +27,17 @@ THRONG_IO_CONSTANT kCounters = 16;  // of a workgroup
 // ascending order within each. The sections:
 // - kAnimated + k: instances that are animated with joint set k;
 // - kAnimatedAhead + k: the same, but for the pose of a later update;
-// - kGoingOn: instances whose skin matrices are interpolated towards that later pose, or only kept;
+// - kInterpolated: instances whose skin matrices are interpolated towards that later pose, or only kept;
 // - kAppearing: instances that were not drawn in the last update, or with fewer joints.
 THRONG_IO_CONSTANT kAnimated = 0;
 THRONG_IO_CONSTANT kAnimatedAhead = 4;
-THRONG_IO_CONSTANT kGoingOn = 8;
+THRONG_IO_CONSTANT kInterpolated = 8;
 THRONG_IO_CONSTANT kAppearing = 9;
 THRONG_IO_CONSTANT kWorkSections = 10;
 THRONG_IO_CONSTANT kOwnRowsBefore = 20;
 THRONG_IO_CONSTANT kOwnRowsTaken = 21;
 THRONG_IO_CONSTANT kFirstWork = 22;
-THRONG_IO_CONSTANT kMostWorkOfInstance = 2;  // sections that an instance is in at most
+THRONG_IO_CONSTANT kMaxWorkOfInstance = 2;  // sections that an instance is in at most
 
 // A verdict on an instance, for one update.
 THRONG_IO_CONSTANT kVerdictLodMask = 3u;
@@ -46,7 +46,7 @@ THRONG_IO_CONSTANT kVerdictDrawn = 8u;
 THRONG_IO_CONSTANT kVerdictAnimated = 16u;  // in the section of the next three bits
 THRONG_IO_CONSTANT kVerdictSectionShift = 5;
 THRONG_IO_CONSTANT kVerdictSectionMask = 7u;
-THRONG_IO_CONSTANT kVerdictGoesOn = 256u;
+THRONG_IO_CONSTANT kVerdictInterpolated = 256u;
 THRONG_IO_CONSTANT kVerdictAppears = 512u;
 
 // What is kept of an instance from one update to the next.

@@ -33,7 +33,7 @@ void main() {
         const uint verdict = verdicts[instance], section = verdict >> kVerdictSectionShift & kVerdictSectionMask;
         if ((verdict & kVerdictDrawn) != 0) list[next[verdict & kVerdictLodMask]++] = instance;
         if ((verdict & kVerdictAnimated) != 0) list_animated(instance, next[kLodCount + section]++);
-        if ((verdict & kVerdictGoesOn) != 0) work[next[kLodCount + kGoingOn]++] = instance;
+        if ((verdict & kVerdictInterpolated) != 0) work[next[kLodCount + kInterpolated]++] = instance;
         if ((verdict & kVerdictAppears) != 0) work[next[kLodCount + kAppearing]++] = instance;
     }
 }
@@ -49,7 +49,7 @@ void list_cell(uint instance) {
     const uint verdict = instance < push.instance_count ? verdicts[instance] : 0;
     const uint lod = verdict & kVerdictLodMask, section = verdict >> kVerdictSectionShift & kVerdictSectionMask;
     const bool is_drawn = (verdict & kVerdictDrawn) != 0, is_animated = (verdict & kVerdictAnimated) != 0,
-               goes_on = (verdict & kVerdictGoesOn) != 0, appears = (verdict & kVerdictAppears) != 0;
+               goes_on = (verdict & kVerdictInterpolated) != 0, appears = (verdict & kVerdictAppears) != 0;
     const uint of_section = is_animated ? 1u << 8 * (section % 4) : 0;
     uvec4 rank = uvec4(is_drawn ? 1u << 8 * lod : 0, section < 4 ? of_section : 0, section < 4 ? 0 : of_section,
                        (goes_on ? 1u : 0u) | (appears ? 256u : 0u));
@@ -66,7 +66,7 @@ void list_cell(uint instance) {
     if (is_animated)
         list_animated(instance, next[kLodCount + section] +
                                     bitfieldExtract(section < 4 ? rank.y : rank.z, int(8 * (section % 4)), 8) - 1);
-    if (goes_on) work[next[kLodCount + kGoingOn] + (rank.w & 255u) - 1] = instance;
+    if (goes_on) work[next[kLodCount + kInterpolated] + (rank.w & 255u) - 1] = instance;
     if (appears) work[next[kLodCount + kAppearing] + (rank.w >> 8) - 1] = instance;
     barrier();
     if (invocation < kCounters)

@@ -26,7 +26,7 @@ void set_dispatch(uint command, uint workgroups) {
 // How many instances of a section are animated: with a skin pool, only as many as there are rows left for.
 uint count_of(uint section) {
     const uint total = totals[kLodCount + section];
-    if (push.own_row_count == 0 || section >= kGoingOn) return total;
+    if (push.own_row_count == 0 || section >= kInterpolated) return total;
     const uint before = own_rows_before + begins[kLodCount + section] - kFirstWork;
     return min(total, push.own_row_count - min(before, push.own_row_count));
 }
@@ -43,13 +43,14 @@ void tell(uint invocation) {
     if (invocation == kWorkSections) {
         set_dispatch(kWorkSections, drawn_count);
         uint taken = own_rows_before;
-        for (uint section = 0; section < kGoingOn; ++section) taken += count_of(section);
+        for (uint section = 0; section < kInterpolated; ++section) taken += count_of(section);
         work[kOwnRowsBefore] = own_rows_before;
         work[kOwnRowsTaken] = taken;
     }
     if (invocation >= kWorkSections) return;
     const uint count = count_of(invocation);
-    const uint instances_of_workgroup = invocation < kGoingOn ? push.instances_of_workgroup[invocation % kLodCount] : 1;
+    const uint instances_of_workgroup = invocation < kInterpolated ? push.instances_of_workgroup[invocation % kLodCount]
+                                                                   : 1;
     work[2 * invocation] = begins[kLodCount + invocation];
     work[2 * invocation + 1] = count;
     set_dispatch(invocation, (count + instances_of_workgroup - 1) / instances_of_workgroup);

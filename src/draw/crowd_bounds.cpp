@@ -38,7 +38,7 @@ std::pair<float, float> middle_half(std::vector<float>& values) {
     return {low, *rest};
 }
 
-// A box that holds the placements of all instances except strays: the middle half along each axis, extended on all
+// A box that holds the placements of all instances except outliers: the middle half along each axis, extended on all
 // sides by four times the width of the widest of the three (at least a character's size). (J. W. Tukey's fences,
 // Exploratory Data Analysis, 1977, with a wider margin.)
 Bounds fence_of(Crowds crowds) {
@@ -116,11 +116,11 @@ bool is_any_there(const CrowdState& crowd, const Batch& batch) {
     return false;
 }
 
-Bounds bounds_at_rest(std::span<const Crowd* const> crowds, Strays strays) {
+Bounds bounds_at_rest(std::span<const Crowd* const> crowds, Outliers outliers) {
     std::vector<CrowdState*> states;
     for (const Crowd* crowd : crowds)
         if (crowd->instance_count() > 0) states.push_back(&crowd->state());
-    return bounds_of(states, strays).rest;
+    return bounds_of(states, outliers).rest;
 }
 
 }  // namespace
@@ -143,8 +143,8 @@ float character_size(Crowds crowds) {
     return of_those_there > 0 ? of_those_there : std::max(of_all, 1e-6f);
 }
 
-CrowdBounds bounds_of(Crowds crowds, Strays strays) {
-    const Bounds fence = strays == Strays::kIncluded ? kEverywhere : fence_of(crowds);
+CrowdBounds bounds_of(Crowds crowds, Outliers outliers) {
+    const Bounds fence = outliers == Outliers::kIncluded ? kEverywhere : fence_of(crowds);
     Growing within, beyond;
     for (const CrowdState* crowd : crowds) {
         const std::vector<Affine>& placements = crowd->placements->known();
@@ -161,8 +161,8 @@ CrowdBounds bounds_of(Crowds crowds, Strays strays) {
     return bounds;
 }
 
-Bounds world_bounds(const Crowd& crowd) { return bounds_at_rest(std::array{&crowd}, Strays::kIncluded); }
+Bounds world_bounds(const Crowd& crowd) { return bounds_at_rest(std::array{&crowd}, Outliers::kIncluded); }
 Bounds main_bounds(const Crowd& crowd) { return main_bounds(std::array{&crowd}); }
-Bounds main_bounds(std::span<const Crowd* const> crowds) { return bounds_at_rest(crowds, Strays::kLeftOut); }
+Bounds main_bounds(std::span<const Crowd* const> crowds) { return bounds_at_rest(crowds, Outliers::kLeftOut); }
 
 }  // namespace throng

@@ -12,9 +12,9 @@ namespace throng {
 // One crowd, or several that are drawn in one picture.
 using Crowds = std::span<CrowdState* const>;
 
-// Strays are the few instances (at most a hundredth of all, or one if there are fewer than a hundred) that stand so far
-// away from all others that a picture fitted to include them would show nothing else.
-enum class Strays { kIncluded, kLeftOut };
+// Outliers are the few instances (at most a hundredth of all, or one if there are fewer than a hundred) that stand so
+// far away from all others that a picture fitted to include them would show nothing else.
+enum class Outliers { kIncluded, kLeftOut };
 
 // World space, from the instances' placements. If no instance is there, everything except `size` is zero.
 struct CrowdBounds {
@@ -26,7 +26,7 @@ struct CrowdBounds {
     float size = 0;  // character_size()
 };
 // Goes through all instances; what draws a frame calls it once.
-CrowdBounds bounds_of(Crowds crowds, Strays strays);
+CrowdBounds bounds_of(Crowds crowds, Outliers outliers);
 
 // Diagonal of a character's box at rest: in model space, and as placed in the world.
 float size_at_rest(const Group& group);

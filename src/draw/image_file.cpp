@@ -46,6 +46,7 @@ public:
 #define STBI_ONLY_PNG
 #define STBI_ONLY_JPEG
 #define STBI_NO_STDIO
+#define STBI_FAILURE_USERMSG  // the other messages can hold bytes of the file
 #define STBI_MAX_DIMENSIONS 16384
 #define STBI_MALLOC(size) throng::reallocate_for_stb(nullptr, size)
 #define STBI_REALLOC(memory, size) throng::reallocate_for_stb(memory, size)
@@ -79,8 +80,8 @@ bool is_png(std::span<const uint8_t> bytes) {
 // doubles; or the rows, each with a filter byte and up to four 16-bit channels for each pixel. Interlaced files have
 // more rows, for which stb doubles the block once.
 uint64_t largest_of_png_bytes(uint64_t file_bytes, uint64_t width, uint64_t height) {
-    constexpr uint64_t kLeast_bytes = 4096;
-    return std::max(2 * file_bytes + kLeast_bytes, 2 * (width * 8 + 1) * height);
+    constexpr uint64_t kMin_bytes = 4096;
+    return std::max(2 * file_bytes + kMin_bytes, 2 * (width * 8 + 1) * height);
 }
 
 // The number of scans of a JPEG file. Each is decoded for the whole picture, however little data it has.
@@ -97,7 +98,8 @@ size_t scan_count(std::span<const uint8_t> jpeg) {
         if (marker == kPictureEnds) break;
         if (marker == kScan) ++count;
         at += 2;
-        // These have no length: a byte of packed data that looks like a marker, and markers within packed data
+        // These have no length field: FF 00 is a stuffed byte of entropy-coded data, FF D0 to FF D8 are restart markers
+        // and the start of the image
         if (marker == 0 || (marker >= kFirstRestart && marker <= kPictureBegins)) continue;
         at += size_t{jpeg[at]} << 8 | jpeg[at + 1];
     }

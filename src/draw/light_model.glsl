@@ -21,8 +21,8 @@ struct Surface {
 
 // The light that leaves the surface towards the eye.
 vec3 reflected_light(Surface surface, vec3 to_eye, Real sun) {
-    const Real kLeastRoughness = 0.089;
-    const Real roughness = clamp(surface.roughness, kLeastRoughness, 1), alpha = roughness * roughness,
+    const Real kMinRoughness = 0.089;
+    const Real roughness = clamp(surface.roughness, kMinRoughness, 1), alpha = roughness * roughness,
                alpha2 = alpha * alpha;
     const vec3 normal = surface.normal, half_way = normalize(to_eye + xyz(scene.to_sun));
     const Real n_v = max(abs(dot(normal, to_eye)), 1e-4), n_l = max(dot(normal, xyz(scene.to_sun)), 0),

@@ -16,7 +16,7 @@
 namespace throng {
 namespace {
 
-constexpr uint32_t kMostPixels = 16'384;  // along one side: the kernels count subpixels in 24 bits
+constexpr uint32_t kMaxPixels = 16'384;  // along one side: the kernels count subpixels in 24 bits
 constexpr VkExtent2D kLargestPictureTile{480, 270}, kLargestMapTile{1024, 1024};
 constexpr uint32_t kRowsOfJob = 8, kVerticesOfJob = 1 << 14, kLinedOfJob = 256;
 constexpr uint64_t kIdCount = uint64_t{1} << 32;
@@ -25,9 +25,9 @@ static_assert(sizeof(raster::Scene) == sizeof(io::DrawScene));
 
 // A sixteenth of the picture or map, so that threads have equal work, but no more than caches hold.
 VkExtent2D tile_of(const VkExtent2D& of, const VkExtent2D& largest) {
-    static constexpr uint32_t kEachWay = 4, kLeast = 64;
+    static constexpr uint32_t kEachWay = 4, kMinimum = 64;
     const auto side = [](uint32_t whole, uint32_t most) {
-        return std::min(std::max((whole + kEachWay - 1) / kEachWay, kLeast), most);
+        return std::min(std::max((whole + kEachWay - 1) / kEachWay, kMinimum), most);
     };
     return {side(of.width, largest.width), side(of.height, largest.height)};
 }
@@ -57,10 +57,10 @@ std::vector<uint32_t> srgb_of_linear() {
 const VkExtent2D& checked(const VkExtent2D& extent) {
     if (extent.width == 0 || extent.height == 0)
         throw Failure(ErrorCode::kInvalidArgument, "picture", "it has no pixels");
-    if (extent.width > kMostPixels || extent.height > kMostPixels)
+    if (extent.width > kMaxPixels || extent.height > kMaxPixels)
         throw Failure(ErrorCode::kLimit, "picture",
                       std::to_string(extent.width) + " x " + std::to_string(extent.height) + " exceeds the " +
-                          std::to_string(kMostPixels) + " pixels that a native picture has at most, each way");
+                          std::to_string(kMaxPixels) + " pixels that a native picture has at most, each way");
     return extent;
 }
 
@@ -92,7 +92,7 @@ void NativeFrame::draw(Crowds crowds, std::span<const NativeGroups> native, cons
                        const DrawOptions& options, const NativePixels& pixels) {
     Clock clock;
     times_ = {};
-    scene_ = make_scene(bounds_of(crowds, Strays::kLeftOut), camera, extent_, frame_.map_size, options);
+    scene_ = make_scene(bounds_of(crowds, Outliers::kLeftOut), camera, extent_, frame_.map_size, options);
     std::memcpy(&frame_.scene, &scene_, sizeof scene_);
     frame_.pixels = pixels.bytes;
     frame_.blue_first = pixels.blue_first;
@@ -252,10 +252,10 @@ void NativeFrame::give_ids(uint64_t id_count) {
 }
 
 void NativeFrame::give_memory() {
-    frame_.most_vertices = 0;
+    frame_.max_vertices = 0;
     uint64_t block_count = 0;
     for (const raster::Draw& draw : draws_) {
-        frame_.most_vertices = std::max(frame_.most_vertices, draw.section->vertex_count);
+        frame_.max_vertices = std::max(frame_.max_vertices, draw.section->vertex_count);
         times_.vertices += draw.section->vertex_count;
         block_count += rounded_up(draw.section->vertex_count, raster::kBlock) / raster::kBlock;
     }

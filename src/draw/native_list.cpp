@@ -8,7 +8,7 @@
 namespace throng {
 namespace {
 
-constexpr uint32_t kLeastOfJob = 1024;
+constexpr uint32_t kMinOfJob = 1024;
 
 io::vec4 plane(const io::vec4& row, float sign, const io::vec4& other) {
     return {other.x + sign * row.x, other.y + sign * row.y, other.z + sign * row.z, other.w + sign * row.w};
@@ -70,7 +70,7 @@ void NativeView::keep_seen(const Group& group, const Batch& batch, const NativeD
                       half = (group.posed_max - group.posed_min) * 0.5f;
     const auto* const placements = reinterpret_cast<const Affine*>(batch[io::kPlacementsBuffer].mapped());
     seen_.resize(list.instances.size());
-    device.for_parts(static_cast<uint32_t>(seen_.size()), kLeastOfJob, [&](uint32_t first, uint32_t end) {
+    device.for_parts(static_cast<uint32_t>(seen_.size()), kMinOfJob, [&](uint32_t first, uint32_t end) {
         for (uint32_t i = first; i < end; ++i) seen_[i] = shows(placements[list.instances[i]], centre, half);
     });
     uint32_t kept = 0, level = 0;

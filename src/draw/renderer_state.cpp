@@ -9,7 +9,7 @@ RendererState::RendererState(std::shared_ptr<Gpu> gpu_in, const DrawOptions& opt
     : gpu(std::move(gpu_in)), options(checked(options_in)) {}
 
 void RendererState::update(Crowds crowds, float time_step_s, const Camera& camera) const {
-    const CrowdView view = view_of(bounds_of(crowds, Strays::kLeftOut), camera);
+    const CrowdView view = view_of(bounds_of(crowds, Outliers::kLeftOut), camera);
     for (CrowdState* crowd : crowds) crowd->update(time_step_s, crowd->cull ? &view : nullptr);
 }
 

@@ -6,9 +6,9 @@
 namespace throng {
 namespace {
 
-constexpr uint32_t kLeastSize = 512, kMostSize = 4096;  // 1 MiB and 64 MiB
-constexpr double kMargin = 4;                           // texels around what is fitted, for the filter
-constexpr double kGrid = 65536;                         // texels, after which map_grid repeats
+constexpr uint32_t kMinSize = 512, kMaxSize = 4096;  // 1 MiB and 64 MiB
+constexpr double kMargin = 4;                        // texels around what is fitted, for the filter
+constexpr double kGrid = 65536;                      // texels, after which map_grid repeats
 
 struct Interval {
     double low = std::numeric_limits<double>::infinity(), high = -low;
@@ -69,8 +69,8 @@ ShadowFit fit_shadow(const Camera& camera, const View& view, const Bounds& posed
 }
 
 uint32_t shadow_map_size(const VkExtent2D& picture, uint32_t samples) {
-    const uint32_t larger = std::min(std::max(picture.width, picture.height), kMostSize);
-    return std::clamp(samples > 1 ? 2 * larger : larger, kLeastSize, kMostSize);
+    const uint32_t larger = std::min(std::max(picture.width, picture.height), kMaxSize);
+    return std::clamp(samples > 1 ? 2 * larger : larger, kMinSize, kMaxSize);
 }
 
 DepthPass make_shadow_map(const std::shared_ptr<Gpu>& gpu, const VkExtent2D& picture, uint32_t samples) {

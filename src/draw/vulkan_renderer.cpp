@@ -131,7 +131,7 @@ VulkanRenderer::Frame VulkanRenderer::frame_of(Crowds crowds, const Camera& came
         drawing.find_mirrors();
         first_layer += crowd->instance_count;
     }
-    frame.bounds = bounds_of(crowds, Strays::kLeftOut);
+    frame.bounds = bounds_of(crowds, Outliers::kLeftOut);
     frame.scene = make_scene(frame.bounds, camera, targets_.extent(), shadow_map_.extent().width, options);
     return frame;
 }

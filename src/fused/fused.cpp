@@ -61,7 +61,7 @@ FusedRig::FusedRig(const Character& character, uint32_t lod) {
     for (const PaletteEntry& entry : character.palette) {
         if (numbers[entry.joint] == kNone) continue;
         ++palette_count;
-        most_binds = std::max(most_binds, ++binds[entry.joint]);
+        max_binds = std::max(max_binds, ++binds[entry.joint]);
     }
 }
 
@@ -104,7 +104,7 @@ FusedPlan plan_fused(const ScanChoice& choice, const FusedRig& rig, const ScanLi
                                    : plan_scan(method, rig.rig, limits, choice.threads)};
     plan.unsupported_reason = plan.scan.unsupported_reason;
     plan.tile_transforms = !tiled ? 0 : plan.scan.instances_per_workgroup * rig.rig.joint_count();
-    plan.one_bind = rig.most_binds <= 1;
+    plan.one_bind = rig.max_binds <= 1;
     if (!plan.unsupported_reason.empty()) return plan;
     plan.loops = !tiled ? plan.scan.counts.loops : with_tile(plan.scan, rig.rig.joint_count(), limits.subgroup_size);
     const uint64_t iterations = plan.scan.counts.loop_iterations + 2 * uint64_t{rig.rig.joint_count()} +

@@ -51,7 +51,7 @@ struct FusedRig {
     std::vector<uint32_t> rig_joints;  // [joint_count], indices in the character
     std::vector<bool> fixed;           // [joint_count], fused/fixed_joints.h
     uint32_t palette_count = 0;
-    uint32_t most_binds = 0;  // most palette entries of one joint
+    uint32_t max_binds = 0;  // most palette entries of one joint
 };
 
 // How a scan method runs fused for a character.

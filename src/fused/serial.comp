@@ -1,8 +1,8 @@
 // serial, fused: one invocation a character samples, blends, multiplies and binds its joints in one walk.
 // Source: scan/methods/serial.comp. Difference: parents are not read back. The walk is that of scan/pieces.h with a
-//   single piece: largest subtree last, so that only the few parents with children still to come wait in slots. Each
-//   segment of the walk begins with the joints whose translation and scale do not change. These have a loop of their
-//   own, since a software device cannot skip the code of a branch, only leave a loop.
+//   single piece: the subtree that needs the most slots comes last, so that only the few parents with children still to
+//   come wait in slots. Each segment of the walk begins with the joints whose translation and scale do not change.
+//   These have a loop of their own, since a software device cannot skip the code of a branch, only leave a loop.
 // Input: cursors, keys.   Output: skin[instance][entry], model[instance][joint] where asked for.
 // Needs: a slot for each nested branching, at most log2(joints).   Cost: a multiplication and a sample per joint, on
 //   one thread; no barrier; no shared memory on a software device; stores only the output.

@@ -35,8 +35,8 @@ VKAPI_ATTR VkBool32 VKAPI_CALL on_validation_message(VkDebugUtilsMessageSeverity
 }
 
 void check_threads(const char* place, uint32_t threads) {
-    if (threads > NativeDevice::kMostThreads)
-        throw Failure(ErrorCode::kLimit, place, threads, " threads; at most ", NativeDevice::kMostThreads);
+    if (threads > NativeDevice::kMaxThreads)
+        throw Failure(ErrorCode::kLimit, place, threads, " threads; at most ", NativeDevice::kMaxThreads);
 }
 
 bool has_extension(VkPhysicalDevice physical, std::string_view name) {

@@ -51,10 +51,10 @@ VkDeviceSize MemoryBlocks::block_bytes(uint32_t memory_type, VkDeviceSize size_b
     VkDeviceSize before_bytes = 0;
     for (const auto& block : blocks_[memory_type]) before_bytes += block->size_bytes;
     const VkMemoryType& type = gpu_.memory_properties.memoryTypes[memory_type];
-    const VkDeviceSize most_bytes = std::min<VkDeviceSize>(
+    const VkDeviceSize max_bytes = std::min<VkDeviceSize>(
         {kLargestBlock_bytes, gpu_.max_allocation_bytes,
          gpu_.memory_properties.memoryHeaps[type.heapIndex].size / kPartOfHeap});
-    return std::max(size_bytes, std::min(std::max(before_bytes, kSmallestBlock_bytes), most_bytes));
+    return std::max(size_bytes, std::min(std::max(before_bytes, kSmallestBlock_bytes), max_bytes));
 }
 
 std::unique_ptr<MemoryBlock> MemoryBlocks::make_block(uint32_t memory_type, VkDeviceSize size_bytes) const {

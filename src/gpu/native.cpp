@@ -55,14 +55,14 @@ uint64_t NativeDevice::memory_bytes() {
 
 // Only the limits that throng asks for are set; shaders count in 32 bits.
 VkPhysicalDeviceProperties NativeDevice::properties() {
-    constexpr uint32_t kMost = std::numeric_limits<uint32_t>::max();
+    constexpr uint32_t kMaximum = std::numeric_limits<uint32_t>::max();
     VkPhysicalDeviceProperties properties{};
-    properties.limits.maxStorageBufferRange = kMost;
-    properties.limits.maxTexelBufferElements = kMost;
-    properties.limits.maxPerStageDescriptorStorageBuffers = kMost;
+    properties.limits.maxStorageBufferRange = kMaximum;
+    properties.limits.maxTexelBufferElements = kMaximum;
+    properties.limits.maxPerStageDescriptorStorageBuffers = kMaximum;
     properties.limits.minStorageBufferOffsetAlignment = kAlignment_bytes;
     properties.limits.timestampPeriod = 1;
-    std::ranges::fill(properties.limits.maxComputeWorkGroupCount, kMost);
+    std::ranges::fill(properties.limits.maxComputeWorkGroupCount, kMaximum);
     std::ranges::fill(properties.limits.maxComputeWorkGroupSize, kWorkgroupSize);
     properties.limits.maxComputeWorkGroupInvocations = kWorkgroupSize;
     return properties;

@@ -15,7 +15,7 @@ namespace throng {
 
 class NativeDevice {
 public:
-    static constexpr uint32_t kMostThreads = 1024;
+    static constexpr uint32_t kMaxThreads = 1024;
 
     // Uses `threads` and `jobs` of the settings.
     explicit NativeDevice(const DeviceSettings& settings);

@@ -16,8 +16,8 @@
 namespace throng {
 namespace {
 
-constexpr uint64_t kMagic = 0x3145504950524854;        // "THRPIPE1"
-constexpr uint64_t kMost_bytes = uint64_t{256} << 20;  // a larger file is discarded and started anew
+constexpr uint64_t kMagic = 0x3145504950524854;       // "THRPIPE1"
+constexpr uint64_t kMax_bytes = uint64_t{256} << 20;  // a larger file is discarded and started anew
 constexpr size_t kDriverHead_bytes = sizeof(VkPipelineCacheHeaderVersionOne);
 static_assert(kDriverHead_bytes == 16 + VK_UUID_SIZE);
 
@@ -30,7 +30,7 @@ struct FileHead {
 // Empty if the file cannot be read.
 std::vector<std::byte> bytes_of(const std::filesystem::path& file) {
     try {
-        return read_file(file, kMost_bytes, file.string());
+        return read_file(file, kMax_bytes, file.string());
     } catch (const Failure&) {
         return {};
     }

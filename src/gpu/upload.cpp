@@ -59,7 +59,7 @@ void Uploads::add(std::span<const std::byte> data, std::function<void(VkCommandB
 }
 
 void Uploads::make_room(VkDeviceSize size_bytes) {
-    if (staged_bytes_ + aligned(size_bytes) > most_staged_bytes_) finish();
+    if (staged_bytes_ + aligned(size_bytes) > max_staged_bytes_) finish();
 }
 
 std::byte* Uploads::stage(VkDeviceSize size_bytes, BufferRange& staged) {

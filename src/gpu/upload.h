@@ -17,12 +17,12 @@ class Uploads {
 public:
     // The limit of staging memory in use: an upload that would exceed it first submits those added so far. A single
     // larger upload gets as much as it needs.
-    static constexpr VkDeviceSize kMostStaged_bytes = VkDeviceSize{64} << 20;
+    static constexpr VkDeviceSize kMaxStaged_bytes = VkDeviceSize{64} << 20;
     // No limit: nothing is submitted before finish().
     static constexpr VkDeviceSize kUnlimited_bytes = std::numeric_limits<VkDeviceSize>::max();
 
-    explicit Uploads(std::shared_ptr<Gpu> gpu, VkDeviceSize most_staged_bytes = kMostStaged_bytes)
-        : gpu_(std::move(gpu)), most_staged_bytes_(most_staged_bytes) {}
+    explicit Uploads(std::shared_ptr<Gpu> gpu, VkDeviceSize max_staged_bytes = kMaxStaged_bytes)
+        : gpu_(std::move(gpu)), max_staged_bytes_(max_staged_bytes) {}
     Uploads(const Uploads&) = delete;
     Uploads& operator=(const Uploads&) = delete;
 
@@ -58,7 +58,7 @@ private:
     std::byte* stage(VkDeviceSize size_bytes, BufferRange& staged);
 
     std::shared_ptr<Gpu> gpu_;
-    VkDeviceSize most_staged_bytes_;
+    VkDeviceSize max_staged_bytes_;
     std::vector<Buffer> staging_;
     VkDeviceSize used_bytes_ = 0;    // of the last staging buffer
     VkDeviceSize staged_bytes_ = 0;  // of all staging buffers

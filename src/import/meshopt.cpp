@@ -37,8 +37,8 @@ std::shared_ptr<const std::vector<std::byte>> decode_meshopt(const JsonView& jso
 
     // The least that each codec needs: two bits for 16 equal bytes, a byte for a triangle or an index. Checked here, so
     // that a few bytes that claim gigabytes are refused before memory is allocated for them.
-    const uint64_t least_bytes = attributes ? count * stride_bytes / 64 : triangles ? count / 3 : count;
-    if (least_bytes > compressed.size()) json.fail(compressed.size(), " bytes are too few for a count of ", count);
+    const uint64_t min_bytes = attributes ? count * stride_bytes / 64 : triangles ? count / 3 : count;
+    if (min_bytes > compressed.size()) json.fail(compressed.size(), " bytes are too few for a count of ", count);
     const auto decoded = charged_bytes(budget, count, stride_bytes, json.place());
     if (count == 0) return decoded;
     std::byte* const out = decoded->data();

@@ -9,8 +9,8 @@
 namespace throng::gltf {
 namespace {
 
-constexpr double kMostOfTransform = 1e6;  // beyond which floats have hardly any fractions
-constexpr double kBrightest = 65504;      // of emissive colours: the largest half float
+constexpr double kMaxOfTransform = 1e6;  // beyond which floats have hardly any fractions
+constexpr double kBrightest = 65504;     // of emissive colours: the largest half float
 
 // Reads each image once, at its first use.
 class Images {
@@ -164,7 +164,7 @@ private:
             transform->optional_numbers("offset", offset);
             transform->optional_numbers("scale", scale);
             for (std::array<double, 2>* const numbers : {&offset, &scale})
-                for (double& number : *numbers) number = std::clamp(number, -kMostOfTransform, kMostOfTransform);
+                for (double& number : *numbers) number = std::clamp(number, -kMaxOfTransform, kMaxOfTransform);
             // Counter-clockwise in the picture, whose v points down.
             const double turn_rad = transform->optional_number("rotation", 0);
             const double cosine = std::cos(turn_rad), sine = std::sin(turn_rad);

@@ -8,7 +8,7 @@ namespace throng {
 namespace {
 
 static_assert(io::kMorphNormalStepBits == std::bit_cast<uint32_t>(kMorphNormalStep) &&
-              io::kLeastMorphWeightBits == std::bit_cast<uint32_t>(kLeastMorphWeight));
+              io::kMinMorphWeightBits == std::bit_cast<uint32_t>(kMinMorphWeight));
 static_assert(io::kMorphAnimatedBit == kTrackAnimated && io::kMorphStepBit == kTrackStep &&
               io::kMorphPositionMask == kTrackPosition);
 static_assert(sizeof(io::ActiveMorph) == 8);

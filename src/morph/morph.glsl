@@ -92,7 +92,7 @@ vec4 weights_of_active_clips(uint instance, uint quad) {
 // indices. Active morphs stay in that order if all fit; otherwise they are sorted by magnitude, the largest first.
 uint with_active(uint first, uint count, ActiveMorph added) {
     const float size = abs(added.weight);
-    if (!(size > uintBitsToFloat(kLeastMorphWeightBits))) return count;
+    if (!(size > uintBitsToFloat(kMinMorphWeightBits))) return count;
     const bool is_full = count == push.active_morph_limit;
     if (is_full && !(size > abs(active_morphs[first + count - 1].weight))) return count;
     uint place = is_full ? count - 1 : count;

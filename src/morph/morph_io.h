@@ -6,9 +6,9 @@ THRONG_IO_BEGIN
 
 THRONG_IO_CONSTANT kMorphWorkgroupSize = 64;
 
-// kMorphNormalStep and kLeastMorphWeight of throng/character.h, as the bits of floats.
+// kMorphNormalStep and kMinMorphWeight of throng/character.h, as the bits of floats.
 THRONG_IO_CONSTANT kMorphNormalStepBits = 0x3B804020u;
-THRONG_IO_CONSTANT kLeastMorphWeightBits = 0x358637BDu;
+THRONG_IO_CONSTANT kMinMorphWeightBits = 0x358637BDu;
 
 // A morph that an instance shows. Weight 0 ends the list.
 struct ActiveMorph {

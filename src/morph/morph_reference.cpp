@@ -54,7 +54,7 @@ std::vector<double> morphs_reference(const Character& character, std::span<const
 std::vector<WeightedMorph> active_morphs_reference(std::span<const double> weights, size_t limit) {
     std::vector<WeightedMorph> active;
     for (uint32_t morph = 0; morph < weights.size(); ++morph)
-        if (std::abs(weights[morph]) > double{kLeastMorphWeight}) active.push_back({morph, weights[morph]});
+        if (std::abs(weights[morph]) > double{kMinMorphWeight}) active.push_back({morph, weights[morph]});
     std::ranges::stable_sort(
         active, [](const WeightedMorph& a, const WeightedMorph& b) { return std::abs(a.weight) > std::abs(b.weight); });
     active.resize(std::min(active.size(), limit));

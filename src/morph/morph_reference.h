@@ -38,7 +38,7 @@ struct WeightedMorph {
 };
 
 // The up to `limit` morphs of largest magnitude, largest first, ties by index. Leaves out magnitudes up to
-// kLeastMorphWeight. `weights`: [morph].
+// kMinMorphWeight. `weights`: [morph].
 std::vector<WeightedMorph> active_morphs_reference(std::span<const double> weights, size_t limit = SIZE_MAX);
 
 // position + sum of weight * difference, in bind space. `morphs`: the active morphs.

@@ -14,21 +14,21 @@ using namespace native;
 
 // Parts of the character's size, as in rows.cpp
 constexpr double kGpuStill = 1e-7;
-constexpr double kGpuFineError = 1e-6;      // half of what is allowed there: a further column costs little
-constexpr double kFiner = 65536;            // steps of a finer word in one step of a word
-constexpr double kLeastStep = 1.0 / 16384;  // of a rotation's range: the least normal half float
+constexpr double kGpuFineError = 1e-6;    // half of what is allowed there: a further column costs little
+constexpr double kFiner = 65536;          // steps of a finer word in one step of a word
+constexpr double kMinStep = 1.0 / 16384;  // of a rotation's range: the least normal half float
 
-// The smallest half float that is at least `value` and at least kLeastStep, so that a range of this size holds all its
+// The smallest half float that is at least `value` and at least kMinStep, so that a range of this size holds all its
 // values.
 uint32_t half_up(double value) {
-    uint32_t half = 0x0400;  // kLeastStep
+    uint32_t half = 0x0400;  // kMinStep
     for (uint32_t bit = 0x4000; bit >= 1; bit /= 2) {
         const uint32_t larger = half + bit;
         if (larger > 0x7BFF) continue;
         const double of_larger = std::ldexp(1 + (larger & 0x3FF) / 1024.0, static_cast<int>(larger >> 10) - 15);
         if (of_larger < value) half = larger;
     }
-    return value <= kLeastStep ? 0x0400 : half + 1;
+    return value <= kMinStep ? 0x0400 : half + 1;
 }
 
 double value_of_half(uint32_t half) {
@@ -39,7 +39,7 @@ double value_of_half(uint32_t half) {
 // The nearest half float. Denormal ones become 0, since devices may take them for 0.
 uint32_t nearest_half(double value) {
     const uint32_t sign = value < 0 ? 0x8000 : 0;
-    if (std::abs(value) < kLeastStep) return 0;
+    if (std::abs(value) < kMinStep) return 0;
     const uint32_t above = half_up(std::abs(value));
     const uint32_t below = above > 0x0400 ? above - 1 : above;
     return sign | (value_of_half(above) - std::abs(value) < std::abs(value) - value_of_half(below) ? above : below);
@@ -51,12 +51,12 @@ struct WordRange {
 
     int64_t finest(const Four& value, size_t c) const {
         const double part = half[c] > 0 ? (value[c] - middle[c]) / half[c] : 0;
-        return std::llround(std::clamp(part, -1.0, 1.0) * kMostWord * kFiner);
+        return std::llround(std::clamp(part, -1.0, 1.0) * kMaxWord * kFiner);
     }
     // The largest error of any of these components.
     double error(size_t first, size_t end) const {
         double error = 0;
-        for (size_t c = first; c < end; ++c) error = std::max(error, half[c] / kMostWord / 2);
+        for (size_t c = first; c < end; ++c) error = std::max(error, half[c] / kMaxWord / 2);
         return error;
     }
 };
@@ -71,9 +71,9 @@ public:
     GpuRowMaker(const Character& character, std::span<const RowJoint> joints, std::vector<ClipRowCursors> cursors)
         : character_(character), joints_(joints), values_(character, true, std::move(cursors)) {}
 
-    std::optional<GpuRows> make(uint64_t most_bytes) {
+    std::optional<GpuRows> make(uint64_t max_bytes) {
         measure();
-        if (uint64_t{values_.row_count()} * out_.column_count * sizeof out_.rows[0] > most_bytes) return std::nullopt;
+        if (uint64_t{values_.row_count()} * out_.column_count * sizeof out_.rows[0] > max_bytes) return std::nullopt;
         out_.rows.resize(values_.row_count() * out_.column_count);
         for (size_t j = 0; j < joints_.size(); ++j) write(static_cast<uint32_t>(j));
         write_places();
@@ -93,7 +93,7 @@ private:
             const RowRange rotation = values_.range_of(values.rotation), motion = values_.range_of(values.motion);
             WordRange& turns = rotations_.emplace_back();
             for (size_t c = 0; c < 4; ++c) {
-                turns.middle[c] = value_of_half(nearest_half(kMostWord * rotation.middle[c])) / kMostWord;
+                turns.middle[c] = value_of_half(nearest_half(kMaxWord * rotation.middle[c])) / kMaxWord;
                 turns.half[c] = value_of_half(
                     half_up(rotation.half[c] + std::abs(rotation.middle[c] - turns.middle[c])));
             }
@@ -162,8 +162,8 @@ private:
         const auto bits = [](double value) { return std::bit_cast<uint32_t>(static_cast<float>(value)); };
         const auto halves = [](double a, double b) { return nearest_half(a) | nearest_half(b) << 16; };
         const Four &middle = rotations_[joint].middle, &half = rotations_[joint].half;
-        row_at(io::kRowRange) = {halves(kMostWord * middle[0], kMostWord * middle[1]),
-                                 halves(kMostWord * middle[2], kMostWord * middle[3]), halves(half[0], half[1]),
+        row_at(io::kRowRange) = {halves(kMaxWord * middle[0], kMaxWord * middle[1]),
+                                 halves(kMaxWord * middle[2], kMaxWord * middle[3]), halves(half[0], half[1]),
                                  halves(half[2], half[3])};
         const Four& centre = motions_[joint].middle;
         row_at(io::kRowCentre) = {bits(centre[0]), bits(centre[1]), bits(centre[2]), bits(centre[3])};
@@ -178,7 +178,7 @@ private:
         if (columns.motion == kNoIndex) return;
         const Four& step = motions_[joint].half;
         out_.joints[io::kRowJointRows * joint_count + columns.motion] = {
-            bits(step[0] / kMostWord), bits(step[1] / kMostWord), bits(step[2] / kMostWord), bits(step[3] / kMostWord)};
+            bits(step[0] / kMaxWord), bits(step[1] / kMaxWord), bits(step[2] / kMaxWord), bits(step[3] / kMaxWord)};
     }
 
     void write_places() {
@@ -210,12 +210,12 @@ private:
 }  // namespace
 
 std::optional<GpuRows> make_gpu_rows(const Character& character, std::span<const native::RowJoint> joints,
-                                     uint64_t most_bytes) {
+                                     uint64_t max_bytes) {
     const uint64_t row_bytes = joints.size() * sizeof(GpuRows::rows[0]);  // of rotations alone
     std::optional<std::vector<ClipRowCursors>> cursors = row_cursors(character, joints,
-                                                                     most_bytes / std::max<uint64_t>(row_bytes, 1));
+                                                                     max_bytes / std::max<uint64_t>(row_bytes, 1));
     if (!cursors) return std::nullopt;
-    return GpuRowMaker(character, joints, *std::move(cursors)).make(most_bytes);
+    return GpuRowMaker(character, joints, *std::move(cursors)).make(max_bytes);
 }
 
 }  // namespace throng

@@ -24,8 +24,8 @@ struct GpuRows {
 };
 
 // `joints`: some of RowSpaces::of_joints, in the order of columns, with uniform scales. Returns nothing if the rows
-// would exceed `most_bytes`.
+// would exceed `max_bytes`.
 std::optional<GpuRows> make_gpu_rows(const Character& character, std::span<const native::RowJoint> joints,
-                                     uint64_t most_bytes);
+                                     uint64_t max_bytes);
 
 }  // namespace throng

@@ -11,7 +11,7 @@
 namespace throng {
 namespace {
 
-constexpr uint32_t kMostClasses = 8, kClassSize = 64;
+constexpr uint32_t kMaxClasses = 8, kClassSize = 64;
 
 const native::Kernel& kernel_of(NativeIsa isa) {
 #if defined(__x86_64__)
@@ -84,8 +84,8 @@ void for_instances(const NativeRig& rig, const NativeUpdate& update, uint32_t fi
     buffers.scratch = scratch(kernel.scratch_bytes(of, buffers));
     // Groups instances whose matrices begin at the same offset in a cache line
     const uint32_t class_count = class_count_of(of.palette_count, update.skin_format);
-    std::array<std::array<uint32_t, kClassSize>, kMostClasses> classes;
-    std::array<uint32_t, kMostClasses> counts{};
+    std::array<std::array<uint32_t, kClassSize>, kMaxClasses> classes;
+    std::array<uint32_t, kMaxClasses> counts{};
     const auto run = [&](uint32_t c) {
         run_kernel(of, buffers, classes[c].data(), counts[c]);
         counts[c] = 0;
@@ -122,7 +122,7 @@ void update(const NativeRig& rig, const NativeUpdate& update, uint32_t first, ui
     for_instances(rig, update, first, end, kernel_of(isa), kernel_of(isa).update);
 }
 
-uint32_t least_part(const NativeRig& rig, SkinFormat skin_format) {
+uint32_t min_part(const NativeRig& rig, SkinFormat skin_format) {
     return kernel_of(native_isas().back()).lane_count * class_count_of(rig.kernel().palette_count, skin_format);
 }
 

@@ -48,7 +48,7 @@ void update(const NativeRig& rig, const NativeUpdate& update, uint32_t first, ui
 
 // How many consecutive instances update() needs to fill its lanes. It computes instances side by side if their matrices
 // begin at the same offset in a cache line.
-uint32_t least_part(const NativeRig& rig, SkinFormat skin_format);
+uint32_t min_part(const NativeRig& rig, SkinFormat skin_format);
 
 // For comparison with an update (bench/cpu_bench.h): its first half alone, and the least time that writing memory
 // takes. `bytes` begin and end at a multiple of 64.

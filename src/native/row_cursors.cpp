@@ -8,7 +8,7 @@ namespace throng::native {
 namespace {
 
 constexpr double kArcError = 1e-6;  // parts of the character's size: how far an arc may be from its chord
-constexpr uint32_t kMostPieces = 256;
+constexpr uint32_t kMaxPieces = 256;
 
 // How the joints go from one row of keys to the next.
 struct Interval {
@@ -31,7 +31,7 @@ bool differ(TrackTarget target, const TrackValue& a, const TrackValue& b) {
 // cubic term of atan(w tan(angle)) - w angle). A point at a distance of 1 is off by twice that.
 double pieces_for(double angle, double reach, double size) {
     const double most = std::cbrt(kArcError * size / (2 * std::sqrt(3.0) / 216 * std::max(reach, 1e-12 * size)));
-    return std::clamp(std::ceil(angle / most), 1.0, double{kMostPieces});
+    return std::clamp(std::ceil(angle / most), 1.0, double{kMaxPieces});
 }
 
 std::vector<Interval> intervals_of(const Character& character, size_t clip, std::span<const RowJoint> joints) {
@@ -59,14 +59,14 @@ std::vector<Interval> intervals_of(const Character& character, size_t clip, std:
 }  // namespace
 
 std::optional<std::vector<ClipRowCursors>> row_cursors(const Character& character, std::span<const RowJoint> joints,
-                                                       uint64_t most_rows) {
+                                                       uint64_t max_rows) {
     std::vector<ClipRowCursors> cursors;
     uint64_t row_count = 1;  // of the rest pose
     for (size_t clip = 0; clip < character.clips.size(); ++clip) {
         const std::vector<Interval> intervals = intervals_of(character, clip, joints);
         for (const Interval& interval : intervals) row_count += interval.row_count();
         ++row_count;  // that of the last key
-        if (row_count > most_rows) return std::nullopt;
+        if (row_count > max_rows) return std::nullopt;
         ClipRowCursors& of = cursors.emplace_back();
         uint32_t key = 0;
         for (const Interval& interval : intervals) {

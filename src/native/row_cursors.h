@@ -13,9 +13,9 @@ struct ClipRowCursors {
     std::vector<RowSpan> spans;   // [keys]; rows count from the clip's first
 };
 
-// [clip_count + 1]; the last is the rest pose. Returns nothing if there would be more than `most_rows` rows in all.
+// [clip_count + 1]; the last is the rest pose. Returns nothing if there would be more than `max_rows` rows in all.
 // Rows are counted before they are listed, since a file of a few megabytes can ask for gigabytes.
 std::optional<std::vector<ClipRowCursors>> row_cursors(const Character& character, std::span<const RowJoint> joints,
-                                                       uint64_t most_rows);
+                                                       uint64_t max_rows);
 
 }  // namespace throng::native

@@ -12,7 +12,7 @@ namespace throng::native {
 
 using Four = std::array<double, 4>;
 
-inline constexpr double kMostWord = 32767;  // the largest word of 16 bits
+inline constexpr double kMaxWord = 32767;  // the largest word of 16 bits
 
 // A joint's values in all rows of all clips: rotations; translations, with the scale if it is uniform; three scales.
 struct JointValues {

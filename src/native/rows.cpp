@@ -10,9 +10,9 @@
 namespace throng::native {
 namespace {
 
-constexpr double kStill = 1e-7;          // of the character's size; less counts as no movement
-constexpr double kFineError = 2e-6;      // of the character's size; above it, a joint gets floats
-constexpr double kPart = 1 / kMostWord;  // the step of a fraction between two rows, off by half of it
+constexpr double kStill = 1e-7;         // of the character's size; less counts as no movement
+constexpr double kFineError = 2e-6;     // of the character's size; above it, a joint gets floats
+constexpr double kPart = 1 / kMaxWord;  // the step of a fraction between two rows, off by half of it
 
 constexpr size_t kLimit_bytes = size_t{1} << 30;  // of rows
 
@@ -37,7 +37,7 @@ std::vector<ClipRowCursors> checked_cursors(const Character& character, std::spa
 double error_of(const RowRange& range, size_t first, size_t end) {
     double error = 0;
     for (size_t c = first; c < end; ++c)
-        error = std::max(error, range.half[c] / kMostWord / 2 + range.largest_step[c] * kPart / 2);
+        error = std::max(error, range.half[c] / kMaxWord / 2 + range.largest_step[c] * kPart / 2);
     return error;
 }
 
@@ -140,7 +140,7 @@ private:
             for (uint32_t c = 0; c < 4; ++c) {
                 float* at = ranges + (place / kBlockJoints * 8 + c) * kBlockJoints + place % kBlockJoints;
                 *at = static_cast<float>(ranges_[place].middle[c]);
-                at[4 * kBlockJoints] = static_cast<float>(ranges_[place].half[c] / kMostWord / kMostWord);
+                at[4 * kBlockJoints] = static_cast<float>(ranges_[place].half[c] / kMaxWord / kMaxWord);
             }
         const size_t size = rows_.row_bytes * rows_.row_count;
         if (size > kLimit_bytes) refuse_rows(character_);
@@ -163,7 +163,7 @@ private:
             } else {
                 const RowRange& range = ranges_[place];
                 const double part = range.half[c] > 0 ? (value[c] - range.middle[c]) / range.half[c] : 0;
-                const auto word = static_cast<int16_t>(std::lround(std::clamp(part, -1.0, 1.0) * kMostWord));
+                const auto word = static_cast<int16_t>(std::lround(std::clamp(part, -1.0, 1.0) * kMaxWord));
                 std::memcpy(at + (c / 2 * 32 + lane / 4 * 8 + c % 2 * 4 + lane % 4) * sizeof word, &word, sizeof word);
             }
         }

@@ -17,8 +17,8 @@ namespace {
 
 // At most 2^32 - 1, so that the sum over all clips cannot overflow: a file can claim any duration.
 uint64_t interval_count(const Clip& clip, float poses_per_s) {
-    constexpr double kMost = std::numeric_limits<uint32_t>::max();
-    return static_cast<uint64_t>(std::min(std::ceil(double{clip.duration_s} * poses_per_s), kMost));
+    constexpr double kMaximum = std::numeric_limits<uint32_t>::max();
+    return static_cast<uint64_t>(std::min(std::ceil(double{clip.duration_s} * poses_per_s), kMaximum));
 }
 
 // Makes single poses of clips.

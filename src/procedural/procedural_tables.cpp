@@ -77,7 +77,7 @@ ProceduralTables make_procedural_tables(const ProceduralRules& rules, const Char
                             .dispatches = {},
                             .spring_count = plan.spring_count,
                             .target_count = static_cast<uint32_t>(rules.targets.size())};
-    for (const PlannedChain& chain : plan.chains) tables.most_steps = std::max(tables.most_steps, chain.steps);
+    for (const PlannedChain& chain : plan.chains) tables.max_steps = std::max(tables.max_steps, chain.steps);
     Words words;
     words.add(std::span<const uint32_t>(character.rig.parents));
     std::vector<std::pair<uint32_t, uint32_t>> kinds_and_rules;

@@ -16,7 +16,7 @@ struct ProceduralTables {
     std::vector<uint32_t> words;
     std::vector<Dispatch> dispatches;
     uint32_t spring_count = 0, target_count = 0;  // per instance
-    uint64_t most_steps = 0;                      // loop iterations of the chain that has the most
+    uint64_t max_steps = 0;                       // loop iterations of the chain that has the most
 };
 
 // Throws what plan_procedural() throws.

@@ -18,11 +18,11 @@ struct ClipVertex {
 // Each of the five planes adds at most one corner. If rounding makes the polygon concave, because coordinates are very
 // far apart, there could be more; add() drops those.
 struct ClipPolygon {
-    static constexpr uint32_t kMost = 3 + 5;
-    ClipVertex of[kMost];
+    static constexpr uint32_t kMaximum = 3 + 5;
+    ClipVertex of[kMaximum];
     uint32_t count = 0;
     INLINE void add(const ClipVertex& v) {
-        if (count < kMost) of[count++] = v;
+        if (count < kMaximum) of[count++] = v;
     }
 };
 
@@ -46,8 +46,8 @@ void clip(ClipPolygon& polygon, const Distance& distance) {
 
 // Subpixels as an integer, clamped to the guard band; NaN gives its lower end.
 INLINE int32_t guarded(double subpixels) {
-    constexpr double kMost = double{kGuard};
-    return static_cast<int32_t>(subpixels > kMost ? kMost : subpixels >= -kMost ? subpixels : -kMost);
+    constexpr double kMaximum = double{kGuard};
+    return static_cast<int32_t>(subpixels > kMaximum ? kMaximum : subpixels >= -kMaximum ? subpixels : -kMaximum);
 }
 
 // Calls draw(ScreenTriangle) for each triangle of the clipped polygon; never if a corner is not finite.
@@ -70,8 +70,8 @@ void clip_triangle(const Frame& frame, const ClipVertex (&corners)[3], const Dra
     clip(polygon, [bottom](const ClipVertex& v) { return bottom * v.w + v.y; });
     if (polygon.count < 3) return;
 
-    int32_t x[ClipPolygon::kMost], y[ClipPolygon::kMost];
-    float z[ClipPolygon::kMost];
+    int32_t x[ClipPolygon::kMaximum], y[ClipPolygon::kMaximum];
+    float z[ClipPolygon::kMaximum];
     for (uint32_t i = 0; i < polygon.count; ++i) {
         const ClipVertex& v = polygon.of[i];
         const bool is_whole = v.screen_x < kFarAway && v.screen_y < kFarAway;

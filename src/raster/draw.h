@@ -22,11 +22,11 @@ INLINE uint32_t whole_blocks(uint32_t count) { return (count + kBlock - 1) / kBl
 
 INLINE Screen screen_in(std::byte* scratch, const Frame& frame) {
     float* const floats = reinterpret_cast<float*>(scratch);
-    const size_t room = whole_blocks(frame.most_vertices);
+    const size_t room = whole_blocks(frame.max_vertices);
     return {floats, floats + 2 * room};
 }
 
-INLINE size_t screen_bytes(const Frame& frame) { return size_t{3} * sizeof(float) * whole_blocks(frame.most_vertices); }
+INLINE size_t screen_bytes(const Frame& frame) { return size_t{3} * sizeof(float) * whole_blocks(frame.max_vertices); }
 size_t scratch_bytes_to_draw(const Frame& frame) { return screen_bytes(frame) + Occlusion::scratch_bytes(frame); }
 
 template <Into kInto>
@@ -109,8 +109,8 @@ private:
         if (occlusion_ && !any(is_clipped & live) && hides(live, in_tile)) return;
 
         const Real columns = box.x1 - box.x0, rows = box.y1 - box.y0;
-        constexpr float kMost = FittingTriangles::kMostPixels - 1;
-        const Mask fits = live & ~is_clipped & (columns <= kMost) & (rows <= kMost);
+        constexpr float kMaximum = FittingTriangles::kMaxPixels - 1;
+        const Mask fits = live & ~is_clipped & (columns <= kMaximum) & (rows <= kMaximum);
         constexpr float kOfBlock = Block::kSide - 1;
         if (any(fits)) draw_fitting(first, a, b, c, box, (columns <= kOfBlock) & (rows <= kOfBlock), fits);
         for (uint32_t rest = bits(live & ~fits); rest != 0; rest &= rest - 1)

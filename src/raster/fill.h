@@ -52,8 +52,8 @@ struct Edge {
 
 INLINE int32_t within_31_bits(int32_t value) { return value; }
 INLINE int32_t within_31_bits(int64_t value) {
-    constexpr int64_t kMost = 1 << 30;
-    return static_cast<int32_t>(value < -kMost ? -kMost : value > kMost ? kMost : value);
+    constexpr int64_t kMaximum = 1 << 30;
+    return static_cast<int32_t>(value < -kMaximum ? -kMaximum : value > kMaximum ? kMaximum : value);
 }
 
 struct Box {

@@ -58,7 +58,7 @@ class FittingTriangles {
 public:
     // Keeps the values of edge functions exact in floats, even in a block that reaches 3 pixels beyond the box: the sum
     // of two products of at most 9 and 12 times 256 is below 2^24.
-    static constexpr int kMostPixels = 8;
+    static constexpr int kMaxPixels = 8;
 
     INLINE void set_planes(const Plane<Real>& of) {
         const Real numbers[6]{of.x0, of.y0, of.z0, of.per_x, of.per_y, of.most};

@@ -8,9 +8,9 @@ namespace {
 
 // Pixels of a row that are resolved together: the triangles in them are shaded material by material.
 constexpr uint32_t kSpan = 1024;
-constexpr uint32_t kMostSamples = 4;
+constexpr uint32_t kMaxSamples = 4;
 constexpr uint32_t kAhead = 1024;  // samples: another page, which processors do not prefetch by themselves
-constexpr uint32_t kMostMaterials = 64;
+constexpr uint32_t kMaxMaterials = 64;
 constexpr uint32_t kNone = 0xFFFFFFFF;
 
 // A triangle in a pixel.
@@ -31,8 +31,8 @@ struct ItemList {
 struct Span {
     alignas(64) float red[kSpan], green[kSpan], blue[kSpan];
     alignas(64) float background[kSpan];  // the part of the samples that show it
-    Item items[kSpan * kMostSamples];
-    ItemList lists[kMostMaterials];
+    Item items[kSpan * kMaxSamples];
+    ItemList lists[kMaxMaterials];
     ShadeInput input;
 };
 
@@ -117,7 +117,7 @@ private:
         const Material* const material = frame_.draws[draw].material;
         uint32_t list = 0;
         while (list < list_count_ && span_.lists[list].material != material) ++list;
-        if (list == kMostMaterials) {
+        if (list == kMaxMaterials) {
             shade_items();
             list = 0;
         }

@@ -66,7 +66,7 @@ INLINE Real magnitude(Real a) { return abs(a); }
 template <class Number>
 struct Plane {
     // Depths are at least this: 0 means empty, and bits of numbers below 0 do not compare as integers.
-    static constexpr float kLeastDepth = 0x1p-126f;
+    static constexpr float kMinDepth = 0x1p-126f;
 
     Number x0, y0, z0;  // of the first corner; x0, y0: subpixels
     Number per_x, per_y;
@@ -76,7 +76,7 @@ struct Plane {
     template <class Place>
     INLINE Place at(Place x, Place y) const {
         const Place of_row = multiply_add(per_y, y - y0, z0);
-        return greater(lesser(multiply_add(per_x, x - x0, of_row), most), kLeastDepth);
+        return greater(lesser(multiply_add(per_x, x - x0, of_row), most), kMinDepth);
     }
 };
 

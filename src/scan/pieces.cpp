@@ -162,13 +162,13 @@ uint32_t longest(const std::vector<std::vector<uint32_t>>& lists) {
 
 }  // namespace
 
-PieceCut cut_into_pieces(const ScanRig& rig, uint32_t most_pieces) {
+PieceCut cut_into_pieces(const ScanRig& rig, uint32_t max_pieces) {
     const Children children = children_of(rig);
     // Binary search for the smallest bound on the joints of a piece; `high` always suffices
-    uint32_t low = (rig.joint_count() + most_pieces - 1) / most_pieces, high = rig.joint_count();
+    uint32_t low = (rig.joint_count() + max_pieces - 1) / max_pieces, high = rig.joint_count();
     while (low < high) {
         const uint32_t middle = low + (high - low) / 2;
-        if (tops_of_pieces(rig, children, middle).size() <= most_pieces)
+        if (tops_of_pieces(rig, children, middle).size() <= max_pieces)
             high = middle;
         else
             low = middle + 1;

@@ -20,7 +20,7 @@ struct PieceCut {
 };
 
 // Minimizes the size of the largest piece, for greedy cuts from the leaves up.
-PieceCut cut_into_pieces(const ScanRig& rig, uint32_t most_pieces);
+PieceCut cut_into_pieces(const ScanRig& rig, uint32_t max_pieces);
 
 // A cut as tables for the shader (src/scan/pieces.glsl), `threads` words a row: paths, then ancestors, then walks.
 struct PieceTable {

@@ -13,9 +13,9 @@ namespace {
 // Costs in multiplications. A chunk: sampling, blending and storing a joint, from machine code (docs/performance.md).
 constexpr double kChunkCost = 5;
 constexpr double kCharacterCost = 0.5;  // extra cost of a chunk if several characters share it
-// A slot takes shared memory. The first kManySlots do not limit occupancy (docs/performance.md)
-constexpr double kSlotCost = 0.02, kCostOfManySlots = 0.2;
-constexpr uint32_t kManySlots = 56;
+// A slot takes shared memory. The first kFreeSlots do not limit occupancy (docs/performance.md)
+constexpr double kSlotCost = 0.02, kCostOfMoreSlots = 0.2;
+constexpr uint32_t kFreeSlots = 56;
 // For each run of adjacent joints in a chunk beyond the first. Cache lines that one chunk writes partly and a later one
 // completes go to memory twice, since the subgroups of a large GPU together write more than its cache holds. On an
 // H100, a chunk of 32 joints, none of them adjacent, took as long as one with 30 products more (docs/scan.md#stream).
@@ -68,7 +68,7 @@ Chunks schedule(const Forest& forest, uint32_t lanes, const DepthLimit& limit) {
     for (uint32_t left = forest.joint_count(); left > 0; left -= static_cast<uint32_t>(chunks.back().size())) {
         const uint32_t chunks_left = (left + lanes - 1) / lanes;
         const bool needs_depth = ready.size() < std::min(lanes, left) || forest.heights[ready.top()] > chunks_left;
-        const uint32_t most_depth = limit.only_if_needed && !needs_depth ? 0 : limit.most;
+        const uint32_t max_depth = limit.only_if_needed && !needs_depth ? 0 : limit.most;
         std::vector<uint32_t>& chunk = chunks.emplace_back();
         while (chunk.size() < lanes && !(ready.empty() && below.empty())) {
             const bool from_below = ready.empty() || (!below.empty() && lower(ready.top(), below.top()));
@@ -79,7 +79,7 @@ Chunks schedule(const Forest& forest, uint32_t lanes, const DepthLimit& limit) {
             chunk.push_back(joint);
             for (const uint32_t child : forest.children[joint]) {
                 depths[child] = depths[joint] + 1;
-                if (depths[child] <= most_depth)
+                if (depths[child] <= max_depth)
                     below.push(child);
                 else
                     later.push_back(child);
@@ -153,7 +153,7 @@ void count(const Forest& forest, StreamPlan& plan) {
     std::vector<uint32_t> depths(forest.joint_count());  // within the chunk
     std::vector<bool> has_slot(forest.joint_count());    // whether an ancestor is in an earlier chunk
     for (const std::vector<uint32_t>& chunk : plan.chunks) {
-        uint32_t most_rounds = 0, from_slots = 0;
+        uint32_t max_rounds = 0, from_slots = 0;
         for (const uint32_t joint : chunk) {  // parents first
             const uint32_t parent = forest.parents[joint];
             if (parent == kNone) continue;
@@ -163,12 +163,12 @@ void count(const Forest& forest, StreamPlan& plan) {
             from_slots += has_slot[joint];
             const auto rounds = static_cast<uint32_t>(std::bit_width(depths[joint]));
             plan.multiplications += rounds;
-            most_rounds = std::max(most_rounds, rounds);
+            max_rounds = std::max(max_rounds, rounds);
         }
-        plan.rounds.push_back(most_rounds);
-        plan.round_count += most_rounds;
+        plan.rounds.push_back(max_rounds);
+        plan.round_count += max_rounds;
         plan.multiplications += from_slots;
-        plan.longest_lane += most_rounds + (from_slots > 0 ? 1 : 0);
+        plan.longest_lane += max_rounds + (from_slots > 0 ? 1 : 0);
     }
 }
 
@@ -234,7 +234,7 @@ Candidate candidate_of(const Forest& forest, Chunks chunks, uint32_t lanes, uint
     const double chunk_cost = characters == 1 ? kChunkCost : kChunkCost + kCharacterCost;
     candidate.cost = (chunk_cost * static_cast<double>(plan.chunks.size()) + plan.round_count +
                       kPlaceCost * more_places + kSlotCost * plan.slots +
-                      kCostOfManySlots * (std::max(plan.slots, kManySlots) - kManySlots)) /
+                      kCostOfMoreSlots * (std::max(plan.slots, kFreeSlots) - kFreeSlots)) /
                      characters;
     return candidate;
 }
@@ -251,15 +251,15 @@ StreamTeam::StreamTeam(const ScanLimits& limits, uint32_t threads) {
 StreamPlan plan_stream(const ScanRig& rig, const StreamLimits& limits) {
     const Forest one(rig.parents, 1);
     Candidate best;
-    for (uint32_t characters = 1; characters <= std::min(limits.most_characters, limits.lanes); ++characters) {
-        if (characters > 1 && characters * rig.joint_count() > kMostShared * limits.lanes) break;
+    for (uint32_t characters = 1; characters <= std::min(limits.max_characters, limits.lanes); ++characters) {
+        if (characters > 1 && characters * rig.joint_count() > kMaxShared * limits.lanes) break;
         const Forest forest(rig.parents, characters);
         const uint32_t lanes = limits.lanes / characters;  // per character
         const auto consider = [&](const Chunks& of_one) {
             Candidate candidate = candidate_of(forest, side_by_side(of_one, rig.joint_count(), characters),
                                                limits.lanes, characters);
             const auto excess = [&](const StreamPlan& plan) {
-                return std::max(plan.slots, limits.most_slots) - limits.most_slots;
+                return std::max(plan.slots, limits.max_slots) - limits.max_slots;
             };
             const bool is_first = best.plan.lanes == 0;
             if (is_first || std::pair(excess(candidate.plan), candidate.cost) < std::pair(excess(best.plan), best.cost))

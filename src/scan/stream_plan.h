@@ -29,16 +29,16 @@ struct StreamTeam {
     uint32_t lanes = 0, subgroups = 1;
 };
 
-constexpr uint32_t kMostShared = 4;  // largest number of chunks that several small characters share
+constexpr uint32_t kMaxShared = 4;  // largest number of chunks that several small characters share
 
 struct StreamLimits {
     uint32_t lanes = 32;
-    uint32_t most_slots = 0xFFFF;
-    uint32_t most_characters = 64;
+    uint32_t max_slots = 0xFFFF;
+    uint32_t max_characters = 64;
 };
 
 // The best order found: few chunks, adjacent joints in a chunk, few rounds, few slots. A chunk costs as much as
-// computing a local transform, a round as much as a product. If no order needs at most `most_slots` slots, the one with
+// computing a local transform, a round as much as a product. If no order needs at most `max_slots` slots, the one with
 // the fewest.
 StreamPlan plan_stream(const ScanRig& rig, const StreamLimits& limits);
 

@@ -27,7 +27,7 @@ uint instance;
 void meet_cell(Agent agent, uint grid, ivec2 cell, INOUT(Met) met) {
     const float smaller = grid + 1 < push.grid_count ? push.largest[grid + 1] : 0;
     uint other = WORD_AT(heads, bucket_of(grid, cell, push.bucket_mask));
-    for (uint count = 0; other != kNone && count < kMostMet; ++count) {
+    for (uint count = 0; other != kNone && count < kMaxMet; ++count) {
         const uvec4 row = ROW_AT(places, other);
         const vec2 place = uintBitsToFloat(row.xy);
         const float radius = uintBitsToFloat(row.z);
@@ -55,18 +55,18 @@ Met meet_all(Agent agent) {
     return met;
 }
 
-void tell_speed(float model_speed) {
+void report_speed(float model_speed) {
     if (push.speed_parameter != kNone) parameters[instance * push.parameter_count + push.speed_parameter] = model_speed;
 }
 
 void stop(AgentState state) {
-    tell_speed(0);
+    report_speed(0);
     if (state.speed == 0 && state.patience == 1 && state.stands == 0) return;
     states[instance] = AgentState(0, 1, 0);
 }
 
 // Rescales the turned axes, so that rounding does not change their lengths over many updates.
-void place_anew(vec4 x_axis, vec4 z_axis, vec3 shift, vec2 turn) {
+void write_placement(vec4 x_axis, vec4 z_axis, vec3 shift, vec2 turn) {
     const vec3 x = turn.x * x_axis.xyz - turn.y * z_axis.xyz, z = turn.y * x_axis.xyz + turn.x * z_axis.xyz;
     const float mend = sqrt((dot(x_axis.xyz, x_axis.xyz) + dot(z_axis.xyz, z_axis.xyz)) / (dot(x, x) + dot(z, z)));
     for (int row = 0; row < 3; ++row) {
@@ -106,7 +106,7 @@ void main() {
     const vec2 wish = wish_of(agent, met);
     state = state_after(agent, met, wish, state);
     states[instance] = state;
-    tell_speed(state.speed / scale);
+    report_speed(state.speed / scale);
 
     const vec2 turn = turn_towards(wish, x_axis, z_axis, vec2(push.turn_cos, push.turn_sin));
     if (push.is_carried != 0) {
@@ -115,6 +115,6 @@ void main() {
         for (uint row = 0; row < 3; ++row)
             placements[3 * instance + row] = placed_row(roots[instance].base[row], place);
     } else {
-        place_anew(x_axis, z_axis, z_axis.xyz * (state.speed * push.time_step_s / scale), turn);
+        write_placement(x_axis, z_axis, z_axis.xyz * (state.speed * push.time_step_s / scale), turn);
     }
 }

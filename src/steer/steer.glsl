@@ -4,16 +4,16 @@
 // wide for two of the grid's largest agents
 const float kReach = 2;
 // How strongly an agent avoids one that it nearly coincides with, as a multiple of its full speed
-const float kShyness = 6;
-const float kPassing = 1.5;     // how strongly it passes on the right, as a multiple of the avoidance
-const float kHorizon_s = 0.25;  // in this time it covers at most half of the gap to another agent
-const float kArrival_s = 1;     // it starts to slow down this long before it arrives
-const float kAcceleration = 2;  // per second, as a multiple of its full speed
-const float kLeastWish = 0.05;  // fraction of its full speed: a weaker wish counts as none
-const float kFast = 10;         // radii a second: caps the full speed that kLeastWish is a fraction of
-const float kHeldUp = 0.3;      // fraction of the desired speed: an agent that is slower counts as held up
+const float kAvoidance = 6;
+const float kPassing = 1.5;            // how strongly it passes on the right, as a multiple of the avoidance
+const float kHorizon_s = 0.25;         // in this time it covers at most half of the gap to another agent
+const float kArrival_s = 1;            // it starts to slow down this long before it arrives
+const float kAcceleration = 2;         // per second, as a multiple of its full speed
+const float kMinSpeedFraction = 0.05;  // fraction of its full speed: a weaker wish counts as none
+const float kFastSpeed = 10;           // radii a second: caps the full speed that kMinSpeedFraction is a fraction of
+const float kHeldUpFraction = 0.3;     // fraction of the desired speed: an agent that is slower counts as held up
 const float kPatience_s = 3.3333333, kRecovery_s = 2;  // time until patience runs out, and until it is restored
-const float kSlimmest = 0.75;                          // Agent::width of an agent without patience
+const float kMinWidth = 0.75;                          // Agent::width of an agent without patience
 const float kFixed = 1048576;                          // fixed-point scale: sums of integers do not depend on the order
 
 struct Agent {
@@ -61,7 +61,7 @@ void aim(INOUT(Agent) agent, vec2 way, AgentState state) {
     agent.stands = agent.remaining < (state.stands != 0 ? 2 : 1) * agent.radius;
     agent.ahead = agent.stands ? vec2(0) : way / agent.remaining;
     agent.comfort = agent.stands ? 0 : min(agent.remaining / (3 * agent.radius), 1);
-    agent.width = mix(kSlimmest, 1, state.patience);
+    agent.width = mix(kMinWidth, 1, state.patience);
 }
 
 // The speed at which it would go to its destination without other agents.
@@ -69,9 +69,9 @@ float hurry_of(Agent agent) { return agent.stands ? 0 : min(agent.full_speed, ag
 
 // The velocity that it wants, in world units a second over the ground.
 vec2 wish_of(Agent agent, Met met) {
-    vec2 wish = hurry_of(agent) * agent.ahead + vec2(met.push) * (kShyness * agent.full_speed / kFixed);
+    vec2 wish = hurry_of(agent) * agent.ahead + vec2(met.push) * (kAvoidance * agent.full_speed / kFixed);
     const float eagerness = length(wish);
-    if (eagerness < kLeastWish * min(agent.full_speed, kFast * agent.radius)) wish = vec2(0);
+    if (eagerness < kMinSpeedFraction * min(agent.full_speed, kFastSpeed * agent.radius)) wish = vec2(0);
     if (eagerness > agent.full_speed) wish *= agent.full_speed / eagerness;
     return wish;
 }
@@ -81,7 +81,7 @@ AgentState state_after(Agent agent, Met met, vec2 wish, AgentState before) {
     float speed = min(max(dot(wish, agent.heading), 0),
                       min(met.speed_limit, before.speed + kAcceleration * agent.full_speed * agent.time_step_s));
     speed = min(speed, (agent.stands ? agent.radius : min(agent.remaining, agent.radius)) / agent.time_step_s);
-    const bool is_held_up = !agent.stands && speed < kHeldUp * hurry_of(agent);
+    const bool is_held_up = !agent.stands && speed < kHeldUpFraction * hurry_of(agent);
     const float change = agent.time_step_s * (is_held_up ? -1 / kPatience_s : 1 / kRecovery_s);
     return AgentState(speed, clamp(before.patience + change, 0, 1), agent.stands ? 1 : 0);
 }

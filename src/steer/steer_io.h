@@ -5,7 +5,7 @@
 THRONG_IO_BEGIN
 
 THRONG_IO_CONSTANT kSteerWorkgroupSize = 64;
-THRONG_IO_CONSTANT kMostMet = 64;         // agents of a bucket that are examined at most
+THRONG_IO_CONSTANT kMaxMet = 64;          // agents of a bucket that are examined at most
 THRONG_IO_CONSTANT kAgentGridLimit = 8;   // grids, one for each size class; the last has all smaller agents too
 THRONG_IO_CONSTANT kAgentCellLimit = 32;  // cells of a finer grid that an agent searches in each direction at most
 

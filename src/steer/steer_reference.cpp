@@ -7,8 +7,9 @@
 namespace throng {
 namespace {
 
-constexpr double kReach = 2, kShyness = 6, kPassing = 1.5, kHorizon_s = 0.25, kArrival_s = 1, kAcceleration = 2,
-                 kLeastWish = 0.05, kFast = 10, kHeldUp = 0.3, kPatience_s = 1 / 0.3, kRecovery_s = 2, kSlimmest = 0.75;
+constexpr double kReach = 2, kAvoidance = 6, kPassing = 1.5, kHorizon_s = 0.25, kArrival_s = 1, kAcceleration = 2,
+                 kMinSpeedFraction = 0.05, kFastSpeed = 10, kHeldUpFraction = 0.3, kPatience_s = 1 / 0.3,
+                 kRecovery_s = 2, kMinWidth = 0.75;
 
 // A vector on the ground plane, in world space.
 struct Ground {
@@ -44,14 +45,14 @@ SteeredAgent step(std::span<const SteeredAgent> agents, uint32_t index, double t
     const Steering& steering = agent.steering;
     const Ground place = place_of(agent), heading{z_axis.x / upright, z_axis.z / upright};
     const Ground way{agent.destination->x - place.x, agent.destination->z - place.z};
-    const double remaining = length(way), radius = double{steering.radius}, most_speed = double{steering.speed};
+    const double remaining = length(way), radius = double{steering.radius}, max_speed = double{steering.speed};
     agent.stands = remaining < (agent.stands ? 2 : 1) * radius;
     const Ground ahead = agent.stands ? Ground() : 1 / remaining * way;
     const double comfort = agent.stands ? 0 : std::min(remaining / (3 * radius), 1.0),
-                 width = kSlimmest + (1 - kSlimmest) * agent.patience;
+                 width = kMinWidth + (1 - kMinWidth) * agent.patience;
 
     Ground push;
-    double speed_limit = most_speed;
+    double speed_limit = max_speed;
     for (uint32_t other = 0; other < agents.size(); ++other) {
         const Ground between = place_of(agents[other]) + -1 * place;
         const double apart = length(between), touching = radius + double{agents[other].steering.radius},
@@ -67,15 +68,15 @@ SteeredAgent step(std::span<const SteeredAgent> agents, uint32_t index, double t
         push = push + nearness * nearness * (kPassing * std::max(dot(towards, ahead), 0.0) * right + -1 * towards);
     }
 
-    const double hurry = agent.stands ? 0 : std::min(most_speed, remaining / kArrival_s);
-    Ground wish = hurry * ahead + kShyness * most_speed * push;
+    const double hurry = agent.stands ? 0 : std::min(max_speed, remaining / kArrival_s);
+    Ground wish = hurry * ahead + kAvoidance * max_speed * push;
     const double eagerness = length(wish);
-    if (eagerness < kLeastWish * std::min(most_speed, kFast * radius)) wish = {};
-    if (eagerness > most_speed) wish = most_speed / eagerness * wish;
+    if (eagerness < kMinSpeedFraction * std::min(max_speed, kFastSpeed * radius)) wish = {};
+    if (eagerness > max_speed) wish = max_speed / eagerness * wish;
     const double speed = std::min({std::max(dot(wish, heading), 0.0), speed_limit,
-                                   agent.speed + kAcceleration * most_speed * time_step_s,
+                                   agent.speed + kAcceleration * max_speed * time_step_s,
                                    (agent.stands ? radius : std::min(remaining, radius)) / time_step_s});
-    const bool is_held_up = !agent.stands && speed < kHeldUp * hurry;
+    const bool is_held_up = !agent.stands && speed < kHeldUpFraction * hurry;
     agent.patience = std::clamp(agent.patience + time_step_s * (is_held_up ? -1 / kPatience_s : 1 / kRecovery_s), 0.0,
                                 1.0);
     agent.speed = speed;
@@ -86,8 +87,8 @@ SteeredAgent step(std::span<const SteeredAgent> agents, uint32_t index, double t
     if (length(wish) > 0 && determinant != 0)
         yaw = std::atan2((z_axis.z * wish.x - z_axis.x * wish.z) / determinant,
                          (x_axis.x * wish.z - x_axis.z * wish.x) / determinant);
-    const double most_yaw = std::min(double{steering.turn} * time_step_s, std::numbers::pi);
-    yaw = std::clamp(yaw, -most_yaw, most_yaw);
+    const double max_yaw = std::min(double{steering.turn} * time_step_s, std::numbers::pi);
+    yaw = std::clamp(yaw, -max_yaw, max_yaw);
     const Vec3<double> shift = agent.is_carried ? Vec3<double>() : z_axis * (speed * time_step_s / scale);
     agent.world_from_model = agent.world_from_model *
                              to_affine(Trs<double>{.rotation = axis_angle(Vec3<double>{0, 1, 0}, yaw)});

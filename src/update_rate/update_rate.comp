@@ -28,7 +28,7 @@ vec4 floats(uvec4 two, uint at) {
 
 // `step`: 0 returns `previous`, 1 returns `target`; the operand that is not returned may hold anything. Otherwise goes
 // 1 / step of the way.
-vec4 went_on(vec4 previous, vec4 target, uint step, bool is_rotation) {
+vec4 interpolated(vec4 previous, vec4 target, uint step, bool is_rotation) {
     if (step == 0) return previous;
     if (step == 1) return target;
     const float side = is_rotation && dot(previous, target) < 0 ? -1 : 1;
@@ -38,19 +38,19 @@ vec4 went_on(vec4 previous, vec4 target, uint step, bool is_rotation) {
 
 void main() {
     const uint instance = WORD_AT(work, WORD_AT(work, 2 * push.section) + gl_WorkGroupID.x);
-    const uint step = push.section == kGoingOn ? states[instance] >> kStateStepShift & kStateStepMask : 0;
+    const uint step = push.section == kInterpolated ? states[instance] >> kStateStepShift & kStateStepMask : 0;
     const uint rows = kSkinFormat == kSkinSimilarity ? 2 : 3;  // of a matrix
     const uint row_count = push.entry_counts[states[instance] >> kStateSetShift] * rows;
     for (uint i = gl_LocalInvocationID.x; i < row_count; i += kStride) {
         const uint row = i % rows, at = (instance * push.palette_count + WORD_AT(entries, i / rows)) * rows + row;
         if (kSkinFormat == kSkinHalfAffine) {
-            const vec4 halves = went_on(floats(ROW_AT(previous_rows, at / 2), at),
-                                        floats(ROW_AT(target_rows, at / 2), at), step, false);
+            const vec4 halves = interpolated(floats(ROW_AT(previous_rows, at / 2), at),
+                                             floats(ROW_AT(target_rows, at / 2), at), step, false);
             current_halves[at] = pack(uvec2(packHalf2x16(halves.xy), packHalf2x16(halves.zw)));
         } else {
-            current_rows[at] = pack(went_on(uintBitsToFloat(ROW_AT(previous_rows, at)),
-                                            uintBitsToFloat(ROW_AT(target_rows, at)), step,
-                                            kSkinFormat == kSkinSimilarity && row == 0));
+            current_rows[at] = pack(interpolated(uintBitsToFloat(ROW_AT(previous_rows, at)),
+                                                 uintBitsToFloat(ROW_AT(target_rows, at)), step,
+                                                 kSkinFormat == kSkinSimilarity && row == 0));
         }
     }
 }

@@ -15,7 +15,7 @@ using namespace file;
 
 // Whether every address that the stages compute (control.glsl, exact.glsl, packed.glsl, bind, skin.glsl,
 // character.vert) is inside its array. Implemented independently, following the shaders.
-bool leads_nowhere_else(const Character& c) {
+bool all_addresses_in_bounds(const Character& c) {
     bool good = true;
     const auto need = [&](uint64_t index, size_t size) { good = good && index < size; };
     const uint32_t joint_count = c.rig.joint_count();
@@ -120,7 +120,7 @@ void expect_refused(double error, const std::vector<Crafted>& cases) {
 }
 
 constexpr uint32_t kAllOnes = 0xFFFFFFFFu;
-constexpr uint64_t kMost64 = ~uint64_t{0};
+constexpr uint64_t kMax64 = ~uint64_t{0};
 
 TEST(CharacterFile, ACraftedTableIsRefused) {
     using S = SectionId;
@@ -138,12 +138,12 @@ TEST(CharacterFile, ACraftedTableIsRefused) {
                 {"a section in the header", [](Forged& f) { f.entry(S::kScalars).offset_bytes = 0; }, "scalars"},
                 {"a section behind the file", [](Forged& f) { f.entry(S::kTimes).offset_bytes = f.bytes().size(); },
                  "times"},
-                {"a section at the largest offset", [](Forged& f) { f.entry(S::kTimes).offset_bytes = kMost64; },
+                {"a section at the largest offset", [](Forged& f) { f.entry(S::kTimes).offset_bytes = kMax64; },
                  "times"},
                 {"two sections in one place",
                  [](Forged& f) { f.entry(S::kTracks).offset_bytes = f.entry(S::kKeys).offset_bytes; }, "tracks"},
                 {"a section beside its alignment", [](Forged& f) { f.entry(S::kTracks).offset_bytes += 4; }, "tracks"},
-                {"the largest size", [](Forged& f) { f.entry(S::kVertices).size_bytes = kMost64; }, "vertices"},
+                {"the largest size", [](Forged& f) { f.entry(S::kVertices).size_bytes = kMax64; }, "vertices"},
                 {"a size beyond the file", [](Forged& f) { f.entry(S::kVertices).size_bytes = f.bytes().size(); },
                  "vertices"},
                 {"a size and a count beyond the file",
@@ -165,7 +165,7 @@ TEST(CharacterFile, ACraftedTableIsRefused) {
                 {"another magic", [](Forged& f) { f.header().magic[3] = 'X'; }, "is not a compiled character"},
                 {"a size that is no whole elements", [](Forged& f) { f.entry(S::kVertices).size_bytes -= 1; },
                  "vertices"},
-                {"the largest count", [](Forged& f) { f.entry(S::kVertices).element_count = kMost64; }, "vertices"},
+                {"the largest count", [](Forged& f) { f.entry(S::kVertices).element_count = kMax64; }, "vertices"},
                 {"a count whose bytes wrap around",
                  [](Forged& f) { f.entry(S::kVertices).element_count += uint64_t{1} << 59; }, "vertices"},
                 {"one element fewer", [](Forged& f) { f.entry(S::kIndices).element_count -= 1; }, "indices"},
@@ -180,10 +180,10 @@ TEST(CharacterFile, ACraftedTableIsRefused) {
                  },
                  "parents"},
                 {"text ends that go back", [](Forged& f) { f.at<uint64_t>(S::kTextEnds, 1) = 0; }, "text ends"},
-                {"a text end beyond the text", [](Forged& f) { f.at<uint64_t>(S::kTextEnds, -1) = kMost64; },
+                {"a text end beyond the text", [](Forged& f) { f.at<uint64_t>(S::kTextEnds, -1) = kMax64; },
                  "text ends"},
                 {"a text end before the text's", [](Forged& f) { f.at<uint64_t>(S::kTextEnds, -1) -= 1; }, "text ends"},
-                {"an image end beyond the images", [](Forged& f) { f.at<uint64_t>(S::kImageEnds, 1) = kMost64; },
+                {"an image end beyond the images", [](Forged& f) { f.at<uint64_t>(S::kImageEnds, 1) = kMax64; },
                  "image ends"},
                 {"image ends that go back", [](Forged& f) { f.at<uint64_t>(S::kImageEnds, 0) = 34; }, "image ends"},
             });
@@ -541,7 +541,7 @@ TEST(CharacterFile, NoChangedWordLeadsAStageOutOfItsBuffers) {
                 const Result<Character> result = load(forged.sealed());
                 ++(result ? accepted : refused);
                 if (!result) continue;
-                ASSERT_TRUE(leads_nowhere_else(*result)) << "byte " << at << " is " << word;
+                ASSERT_TRUE(all_addresses_in_bounds(*result)) << "byte " << at << " is " << word;
                 for (uint32_t clip = 0; clip < result->clips.size(); ++clip)
                     for (const double part : {0.0, 0.5, 1.0}) {
                         const Result<ReferencePose> pose = reference_pose(

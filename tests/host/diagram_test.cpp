@@ -14,14 +14,14 @@ namespace throng::bench {
 namespace {
 
 // At most this many, so that a workgroup has an invocation per joint and no thread in a diagram works for two joints.
-constexpr uint32_t kMostJoints = 256;
+constexpr uint32_t kMaxJoints = 256;
 const ScanLimits kLimits{.shared_memory_bytes = 48 << 10, .workgroup_size = 1024, .subgroup_size = 32, .shuffle = true};
 
 std::vector<ScanRig> rigs() {
     std::vector<ScanRig> out{diagram_rig(), ScanRig(std::vector<uint32_t>{kNone}),
                              ScanRig(std::vector<uint32_t>{kNone, kNone, 0, 1, 1})};
     for (const SkeletonShape shape : kSkeletonShapes)
-        for (const uint32_t joints : {9u, 65u, kMostJoints})
+        for (const uint32_t joints : {9u, 65u, kMaxJoints})
             out.emplace_back(make_skeleton(shape, joints, joints / 3, 7));
     return out;
 }

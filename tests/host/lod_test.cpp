@@ -198,7 +198,7 @@ TEST(Lod, LevelsHaveFewerTrianglesWithinTheirErrors) {
             for (const ReferencePose& pose : std::span(poses).subspan(1))
                 furthest = std::max(furthest, furthest_from_level(character, level, pose));
             EXPECT_LE(furthest, 1.1 * error);
-            const bool is_none = error <= 1.1e-6 * character.size;  // lod.cpp: kLeastError
+            const bool is_none = error <= 1.1e-6 * character.size;  // lod.cpp: kMinError
             EXPECT_TRUE(is_none || furthest >= 0.3 * error) << "and not much less: " << furthest << " of " << error;
             std::printf(
                 "  %s, level %zu: %zu of %zu triangles, error %.1e of the size, furthest vertex %.1e, at rest %.1e\n",

@@ -49,7 +49,7 @@ std::vector<std::vector<uint32_t>> sections_of(const std::vector<uint32_t>& verd
         const uint32_t verdict = verdicts[i], section = verdict >> io::kVerdictSectionShift & io::kVerdictSectionMask;
         if (verdict & io::kVerdictDrawn) sections[verdict & io::kVerdictLodMask].push_back(i);
         if (verdict & io::kVerdictAnimated) sections[io::kLodCount + section].push_back(i);
-        if (verdict & io::kVerdictGoesOn) sections[io::kLodCount + io::kGoingOn].push_back(i);
+        if (verdict & io::kVerdictInterpolated) sections[io::kLodCount + io::kInterpolated].push_back(i);
         if (verdict & io::kVerdictAppears) sections[io::kLodCount + io::kAppearing].push_back(i);
     }
     return sections;
@@ -69,7 +69,7 @@ TEST(NativeCrowd, ListsWhatTheReferenceSees) {
             std::vector<io::CullView> view{view_of_box(static_cast<float>(random.between(30, 60)), update)};
             auto verdicts = unwritten<uint32_t>(count), counts = unwritten<uint32_t>(workgroups * io::kCounters),
                  list = unwritten<uint32_t>(io::kFirstListed + count),
-                 work = unwritten<uint32_t>(io::kFirstWork + io::kMostWorkOfInstance * count),
+                 work = unwritten<uint32_t>(io::kFirstWork + io::kMaxWorkOfInstance * count),
                  dispatches = unwritten<uint32_t>(3 * (io::kWorkSections + 1));
             std::vector<io::DrawCommand> draws(2 * io::kLodCount);
             const io::CullPush push{.centre = {0.1f, 1, 0, 0},
@@ -121,14 +121,14 @@ TEST(NativeCrowd, ListsWhatTheReferenceSees) {
                 const uint32_t of_work = s - io::kLodCount;
                 EXPECT_EQ(work[2 * of_work], begin);
                 EXPECT_EQ(work[2 * of_work + 1], size);
-                const uint32_t each = of_work < io::kGoingOn ? of_work % io::kLodCount + 1 : 1;
+                const uint32_t each = of_work < io::kInterpolated ? of_work % io::kLodCount + 1 : 1;
                 EXPECT_EQ(dispatches[3 * of_work], (size + each - 1) / each);
                 EXPECT_EQ(dispatches[3 * of_work + 1], 1u);
                 worked += size;
             }
             EXPECT_EQ(list[io::kListCount], listed);
             EXPECT_EQ(dispatches[3 * io::kWorkSections], listed);
-            going_on += static_cast<uint32_t>(sections[io::kLodCount + io::kGoingOn].size());
+            going_on += static_cast<uint32_t>(sections[io::kLodCount + io::kInterpolated].size());
         }
         EXPECT_TRUE(count < 1000 || (seen > count && going_on > count / 4)) << seen << ", " << going_on;
     }
@@ -229,9 +229,9 @@ TEST(NativeCrowd, MatricesGoOnTowardsTheirTarget) {
         target.push_back(to_affine(random.trs(1, 0.2)).as<float>());
     }
     std::vector<uint32_t> work(io::kFirstWork + 2), entries{2, 0}, states{0, 4u << io::kStateStepShift};
-    work[2 * io::kGoingOn] = io::kFirstWork;
+    work[2 * io::kInterpolated] = io::kFirstWork;
     work[io::kFirstWork] = 1;
-    for (const uint32_t section : {io::kGoingOn, io::kAppearing}) {
+    for (const uint32_t section : {io::kInterpolated, io::kAppearing}) {
         work[2 * section] = io::kFirstWork;
         auto current = unwritten<Affine>(previous.size());
         NativeRun run(kernels::update_rate.native, {io::kSkinAffine});
@@ -240,7 +240,7 @@ TEST(NativeCrowd, MatricesGoOnTowardsTheirTarget) {
         run.workgroups(io::UpdateRatePush{section, kPalette, 0, 0, {2, 0, 0, 0}}, 1);
         for (const uint32_t entry : {0u, 2u}) {
             const Affine &from = previous[kPalette + entry], &to = target[kPalette + entry];
-            const AffineT<double> wanted = section == io::kGoingOn
+            const AffineT<double> wanted = section == io::kInterpolated
                                                ? update_rate_reference(from.as<double>(), to.as<double>(), 4)
                                                : from.as<double>();
             EXPECT_LE(matrix_error(current[kPalette + entry], wanted, 1), 1e-6);

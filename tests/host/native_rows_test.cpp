@@ -69,8 +69,8 @@ TEST(NativeRows, AreCountedBeforeTheyAreListed) {
     const Character character = make_character({.joint_count = 9, .scale_spread = 0});
     const native::RowSpaces spaces(character, false);
     ASSERT_TRUE(spaces.uniform_scale);
-    const auto rows_within = [&](uint64_t most_rows) {
-        return native::row_cursors(character, spaces.of_joints, most_rows);
+    const auto rows_within = [&](uint64_t max_rows) {
+        return native::row_cursors(character, spaces.of_joints, max_rows);
     };
     const auto all = rows_within(UINT64_MAX);
     ASSERT_TRUE(all);
@@ -80,8 +80,8 @@ TEST(NativeRows, AreCountedBeforeTheyAreListed) {
     EXPECT_GT(row_count, key_rows) << "arcs are cut into pieces";
     EXPECT_TRUE(rows_within(row_count));
     EXPECT_FALSE(rows_within(row_count - 1));
-    const uint64_t least_bytes = row_count * spaces.of_joints.size() * sizeof(GpuRows::rows[0]);
-    EXPECT_FALSE(make_gpu_rows(character, spaces.of_joints, least_bytes - 1));
+    const uint64_t min_bytes = row_count * spaces.of_joints.size() * sizeof(GpuRows::rows[0]);
+    EXPECT_FALSE(make_gpu_rows(character, spaces.of_joints, min_bytes - 1));
     const std::optional<GpuRows> on_gpu = make_gpu_rows(character, spaces.of_joints, UINT64_MAX);
     ASSERT_TRUE(on_gpu);
     EXPECT_EQ(on_gpu->rows.size(), row_count * on_gpu->column_count);

@@ -33,7 +33,7 @@ PackedTrack track_at(const Character& character, uint32_t position) {
 
 // The largest displacement of a vertex in a clip, as a fraction of the character's size, at both clips' rows and
 // between.
-double vertex_error(const Character& exact, const Character& packed, uint32_t clip, size_t most_times) {
+double vertex_error(const Character& exact, const Character& packed, uint32_t clip, size_t max_times) {
     std::vector<double> times_s;
     for (const Character* c : {&exact, &packed})
         for (uint32_t row = 0; row < c->clips[clip].row_count; ++row) {
@@ -43,7 +43,7 @@ double vertex_error(const Character& exact, const Character& packed, uint32_t cl
             for (const double w : {0.21, 0.5, 0.8})
                 times_s.push_back(c->times_s[at] + w * (double{c->times_s[at + 1]} - c->times_s[at]));
         }
-    const size_t stride = std::max<size_t>(1, times_s.size() / most_times);
+    const size_t stride = std::max<size_t>(1, times_s.size() / max_times);
     double largest = 0;
     for (size_t i = 0; i < times_s.size(); i += stride) {
         const Playback playback{.first = {clip, times_s[i], 1, false}};
@@ -69,7 +69,7 @@ bool has_full_rotation(const Character& character, uint32_t clip) {
 // Checks each bound. Only full rotations have a fixed number of bits: clips with them may miss a small bound if the
 // smallest bound misses it, too, and must report so. Calls visit(packed, bound) for each bound.
 template <class Visit>
-void expect_within(const Asset& asset, const std::vector<double>& bounds, size_t most_times, const Visit& visit) {
+void expect_within(const Asset& asset, const std::vector<double>& bounds, size_t max_times, const Visit& visit) {
     const Character exact = compiled(asset, {.error = 0, .lods = false});
     Character finest;
     for (const double bound : bounds) {
@@ -87,15 +87,15 @@ void expect_within(const Asset& asset, const std::vector<double>& bounds, size_t
                 EXPECT_GT(finest.clips[index].error, bound) << "it could be kept";
                 EXPECT_LE(clip.error, 2e-4);
             }
-            EXPECT_LE(vertex_error(exact, packed, index, most_times), std::max(bound, clip.error) + kExactKeys);
+            EXPECT_LE(vertex_error(exact, packed, index, max_times), std::max(bound, clip.error) + kExactKeys);
             EXPECT_EQ(clip.raw_size_bytes, exact.clips[index].raw_size_bytes);
         }
         EXPECT_EQ(packed.warnings.size() - exact.warnings.size(), missed);
         visit(packed, bound);
     }
 }
-void expect_within(const Asset& asset, const std::vector<double>& bounds, size_t most_times) {
-    expect_within(asset, bounds, most_times, [](const Character&, double) {});
+void expect_within(const Asset& asset, const std::vector<double>& bounds, size_t max_times) {
+    expect_within(asset, bounds, max_times, [](const Character&, double) {});
 }
 
 // One joint with a triangle about a metre and a half across, and an empty clip.

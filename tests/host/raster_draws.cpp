@@ -43,7 +43,7 @@ void RasterDraws::add(const raster::Material& material, std::span<const RasterVe
 
 void RasterDraws::set(raster::Frame& frame, const raster::Kernel& kernel, bool farthest_first) {
     for (const raster::Draw& draw : draws_)
-        frame.most_vertices = std::max(frame.most_vertices, draw.section->vertex_count);
+        frame.max_vertices = std::max(frame.max_vertices, draw.section->vertex_count);
     for (size_t i = 0; i < draws_.size(); ++i)
         kernel.keep(frame, reinterpret_cast<const float*>(meshes_[i].world.get()), draws_[i]);
     nearest_first_.resize(draws_.size());

@@ -457,10 +457,10 @@ TEST_P(RasterTest, ClipsWhatReachesFarOutOfTheMap) {
 
 // With extreme scales, drawing must stay inside its memory. Triangles with a NaN corner are left out.
 TEST_P(RasterTest, TakesCornersThatAreExtremeOrNoNumbers) {
-    constexpr float kMost = std::numeric_limits<float>::max();
+    constexpr float kMaximum = std::numeric_limits<float>::max();
     Random random(19);
     for (const float extreme :
-         {test::kNan, test::kInfinity, -test::kInfinity, 1e38f, -1e38f, kMost, -kMost, 1e20f, 1e-38f, 1e-45f})
+         {test::kNan, test::kInfinity, -test::kInfinity, 1e38f, -1e38f, kMaximum, -kMaximum, 1e20f, 1e-38f, 1e-45f})
         for (int round = 0; round < 27; ++round) {
             std::vector<Vec3<float>> corners;
             for (int k = 0; k < 3; ++k) {

@@ -139,12 +139,12 @@ private:
 
     void time_group() {
         std::vector<Method> group = std::exchange(group_, {});
-        std::vector<bench::Contestant> contestants;
+        std::vector<bench::TimedRun> timed_runs;
         for (Method& method : group)
             if (method.crowd)
-                contestants.push_back({text(method.record, "scan"), [&] { method.times.take(load_, *method.crowd); }});
+                timed_runs.push_back({text(method.record, "scan"), [&] { method.times.take(load_, *method.crowd); }});
         try {
-            bench::run_rounds(contestants, options_.samples, print_progress);
+            bench::run_rounds(timed_runs, options_.samples, print_progress);
         } catch (...) {
             add(group);
             throw;

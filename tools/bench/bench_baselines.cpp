@@ -157,7 +157,7 @@ void time_methods(const Device& device, const std::vector<Method>& methods, cons
     const std::vector<Playback> playbacks =
         scatter({&character, 1}, {.counts = {options.count}, .seed = options.seed}).playback;
     std::deque<Running> running;
-    std::vector<bench::Contestant> contestants;
+    std::vector<bench::TimedRun> timed_runs;
     for (size_t m = 0; m < methods.size(); ++m) {
         const std::string name = character.name + ", " + methods[m].name;
         print_progress(name + ": checking");
@@ -169,9 +169,9 @@ void time_methods(const Device& device, const std::vector<Method>& methods, cons
         });
         check_error(methods[m].name, error);
         records[m]["max_error"] = error;
-        contestants.push_back({name, [&one] { one.take_sample(); }});
+        timed_runs.push_back({name, [&one] { one.take_sample(); }});
     }
-    bench::run_rounds(contestants, options.samples, print_progress);
+    bench::run_rounds(timed_runs, options.samples, print_progress);
     for (size_t m = 0; m < methods.size(); ++m) {
         const bench::UpdateTimes& times = running[m].times;
         records[m].update(bench::spread_json(times.total(), "_ms"));

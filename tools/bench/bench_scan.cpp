@@ -131,7 +131,7 @@ void add_bench_scan(Command bench_command) {
             if (of_levels[2].empty()) s.levels = {15, 60, 120};
             if (samples.empty()) s.sampling.samples = 3;
             if (budget.empty()) s.sampling.budget_s = 20;
-            s.sampling.least_samples = 1;
+            s.sampling.min_samples = 1;
         }
         const bool asks_for_levels = std::any_of(of_levels.begin(), of_levels.end(),
                                                  [](Option option) { return !option.empty(); });

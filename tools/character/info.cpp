@@ -219,12 +219,12 @@ nlohmann::json joints_json(const Rig& rig) {
 
 // As a tree, also in the order of the joint numbers: parents come first.
 void print_joints(const Rig& rig) {
-    constexpr uint32_t kMostShown = 40;  // levels; deeper lines are not indented further
+    constexpr uint32_t kMaxShown = 40;  // levels; deeper lines are not indented further
     std::vector<uint32_t> levels(rig.joint_count());
     for (uint32_t joint = 0; joint < rig.joint_count(); ++joint) {
         const uint32_t parent = rig.parents[joint];
         levels[joint] = parent == kNone ? 0 : levels[parent] + 1;
-        std::printf("  joint %-4u %*s%s\n", joint, static_cast<int>(2 * std::min(levels[joint], kMostShown)), "",
+        std::printf("  joint %-4u %*s%s\n", joint, static_cast<int>(2 * std::min(levels[joint], kMaxShown)), "",
                     rig.names[joint].c_str());
     }
 }

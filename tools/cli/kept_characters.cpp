@@ -20,7 +20,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr uint64_t kMostKept_bytes = uint64_t{1} << 30;
+constexpr uint64_t kMaxKept_bytes = uint64_t{1} << 30;
 
 class Key {
 public:
@@ -62,13 +62,13 @@ bool add_file(Key& key, const std::string& file) {
         uint32_t version, size_bytes, json_bytes, json_type;
     };
     static_assert(sizeof(Head) == 20);
-    constexpr uint32_t kMostJson_bytes = 1u << 28;
+    constexpr uint32_t kMaxJson_bytes = 1u << 28;
     std::error_code error;
     if (!fs::is_regular_file(file, error)) return false;  // a pipe would block here; load_character() reports it
     std::ifstream stream(file, std::ios::binary);
     Head head{};
     stream.read(reinterpret_cast<char*>(&head), sizeof head);
-    if (!stream || std::string_view(head.magic, 4) != "glTF" || head.json_bytes > kMostJson_bytes) return false;
+    if (!stream || std::string_view(head.magic, 4) != "glTF" || head.json_bytes > kMaxJson_bytes) return false;
     if (const uint64_t size_bytes = fs::file_size(file, error); error || head.json_bytes > size_bytes) return false;
     std::string part(head.json_bytes, '\0');
     stream.read(part.data(), head.json_bytes);
@@ -113,7 +113,7 @@ void remove_oldest(const fs::path& folder) {
     std::ranges::sort(all, std::greater(), &Kept::used);
     uint64_t sum = 0;
     for (const Kept& kept : all)
-        if ((sum += kept.size_bytes) > kMostKept_bytes) fs::remove(kept.path, error);
+        if ((sum += kept.size_bytes) > kMaxKept_bytes) fs::remove(kept.path, error);
 }
 
 }  // namespace

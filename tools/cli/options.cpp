@@ -262,12 +262,12 @@ void add_scan_option(Command command, std::string& scan) {
 }
 
 void add_error_option(Command command, CompileSettings& settings) {
-    constexpr double kLeast_percent = 1e-4, kMost_percent = 10;
+    constexpr double kMin_percent = 1e-4, kMax_percent = 10;
     const auto what_is_wrong = [](const std::string& text) -> std::string {
         char* end = nullptr;
         const double percent = std::strtod(text.c_str(), &end);
         const bool is_number = end != text.c_str() && *end == '\0';
-        if (text == "exact" || (is_number && percent >= kLeast_percent && percent <= kMost_percent)) return {};
+        if (text == "exact" || (is_number && percent >= kMin_percent && percent <= kMax_percent)) return {};
         return "'" + text + "' is neither 'exact' nor a percentage from 0.0001 to 10";
     };
     const auto set = [&settings](const std::string& text) {

@@ -120,10 +120,10 @@ struct Colors {
     }
 };
 
-class Sculptor : Flesh {
+class CentipedeMesh : BodyMesh {
 public:
-    Sculptor(const Body& body, const CreatureSettings& settings)
-        : Flesh(body), outline_(body.chains[0].outline), trunk_(bones_of(body.chains[0])), colors_(settings.seed) {}
+    CentipedeMesh(const Body& body, const CreatureSettings& settings)
+        : BodyMesh(body), outline_(body.chains[0].outline), trunk_(bones_of(body.chains[0])), colors_(settings.seed) {}
 
     std::vector<Piece> sculpt() {
         const Colors& c = colors_;
@@ -249,7 +249,7 @@ RootMotion root_motion(uint32_t clip, double loop) {
 
 Model make_centipede(const CreatureSettings& settings) {
     Body body = Dealer(settings).deal();
-    std::vector<Piece> pieces = Sculptor(body, settings).sculpt();
+    std::vector<Piece> pieces = CentipedeMesh(body, settings).sculpt();
     return {std::move(body),
             std::move(pieces),
             {{{"idle", 72}, {"walk", 36}, {"curl", 144}},

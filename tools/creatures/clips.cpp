@@ -15,13 +15,13 @@ class Animator {
 public:
     Animator(const Body& body, const std::vector<AssetNode>& nodes, const Motion& motion)
         : body_(body), nodes_(nodes), motion_(motion) {
-        constexpr uint64_t kMostKeys = (64u << 20) / (5 * sizeof(float));  // 64 MiB of times and rotations
+        constexpr uint64_t kMaxKeys = (64u << 20) / (5 * sizeof(float));  // 64 MiB of times and rotations
         uint32_t ticks = 0, common = 0;
         for (const ClipPlan& plan : motion.clips) ticks += plan.ticks, common = std::gcd(common, plan.ticks);
         for (uint32_t stride = 1; stride <= common; ++stride) {
             if (common % stride != 0) continue;  // each loop ends on a key
             ticks_per_key_ = stride;
-            if ((ticks / stride + motion.clips.size()) * uint64_t{body.joint_count()} <= kMostKeys) break;
+            if ((ticks / stride + motion.clips.size()) * uint64_t{body.joint_count()} <= kMaxKeys) break;
         }
     }
 

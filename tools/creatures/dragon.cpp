@@ -375,10 +375,10 @@ struct Membrane {
 
 // One tube from the snout to the tip of the tail, a tube along every other chain, sheets between the fingers of the
 // wings.
-class Sculptor : Flesh {
+class DragonMesh : BodyMesh {
 public:
-    Sculptor(const Dragon& dragon, const CreatureSettings& settings)
-        : Flesh(dragon.body), dragon_(dragon), colors_(settings.seed), face_budget_(settings.face_count) {}
+    DragonMesh(const Dragon& dragon, const CreatureSettings& settings)
+        : BodyMesh(dragon.body), dragon_(dragon), colors_(settings.seed), face_budget_(settings.face_count) {}
 
     std::vector<Piece> sculpt() {
         const Colors& c = colors_;
@@ -624,7 +624,7 @@ RootMotion root_motion(uint32_t clip, double loop) {
 
 Model make_dragon(const CreatureSettings& settings) {
     Dragon dragon = Dealer(settings).deal();
-    std::vector<Piece> flesh = Sculptor(dragon, settings).sculpt();
+    std::vector<Piece> flesh = DragonMesh(dragon, settings).sculpt();
     return {std::move(dragon.body),
             std::move(flesh),
             {{{"idle", 72}, {"walk", 36}, {"fly", 36}, {"glide", 72}, {"roar", 72}},

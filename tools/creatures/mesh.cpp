@@ -38,9 +38,10 @@ Influences heaviest(const Influences& influences) {
     return out;
 }
 
-class Sculptor {
+class MeshBuilder {
 public:
-    Sculptor(std::vector<Piece> pieces, uint32_t face_budget) : pieces_(std::move(pieces)), face_budget_(face_budget) {}
+    MeshBuilder(std::vector<Piece> pieces, uint32_t face_budget)
+        : pieces_(std::move(pieces)), face_budget_(face_budget) {}
 
     AssetMesh sculpt() {
         meet_budget();
@@ -213,7 +214,7 @@ private:
 }  // namespace
 
 AssetMesh make_mesh(std::vector<Piece> pieces, uint32_t face_count) {
-    return Sculptor(std::move(pieces), face_count).sculpt();
+    return MeshBuilder(std::move(pieces), face_count).sculpt();
 }
 
 }  // namespace throng::creature

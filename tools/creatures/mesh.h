@@ -1,4 +1,4 @@
-// Flesh on bones: tubes along limbs, sheets of skin or cloth, leaves.
+// BodyMesh on bones: tubes along limbs, sheets of skin or cloth, leaves.
 #pragma once
 
 #include "tools/creatures/bones.h"
@@ -65,9 +65,9 @@ struct Leaves {
 using Piece = std::variant<Tube, Sheet, Leaves>;
 
 // What a kind is made of, the most important piece first.
-class Flesh {
+class BodyMesh {
 protected:
-    explicit Flesh(const Body& body) : body_(body) {}
+    explicit BodyMesh(const Body& body) : body_(body) {}
 
     void add(Piece piece) { pieces_.push_back(std::move(piece)); }
     // Adds a tube along the chain, with the settings of `like` except for outline, bones and up.

@@ -170,10 +170,10 @@ std::vector<Material> materials_of(uint64_t seed) {
         {"leather", colors.leather}, {"cloak", colors.cloak}, {"eyes", kWhite}};
 }
 
-class Tailor : Flesh {
+class WalkerMesh : BodyMesh {
 public:
-    explicit Tailor(const Body& body)
-        : Flesh(body), spine_(body.chains[0].outline), spine_bones_(bones_of(body.chains[0])) {}
+    explicit WalkerMesh(const Body& body)
+        : BodyMesh(body), spine_(body.chains[0].outline), spine_bones_(bones_of(body.chains[0])) {}
 
     std::vector<Piece> dress() {
         add(Tube{.outline = spine_,
@@ -564,7 +564,7 @@ RootMotion root_motion(uint32_t clip, double loop) {
 
 Model make_walker(const CreatureSettings& settings) {
     Body body = Dealer(settings).deal();
-    std::vector<Piece> flesh = Tailor(body).dress();
+    std::vector<Piece> flesh = WalkerMesh(body).dress();
     return {std::move(body),
             std::move(flesh),
             {{{"idle", 72}, {"walk", 36}, {"run", 24}, {"wave", 72}},

@@ -1,5 +1,5 @@
 // The willow: a trunk that forks into limbs, boughs that arch outward from them, and strands of leaves that hang from
-// both. Wood and leaves look the same for every number of joints, which only decides how finely they bend.
+// both. WillowMesh and leaves look the same for every number of joints, which only decides how finely they bend.
 #include "tools/creatures/model.h"
 
 namespace throng::creature {
@@ -96,9 +96,9 @@ constexpr Vec kWindward{1};
 // Gusts pass through the crown.
 double phase_at(const Vec& point) { return 0.16 * point.x + 0.07 * point.z; }
 
-class Gardener : Builder {
+class WillowJoints : Builder {
 public:
-    explicit Gardener(const CreatureSettings& settings) : Builder(settings), tree_(settings) {}
+    explicit WillowJoints(const CreatureSettings& settings) : Builder(settings), tree_(settings) {}
 
     Body grow() {
         add_root(tree_.trunk, 0, 1, kWindward);
@@ -149,9 +149,9 @@ private:
     Tree tree_;
 };
 
-class Wood : Flesh {
+class WillowMesh : BodyMesh {
 public:
-    explicit Wood(const Body& body) : Flesh(body) {}
+    explicit WillowMesh(const Body& body) : BodyMesh(body) {}
 
     std::vector<Piece> grow(uint64_t seed) {
         Random random(~seed);
@@ -276,8 +276,8 @@ RootMotion root_motion(uint32_t clip, double loop) {
 }  // namespace
 
 Model make_willow(const CreatureSettings& settings) {
-    Body body = Gardener(settings).grow();
-    std::vector<Piece> pieces = Wood(body).grow(settings.seed);
+    Body body = WillowJoints(settings).grow();
+    std::vector<Piece> pieces = WillowMesh(body).grow(settings.seed);
     pieces.push_back(Leaves{.at = [foliage = Foliage(Tree(settings), body)](
                                       uint32_t index, uint32_t count) { return foliage.at(index, count); },
                             .count = {1150}});

@@ -21,7 +21,7 @@
 namespace throng::tools {
 namespace {
 
-constexpr uint32_t kMostFrames = 1'000'000;
+constexpr uint32_t kMaxFrames = 1'000'000;
 constexpr uint64_t kDecoding_bytes = uint64_t{1} << 30;
 
 Result<std::vector<std::byte>> content(const std::filesystem::path& path) {
@@ -43,10 +43,10 @@ bool is_whole(const std::filesystem::path& path, uint32_t width, uint32_t height
 
 FrameRange parse_frames(const std::string& text) {
     const auto range = parse_pair(text, ':');
-    if (!range || range->first >= range->second || range->second > kMostFrames)
+    if (!range || range->first >= range->second || range->second > kMaxFrames)
         throw UsageError("--frames " + text +
                          ": give it as FIRST:END, for example 0:240 for frames 0 to 239; at most to frame " +
-                         std::to_string(kMostFrames));
+                         std::to_string(kMaxFrames));
     return {range->first, range->second};
 }
 

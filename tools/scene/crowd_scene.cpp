@@ -14,7 +14,7 @@
 namespace throng::tools {
 namespace {
 
-constexpr uint32_t kMostCharacters = 10'000'000;
+constexpr uint32_t kMaxCharacters = 10'000'000;
 
 void check_length(const char* option, size_t given, size_t files) {
     if (given != 0 && given != files)
@@ -128,7 +128,7 @@ void add_scene_options(Command app, SceneOptions& options) {
                    "glTF 2.0 or .throng files; several are mixed, scaled to one size unless --sizes says otherwise")
         .required();
     Option count = app.add_option("--count", options.count, "characters in all, at least one of each file")
-                       .check(range(1u, kMostCharacters))
+                       .check(range(1u, kMaxCharacters))
                        .default_str(std::to_string(options.usual_count));
     app.add_option("--counts", options.counts,
                    "characters of each file, comma-separated (default: --count, dealt out evenly)")
@@ -181,7 +181,7 @@ std::vector<uint32_t> counts_of(const SceneOptions& options) {
     }
     check_length("--counts", options.counts.size(), files);
     const uint64_t sum = std::accumulate(options.counts.begin(), options.counts.end(), uint64_t{0});
-    if (sum == 0 || sum > kMostCharacters)
+    if (sum == 0 || sum > kMaxCharacters)
         throw UsageError("--counts: " + std::to_string(sum) + " characters in all; give from 1 to 10000000");
     return options.counts;
 }
@@ -286,8 +286,8 @@ void CrowdScene::start() {
 }
 
 void CrowdScene::step(float step_s, const std::function<void(float part_s)>& update_shown) {
-    constexpr float kMost_s = 0.05f;
-    const float parts = destinations_.empty() ? 1 : std::max(std::ceil(step_s / kMost_s), 1.0f);
+    constexpr float kMax_s = 0.05f;
+    const float parts = destinations_.empty() ? 1 : std::max(std::ceil(step_s / kMax_s), 1.0f);
     const float part_s = step_s / parts;
     for (float k = 1; k <= parts; ++k) {
         director_->direct(*crowd_, part_s);

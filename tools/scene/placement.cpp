@@ -64,8 +64,8 @@ std::vector<Place> path(double area, double pitch) {
     constexpr uint32_t kSteps = 4096;  // into which the curve is cut, to measure it
     constexpr double kApart = 1.05;    // pitches, along the curve
     // In pitches. Along the narrowest bend, places a little more than one pitch apart are one apart in a straight line
-    constexpr double kLeastRadius = 2.5;
-    const double radius = std::max(std::sqrt(area / (kLength * kWidth)), kLeastRadius * pitch);
+    constexpr double kMinRadius = 2.5;
+    const double radius = std::max(std::sqrt(area / (kLength * kWidth)), kMinRadius * pitch);
     const auto lane_count = static_cast<uint32_t>(std::max(1.0, std::floor(kWidth * radius / pitch)));
     struct Marked {
         double along;

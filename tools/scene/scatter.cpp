@@ -47,13 +47,13 @@ std::vector<double> scales(std::span<const Character> characters, const std::vec
 // Throws if there would be too many places: those for the smallest characters are generated on all of the ground, which
 // grows with the large ones.
 void check_room(std::span<const PlacementKind> kinds) {
-    constexpr double kMostPlaces = 40'000'000;
+    constexpr double kMaxPlaces = 40'000'000;
     double area = 0, least = kinds[0].pitch;
     for (const PlacementKind& kind : kinds) {
         area += kind.count * kind.pitch * kind.pitch;
         least = std::min(least, kind.pitch);
     }
-    if (!(area / (least * least) <= kMostPlaces))
+    if (!(area / (least * least) <= kMaxPlaces))
         throw CommandError(
             "--sizes: on the ground of the largest there are more than 40,000,000 places for the smallest; give fewer "
             "of the large ones, or sizes that are closer");

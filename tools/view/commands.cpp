@@ -12,9 +12,9 @@ namespace {
 // Steps through round numbers: 1, 2, 5, 10, 20, 50 …
 void change_count(State& state, bool up) {
     std::vector<uint32_t> steps;
-    for (uint32_t decade = 1; decade <= kMostCharacters; decade *= 10)
+    for (uint32_t decade = 1; decade <= kMaxCharacters; decade *= 10)
         for (const uint32_t step : {decade, 2 * decade, 5 * decade})
-            if (step <= kMostCharacters) steps.push_back(step);
+            if (step <= kMaxCharacters) steps.push_back(step);
     uint32_t& count = state.wanted.count;
     const auto at_least = std::ranges::lower_bound(steps, count), above = std::ranges::upper_bound(steps, count);
     if (up && above != steps.end()) count = *above;

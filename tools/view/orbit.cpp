@@ -7,7 +7,7 @@ namespace throng::view {
 namespace {
 
 // How far the user can turn: from a little below, so as not to dive under the ground, to almost straight above
-constexpr float kLeastPitch_rad = -0.3f, kMostPitch_rad = 1.5f;
+constexpr float kMinPitch_rad = -0.3f, kMaxPitch_rad = 1.5f;
 constexpr float kSteepest_rad = 1.55f;  // beyond it the picture would have no up
 
 Vec3<float> direction_of(float yaw_rad, float pitch_rad) {
@@ -32,15 +32,15 @@ Camera Orbit::camera() const { return {target_ + to_eye() * distance_, target_, 
 void Orbit::turn(float yaw_rad, float pitch_rad) {
     const bool was_above_ground = is_above_ground();
     yaw_rad_ += yaw_rad;
-    pitch_rad_ = std::clamp(pitch_rad_ + pitch_rad, std::min(kLeastPitch_rad, pitch_rad_),
-                            std::max(kMostPitch_rad, pitch_rad_));
+    pitch_rad_ = std::clamp(pitch_rad_ + pitch_rad, std::min(kMinPitch_rad, pitch_rad_),
+                            std::max(kMaxPitch_rad, pitch_rad_));
     if (was_above_ground) stay_above_ground();
 }
 
 void Orbit::stay_above_ground() {
     constexpr float kHeight = 0.02f;  // of the eye, in distances: the ground can still be seen from above
     const float least = std::asin(std::clamp((ground_y_ - target_.y) / distance_ + kHeight, -1.0f, 1.0f));
-    pitch_rad_ = std::max(pitch_rad_, std::min(least, kMostPitch_rad));
+    pitch_rad_ = std::max(pitch_rad_, std::min(least, kMaxPitch_rad));
 }
 
 void Orbit::look(float yaw_rad, float pitch_rad) {

@@ -83,7 +83,7 @@ void scan_row(std::string& scan) {
 // Takes effect when the slider is released, since a change is costly.
 void slide_count(State& state) {
     if (!state.sliding_count) state.sliding_count = static_cast<int>(state.wanted.count);
-    ImGui::SliderInt("##count", &*state.sliding_count, 1, static_cast<int>(kMostCharacters), "%d",
+    ImGui::SliderInt("##count", &*state.sliding_count, 1, static_cast<int>(kMaxCharacters), "%d",
                      ImGuiSliderFlags_Logarithmic | ImGuiSliderFlags_AlwaysClamp);
     if (ImGui::IsItemDeactivatedAfterEdit()) state.wanted.count = static_cast<uint32_t>(*state.sliding_count);
     if (!ImGui::IsItemActive()) state.sliding_count.reset();
@@ -270,9 +270,9 @@ PicturePart part_without_panels() {
     const ImVec2 display = ImGui::GetIO().DisplaySize;
     PicturePart part{.left = scaled(kSettingsWidth + kPanelGap) / display.x,
                      .bottom = 1 - scaled(kGraphHeight + kPanelGap) / display.y};
-    constexpr float kLeast = 1 / 3.0f;
-    if (part.width() < kLeast) part.left = 0;
-    if (part.height() < kLeast) part.bottom = 1;
+    constexpr float kMinimum = 1 / 3.0f;
+    if (part.width() < kMinimum) part.left = 0;
+    if (part.height() < kMinimum) part.bottom = 1;
     return part;
 }
 

@@ -56,10 +56,10 @@ Scene::Scene(const Device& device, Cast cast, const SceneSettings& settings)
 void Scene::set_settings(const SceneSettings& settings) {
     Shown wanted = shown_;
     wanted.settings = settings;
-    remake(std::move(wanted));
+    rebuild_stages(std::move(wanted));
 }
 
-void Scene::set_cast(Cast cast) { remake({std::move(cast), settings()}); }
+void Scene::set_cast(Cast cast) { rebuild_stages({std::move(cast), settings()}); }
 
 void Scene::set_controllers(std::vector<std::optional<Controller>> controllers) {
     Shown wanted = shown_;
@@ -70,7 +70,7 @@ void Scene::set_controllers(std::vector<std::optional<Controller>> controllers) 
         with_them.controllers[group] = std::move(controllers[group]);
     }
     wanted.cast = std::make_shared<const Cast>(std::move(with_them));
-    remake(std::move(wanted));
+    rebuild_stages(std::move(wanted));
 }
 
 void Scene::set_looks(std::vector<std::optional<tools::Looks>> looks) {
@@ -79,10 +79,10 @@ void Scene::set_looks(std::vector<std::optional<tools::Looks>> looks) {
     for (size_t group = 0; group < looks.size(); ++group)
         if (looks[group]) with_them.looks[group] = std::move(looks[group]);
     wanted.cast = std::make_shared<const Cast>(std::move(with_them));
-    remake(std::move(wanted));
+    rebuild_stages(std::move(wanted));
 }
 
-void Scene::remake(Shown wanted) {
+void Scene::rebuild_stages(Shown wanted) {
     std::swap(shown_, wanted);
     Shown& before = wanted;
     const auto places = [](const SceneSettings& of) { return std::tie(of.count, of.seed, of.formation, of.spacing); };

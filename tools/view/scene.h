@@ -49,7 +49,7 @@ struct SceneSettings {
 
     bool operator==(const SceneSettings&) const = default;
 };
-inline constexpr uint32_t kMostCharacters = 100'000;
+inline constexpr uint32_t kMaxCharacters = 100'000;
 
 // What all characters of a file without a controller play.
 struct GroupPlayback {
@@ -133,7 +133,7 @@ private:
         Shown(Cast of, const SceneSettings& made_so);
     };
 
-    void remake(Shown wanted);
+    void rebuild_stages(Shown wanted);
     void make_field();
     void begin_playing();
     void make_crowd();

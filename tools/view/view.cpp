@@ -7,8 +7,8 @@ namespace throng::tools {
 namespace {
 
 void check_size(const RendererSettings& size) {
-    constexpr uint32_t kLeastWidth = 320, kLeastHeight = 200, kMost = 16384;
-    if (size.width < kLeastWidth || size.height < kLeastHeight || size.width > kMost || size.height > kMost)
+    constexpr uint32_t kMinWidth = 320, kMinHeight = 200, kMaximum = 16384;
+    if (size.width < kMinWidth || size.height < kMinHeight || size.width > kMaximum || size.height > kMaximum)
         throw UsageError("--size: a window is from 320x200 to 16384x16384 pixels large");
 }
 

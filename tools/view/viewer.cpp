@@ -36,9 +36,9 @@ Cast make_cast(const tools::SceneOptions& options) {
 SceneSettings make_settings(const tools::SceneOptions& options) {
     const std::vector<uint32_t> counts = tools::counts_of(options);
     const uint32_t count = std::accumulate(counts.begin(), counts.end(), 0u);
-    if (count > kMostCharacters)
+    if (count > kMaxCharacters)
         throw tools::UsageError(std::to_string(count) + " characters: a window shows at most " +
-                                std::to_string(kMostCharacters) + "; 'throng render' draws more");
+                                std::to_string(kMaxCharacters) + "; 'throng render' draws more");
     return {.count = count,
             .seed = options.seed,
             .formation = options.formation,

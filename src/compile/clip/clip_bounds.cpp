@@ -75,14 +75,14 @@ private:
 void measure_clips(Character& character, const Progress& progress) {
     constexpr double kSeen = 1e-6;  // of the character's size
     const std::vector<Box> boxes = influence_boxes(character);
-    std::vector<double> least_seen;  // [joint_count]
-    for (const bool alone : joints_that_move_alone(character)) least_seen.push_back(alone ? kSeen * character.size : 0);
+    std::vector<double> min_seen;  // [joint_count]
+    for (const bool alone : joints_that_move_alone(character)) min_seen.push_back(alone ? kSeen * character.size : 0);
     for (uint32_t number = 0; number < character.clips.size(); ++number) {
         progress.report(number, character.clips.size());
         ClipPoses poses(character, number);
         Box bounds;
         const auto add_joint = [&](uint32_t joint) {
-            add_posed(bounds, poses.model_from_joint(joint), boxes[joint], least_seen[joint]);
+            add_posed(bounds, poses.model_from_joint(joint), boxes[joint], min_seen[joint]);
         };
         for (const uint32_t joint : poses.still()) add_joint(joint);
         const auto add_pose = [&](double time_s) {

@@ -6,7 +6,7 @@
 namespace throng {
 namespace {
 
-constexpr uint32_t kMostHalvings = 8;
+constexpr uint32_t kMaxHalvings = 8;
 
 // Normalises the value if it is a rotation.
 TrackValue unit(TrackTarget target, const TrackValue& value) {
@@ -35,9 +35,9 @@ public:
     }
 
     ClipGrid run(std::span<const double> reaches, const GridSettings& settings) {
-        const uint64_t most_rows = std::max<uint64_t>(settings.joint_rows / grid_.still.size(), clip_.times_s.size());
+        const uint64_t max_rows = std::max<uint64_t>(settings.joint_rows / grid_.still.size(), clip_.times_s.size());
         std::vector<uint32_t> halvings = halvings_by_interval(reaches, settings.bound);
-        for (double looser = 8; row_count_of(halvings) > most_rows; looser *= 8)
+        for (double looser = 8; row_count_of(halvings) > max_rows; looser *= 8)
             halvings = halvings_by_interval(reaches, settings.bound * looser);
         add_rows(halvings);
         // Only arcs can be further off between rows than at rows, and at 1/4 of the way they are nearly at their
@@ -61,7 +61,7 @@ private:
                                            unit(track->target, track->at_row(row + 1))) *
                              reaches[track->joint];
                 uint32_t count = 0;
-                for (; lag > bound && count < kMostHalvings; lag /= 8) ++count;
+                for (; lag > bound && count < kMaxHalvings; lag /= 8) ++count;
                 halvings[row] = std::max(halvings[row], count);
                 largest_lag_ = std::max(largest_lag_, lag);
             }

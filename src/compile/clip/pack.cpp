@@ -146,7 +146,7 @@ void pack_clips(std::span<const ExactClip> clips, double error, Character& chara
                           std::to_string(kPackingLimit) + "; exact keys have no such limit (--error exact)");
 
     // Clips do not depend on each other: the result is the same with any number of threads.
-    constexpr size_t kMostThreads = 4;  // each may hold some 100 MiB
+    constexpr size_t kMaxThreads = 4;  // each may hold some 100 MiB
     constexpr std::chrono::milliseconds kReportInterval(10);
     const std::vector<Box> boxes = influence_boxes(character);
     const size_t clip_count = clips.size();
@@ -168,7 +168,7 @@ void pack_clips(std::span<const ExactClip> clips, double error, Character& chara
         }
     };
     std::vector<std::future<void>> threads;
-    const size_t thread_count = std::min({clip_count, kMostThreads, size_t{processor_threads()}});
+    const size_t thread_count = std::min({clip_count, kMaxThreads, size_t{processor_threads()}});
     try {
         for (size_t i = 0; i + 1 < thread_count; ++i) threads.push_back(std::async(std::launch::async, work));
     } catch (const std::system_error&) {

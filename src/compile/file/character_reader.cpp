@@ -13,7 +13,7 @@ namespace {
 
 using namespace file;
 
-constexpr const char* kNotWrittenSo = "; throng writes no such file: compile it anew from its source";
+constexpr const char* kNotWrittenByThrong = "; throng writes no such file: compile it anew from its source";
 
 class Reader {
 public:
@@ -43,7 +43,7 @@ public:
 private:
     template <class... Parts>
     [[noreturn]] void fail(const std::string& where, const Parts&... what) const {
-        throw Failure(ErrorCode::kInvalidFile, joined(place_, ": ", where), what..., kNotWrittenSo);
+        throw Failure(ErrorCode::kInvalidFile, joined(place_, ": ", where), what..., kNotWrittenByThrong);
     }
     template <class... Parts>
     [[noreturn]] void fail(SectionId id, const Parts&... what) const {

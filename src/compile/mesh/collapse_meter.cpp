@@ -11,7 +11,7 @@ constexpr float kLengthWeight = 1e-2f;
 constexpr float kNearEnough = 0.5f;
 // A point with more triangles around it is not collapsed, nor is another point collapsed into it: the work for that
 // grows with the square of their number.
-constexpr size_t kMostFaces = 48;
+constexpr size_t kMaxFaces = 48;
 constexpr float kTurned = 0.3f;  // the cosine of the angle by which a triangle may turn in the rest pose
 
 }  // namespace
@@ -25,12 +25,12 @@ CollapseMeter::CollapseMeter(const WeldedMesh& fine, const SimplifiedMesh& mesh,
 
 std::vector<Collapse> CollapseMeter::possible_collapses(uint32_t from) {
     std::vector<Collapse> all;
-    if (mesh_.faces_of(from).size() > kMostFaces) return all;
+    if (mesh_.faces_of(from).size() > kMaxFaces) return all;
     look_around(from);
     float least = kNever, second = kNever;
     for (const uint32_t to : mesh_.neighbours_of(from)) {
         Collapse one{.to = to, .extra = kLengthWeight * length(fine_.rest_place(from) - fine_.rest_place(to))};
-        if (mesh_.faces_of(to).size() > kMostFaces || !try_moving(one)) continue;
+        if (mesh_.faces_of(to).size() > kMaxFaces || !try_moving(one)) continue;
         one.squared_distance = distance_of_lost(0, 0, one.squared_distance_at(second));
         const float cost = one.cost();
         if (cost >= kNever) continue;

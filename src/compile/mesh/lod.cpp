@@ -22,12 +22,12 @@
 namespace throng {
 namespace {
 
-constexpr size_t kFewest = 64 * 3;    // indices; a mesh with no more gets no levels
-constexpr double kShare = 1.0 / 3;    // a level aims at this share of the previous level's triangles
-constexpr double kWorthwhile = 0.8;   // a level with more than this share is not kept
-constexpr double kAlmost = 1.25;      // of the triangles wanted: clustering meets a number only roughly
-constexpr uint32_t kPoses = 7;        // of all clips together, beside the rest pose, to measure errors in
-constexpr float kLeastError = 1e-6f;  // of the character's size: rounding cannot tell it from 0
+constexpr size_t kFewest = 64 * 3;   // indices; a mesh with no more gets no levels
+constexpr double kShare = 1.0 / 3;   // a level aims at this share of the previous level's triangles
+constexpr double kWorthwhile = 0.8;  // a level with more than this share is not kept
+constexpr double kAlmost = 1.25;     // of the triangles wanted: clustering meets a number only roughly
+constexpr uint32_t kPoses = 7;       // of all clips together, beside the rest pose, to measure errors in
+constexpr float kMinError = 1e-6f;   // of the character's size: rounding cannot tell it from 0
 
 // In model space.
 std::vector<Vec3<float>> positions_in(const Character& character, const SampledPose& pose) {
@@ -186,7 +186,7 @@ std::vector<uint32_t> coarser(std::vector<uint32_t> decimated, size_t before, co
 // Keeps levels as long as triangles become markedly fewer.
 void keep_levels(std::span<const Coarse> levels, Character& character) {
     size_t count_before = character.indices.size();
-    float error = kLeastError * character.size;
+    float error = kMinError * character.size;
     for (const Coarse& level : levels) {
         const size_t count = level.indices.size();
         // If every triangle of a mesh has two corners at one place, its levels have no triangles

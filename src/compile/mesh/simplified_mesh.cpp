@@ -7,7 +7,7 @@ namespace throng {
 namespace {
 
 // A triangle with more lost points than this forgets every second one: the work grows with their number.
-constexpr size_t kMostLost = 128;
+constexpr size_t kMaxLost = 128;
 
 void erase_copies(std::vector<uint32_t>& numbers) {
     std::ranges::sort(numbers);
@@ -15,7 +15,7 @@ void erase_copies(std::vector<uint32_t>& numbers) {
 }
 
 void forget_some(std::vector<uint32_t>& lost) {
-    if (lost.size() <= kMostLost) return;
+    if (lost.size() <= kMaxLost) return;
     for (size_t i = 0; 2 * i < lost.size(); ++i) lost[i] = lost[2 * i];
     lost.resize((lost.size() + 1) / 2);
 }

@@ -60,7 +60,7 @@ Axis widest_axis(std::span<const uint32_t> vertices, std::span<const std::vector
 // pose, and still agree along the axis by which they are sorted, so that each would be compared with all others. A
 // vertex that has been compared this often without a match begins a point of its own. The only harm is that the mesh is
 // not connected there.
-constexpr uint32_t kMostCompared = 256;
+constexpr uint32_t kMaxCompared = 256;
 
 // Sets first_of[vertex] to the first vertex of its point. `vertices` are those at one place at rest, in ascending
 // order. Those that begin a point are kept sorted along an axis, so that only near ones are compared. `steps` counts
@@ -81,7 +81,7 @@ void find_firsts(std::span<const uint32_t> vertices, std::span<const std::vector
         const double at = place(vertex);
         uint32_t first = vertex, compared = 0;
         for (auto near = firsts.lower_bound(at - reach);
-             near != firsts.end() && near->first <= at + reach && compared < kMostCompared; ++near, ++compared) {
+             near != firsts.end() && near->first <= at + reach && compared < kMaxCompared; ++near, ++compared) {
             progress.poll_at(steps++);
             if (near->second < first && stay_together(near->second, vertex)) first = near->second;
         }

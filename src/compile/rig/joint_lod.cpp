@@ -13,10 +13,10 @@
 namespace throng {
 namespace {
 
-constexpr uint32_t kPoses = 32;         // of all clips together, to measure displacements in
-constexpr uint32_t kPosesOfClip = 8;    // at least, of each clip
-constexpr size_t kMostSteps = 200'000;  // displacements measured in a pose
-constexpr double kShare = 0.5;          // of a level's surface error: the most that resting joints may add to it
+constexpr uint32_t kPoses = 32;        // of all clips together, to measure displacements in
+constexpr uint32_t kPosesOfClip = 8;   // at least, of each clip
+constexpr size_t kMaxSteps = 200'000;  // displacements measured in a pose
+constexpr double kShare = 0.5;         // of a level's surface error: the most that resting joints may add to it
 
 // [palette_count]: the last skin that has each entry. An entry of a rigid mesh counts as a skin of its own. Goes
 // through the skins backwards and visits each entry once, since in a file any number of skins can have the whole
@@ -112,7 +112,7 @@ private:
     // sum: how far everything below is displaced if only this joint rests, plus the largest displacement that a joint
     // below causes on its own.
     void measure_in(const SampledPose& pose) {
-        const size_t most_below = kMostSteps / parents_.size();
+        const size_t most_below = kMaxSteps / parents_.size();
         const std::vector<AffineT<double>> model_from_bind = bind_reference(character_.palette,
                                                                             model_from_joint_of(character_, pose));
         std::vector<double> furthest(parents_.size()), below(parents_.size());

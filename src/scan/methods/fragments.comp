@@ -5,8 +5,8 @@
 // Difference: on a tree, a block is a connected piece of joints. Instead of scanning each piece and correcting it
 //   afterwards, an invocation first multiplies only the path through the piece above, down to its own attachment. The
 //   scan over these products (doubling) gives the attachment's model transform, from which it walks its piece once.
-//   Parents stay in registers: the largest subtree comes last, and the few parents with children still to come are kept
-//   in shared memory.
+//   Parents stay in registers: the subtree that needs the most slots comes last, and the few parents with children
+//   still to come are kept in such slots, in shared memory.
 // Input: local[instance][joint], parent_from_joint, affine 3x4. Output: model[instance][joint], model_from_joint.
 // Needs: per piece, twice 48 bytes of shared memory and up to log2(joints of a piece) slots; any joint count.
 // Cost: joints + paths + pieces * log2(levels of pieces) multiplications (376 to 508 for 300 joints in 32 pieces);

@@ -5,7 +5,7 @@
 namespace throng {
 namespace {
 
-constexpr uint64_t kMostWords = uint64_t{16} << 20;
+constexpr uint64_t kMaxWords = uint64_t{16} << 20;
 constexpr uint32_t kLargestWorkgroup = 256;
 
 // The number of characters that leaves the fewest lanes of the workgroup's subgroups idle.
@@ -32,9 +32,9 @@ ScanPlan plan(const ScanRig& rig, const ScanLimits& limits, uint32_t) {
         leaves.push_back(joint);
         word_count += 3 + rig.depths[joint];
     }
-    if (word_count > kMostWords)
+    if (word_count > kMaxWords)
         return {.unsupported_reason = "the paths of its leaves take " + std::to_string(word_count) +
-                                      " words, more than " + std::to_string(kMostWords)};
+                                      " words, more than " + std::to_string(kMaxWords)};
     const auto leaf_count = static_cast<uint32_t>(leaves.size());
 
     ScanPlan plan{.links = {leaf_count}, .on_chip = true};

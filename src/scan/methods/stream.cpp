@@ -6,7 +6,7 @@
 namespace throng {
 namespace {
 
-constexpr uint32_t kMostSubgroups = 4;  // per character: more were slower on an H100 (docs/scan.md#stream)
+constexpr uint32_t kMaxSubgroups = 4;  // per character: more were slower on an H100 (docs/scan.md#stream)
 
 // Two or more subgroups, so that the limit of workgroups per processor does not limit occupancy.
 uint32_t workgroup_size(const ScanLimits& limits, const StreamTeam& team) {
@@ -33,7 +33,7 @@ std::vector<uint32_t> thread_choices(const ScanLimits& limits) {
     for (uint32_t threads = 2 * preferred_lanes(limits); threads <= limits.workgroup_size; threads *= 2) {
         const StreamTeam team(limits, threads);
         const bool is_certain = team.lanes <= limits.largest_subgroup_size;  // that subgroups have as many lanes
-        if (team.subgroups > (is_certain ? kMostSubgroups : 1)) break;
+        if (team.subgroups > (is_certain ? kMaxSubgroups : 1)) break;
         choices.push_back(threads);
     }
     return choices;
@@ -58,8 +58,8 @@ ScanPlan plan_with(const ScanRig& rig, const ScanLimits& limits, uint32_t thread
     const uint32_t teams_of_one = workgroup_size(limits, StreamTeam(limits, lanes)) / lanes;
     const StreamPlan stream = plan_stream(
         rig, {.lanes = lanes,
-              .most_slots = std::min(limits.shared_memory_bytes / (teams_of_one * bytes_of(format)), 0xFFFFu),
-              .most_characters = team.subgroups > 1 ? 1 : StreamLimits().most_characters});
+              .max_slots = std::min(limits.shared_memory_bytes / (teams_of_one * bytes_of(format)), 0xFFFFu),
+              .max_characters = team.subgroups > 1 ? 1 : StreamLimits().max_characters});
     const uint32_t slot_bytes = stream.slots * bytes_of(format);
     if (std::string reason = memory_unsupported_reason(uint64_t{slot_bytes} * teams, " for parents of later chunks",
                                                        limits);
@@ -112,14 +112,14 @@ FusedPlace fused_place(const ScanLimits& limits, const FusedNeed& need) {
     for (const uint32_t threads : thread_choices(limits)) {
         const StreamTeam team(limits, threads);
         if (team.lanes == lanes && threads > place.threads && team.subgroups <= need.subgroups &&
-            need.joint_count > lanes * std::max(kMostShared / 2, team.subgroups - 1))
+            need.joint_count > lanes * std::max(kMaxShared / 2, team.subgroups - 1))
             place.threads = threads;
     }
     return place;
 }
 
 Flow simulate(const ScanRig& rig, const FlowSettings& settings) {
-    const StreamPlan stream = plan_stream(rig, {.lanes = settings.threads, .most_characters = 1});
+    const StreamPlan stream = plan_stream(rig, {.lanes = settings.threads, .max_characters = 1});
     Flow flow(rig);
     std::vector<Product> products(rig.joint_count());
     std::vector<uint32_t> outside(rig.joint_count(), kNone);  // the lowest ancestor in an earlier chunk
