@@ -129,21 +129,21 @@ private:
 
 class CpuMeasurement {
 public:
-    CpuMeasurement(const CpuCase& of, const Progress& progress) : of_(of), output_(max_bytes(of)) {
-        for (const CpuVariant& variant : of.variants) {
-            progress(of.configuration + ": preparing " + variant.name);
+    CpuMeasurement(const CpuCase& cpu_case, const Progress& progress) : case_(cpu_case), output_(max_bytes(cpu_case)) {
+        for (const CpuVariant& variant : cpu_case.variants) {
+            progress(cpu_case.configuration + ": preparing " + variant.name);
             if (!rigs_.contains(variant.character)) rigs_.emplace(variant.character, NativeRig(*variant.character));
-            scenes_.push_back(make_scene(*variant.character, of.characters, variant.clips, of.seed));
+            scenes_.push_back(make_scene(*variant.character, cpu_case.characters, variant.clips, cpu_case.seed));
             if (variant.layers) add_layers(variant, scenes_.back());
         }
-        for (const uint32_t threads : of.threads) threads_.emplace(threads, threads);
+        for (const uint32_t threads : cpu_case.threads) threads_.emplace(threads, threads);
     }
 
     std::vector<Json> measure(const Progress& progress) {
-        for (const uint32_t threads : of_.threads)
-            for (const NativeIsa isa : of_.isas) {
+        for (const uint32_t threads : case_.threads)
+            for (const NativeIsa isa : case_.isas) {
                 add(threads, isa, nullptr, 0);
-                for (size_t v = 0; v < of_.variants.size(); ++v) add(threads, isa, &of_.variants[v], v);
+                for (size_t v = 0; v < case_.variants.size(); ++v) add(threads, isa, &case_.variants[v], v);
             }
         for (Candidate& candidate : candidates_)
             if (candidate.variant) {
@@ -154,7 +154,7 @@ public:
         for (Candidate& candidate : candidates_)
             if (!candidate.is_wrong()) timed_runs.push_back({name_of(candidate), [&] { take_sample(candidate); }});
         for (Candidate& candidate : candidates_) run(candidate, 0, false);  // warm
-        run_rounds(timed_runs, of_.samples, progress);
+        run_rounds(timed_runs, case_.samples, progress);
         std::vector<Json> records;
         for (const Candidate& candidate : candidates_) records.push_back(record_of(candidate));
         return records;
@@ -184,10 +184,10 @@ private:
         }
     }
 
-    static size_t max_bytes(const CpuCase& of) {
+    static size_t max_bytes(const CpuCase& cpu_case) {
         size_t most = 0;
-        for (const CpuVariant& variant : of.variants)
-            most = std::max(most, variant.character->palette.size() * sizeof(Affine) * of.characters);
+        for (const CpuVariant& variant : cpu_case.variants)
+            most = std::max(most, variant.character->palette.size() * sizeof(Affine) * cpu_case.characters);
         return most;
     }
 
@@ -196,12 +196,12 @@ private:
     }
 
     std::string name_of(const Candidate& candidate) const {
-        return of_.configuration + ": " + std::string(throng::name_of(candidate.isa)) + ", " +
+        return case_.configuration + ": " + std::string(throng::name_of(candidate.isa)) + ", " +
                (candidate.variant ? candidate.variant->name : "fill");
     }
 
     size_t instance_bytes(const Candidate& candidate) const {
-        const Character& character = *(candidate.variant ? candidate.variant : &of_.variants.front())->character;
+        const Character& character = *(candidate.variant ? candidate.variant : &case_.variants.front())->character;
         return character.palette.size() * sizeof(Affine);
     }
 
@@ -209,7 +209,7 @@ private:
         CpuThreads& threads = threads_.at(candidate.threads);
         const size_t stride = instance_bytes(candidate);
         if (!candidate.variant)
-            return threads.run(of_.characters, kCharactersAtATime, [&](uint32_t first, uint32_t end) {
+            return threads.run(case_.characters, kCharactersAtATime, [&](uint32_t first, uint32_t end) {
                 const size_t begin = first * stride / 64 * 64, stop = end * stride / 64 * 64;
                 stream_fill({output_.data() + begin, stop - begin}, candidate.isa);
             });
@@ -221,7 +221,7 @@ private:
             buffers.active_clip_limit = kActiveClips;
             buffers.masks = reinterpret_cast<const float*>(scene.ordered_mask.get());
         }
-        return threads.run(of_.characters, kCharactersAtATime, [&](uint32_t first, uint32_t end) {
+        return threads.run(case_.characters, kCharactersAtATime, [&](uint32_t first, uint32_t end) {
             (only_decode ? decode_only : static_cast<decltype(&decode_only)>(update))(rig, buffers, first, end,
                                                                                       candidate.isa);
         });
@@ -232,7 +232,7 @@ private:
         output_.poison();
         run(candidate, 0, false);
         const Character& character = *candidate.variant->character;
-        return largest_error_of_some(of_.characters, [&](uint32_t instance) {
+        return largest_error_of_some(case_.characters, [&](uint32_t instance) {
             const auto* skin = reinterpret_cast<const Affine*>(output_.data() + instance * instance_bytes(candidate));
             const Scene& scene = scenes_[candidate.scene];
             const Playback& playback = scene.playbacks[instance];
@@ -250,18 +250,18 @@ private:
     }
 
     Json record_of(const Candidate& candidate) const {
-        const Character& character = *(candidate.variant ? candidate.variant : &of_.variants.front())->character;
+        const Character& character = *(candidate.variant ? candidate.variant : &case_.variants.front())->character;
         Json record = where_and_when({.name = processor_name(), .driver = std::string(throng::name_of(candidate.isa))});
         record.update({{"bench", "cpu"},
-                       {"configuration", of_.configuration},
+                       {"configuration", case_.configuration},
                        {"variant", candidate.variant ? candidate.variant->name : "fill"},
                        {"isa", throng::name_of(candidate.isa)},
                        {"threads", candidate.threads},
-                       {"characters", of_.characters},
+                       {"characters", case_.characters},
                        {"joints", character.rig.joint_count()},
                        {"levels", character.rig.level_count},
                        {"palette_entries", character.palette.size()},
-                       {"bytes", instance_bytes(candidate) * of_.characters},
+                       {"bytes", instance_bytes(candidate) * case_.characters},
                        {"samples", candidate.ms.size()}});
         if (candidate.variant) {
             record["clips"] = candidate.variant->clips;
@@ -272,7 +272,7 @@ private:
         if (candidate.ms.empty()) return record;
         const Spread ms = spread_of(candidate.ms);
         const double quiet_ms = ms.p5;
-        const double joints = double{character.rig.joint_count() * 1.0} * of_.characters;
+        const double joints = double{character.rig.joint_count() * 1.0} * case_.characters;
         record["ms"] = spread_json(ms);
         record["ns_per_joint"] = quiet_ms * 1e6 / joints;
         record["gb_per_s"] = record["bytes"].get<double>() / quiet_ms * 1e-6;
@@ -296,7 +296,7 @@ private:
         return found == candidates_.end() ? nullptr : &*found;
     }
 
-    const CpuCase& of_;
+    const CpuCase& case_;
     Output output_;
     std::map<const Character*, NativeRig> rigs_;
     std::vector<Scene> scenes_;  // [variant]
@@ -329,8 +329,8 @@ Asset with_moving_translations(const Asset& asset) {
     return moving;
 }
 
-std::vector<Json> measure_cpu(const CpuCase& of, const Progress& progress) {
-    return CpuMeasurement(of, progress).measure(progress);
+std::vector<Json> measure_cpu(const CpuCase& cpu_case, const Progress& progress) {
+    return CpuMeasurement(cpu_case, progress).measure(progress);
 }
 
 }  // namespace throng::bench

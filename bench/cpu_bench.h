@@ -32,6 +32,6 @@ Asset with_moving_translations(const Asset& asset);
 
 // A record for each instruction set, variant and number of threads (bench/README.md lists the fields). Wrong results
 // are not timed, and their records say so.
-std::vector<Json> measure_cpu(const CpuCase& of, const Progress& progress);
+std::vector<Json> measure_cpu(const CpuCase& cpu_case, const Progress& progress);
 
 }  // namespace throng::bench

@@ -20,7 +20,7 @@ struct Stage {
     std::string unsupported_reason;
 };
 
-struct DrawEntrant {
+struct DrawCandidate {
     std::string renderer, isa;
     uint32_t threads = 0;
     Stage* stage = nullptr;
@@ -66,7 +66,7 @@ public:
             stage.crowd = drawn_.make_crowd(*stage.device);
             if (!camera_) camera_ = drawn_.camera_of(*stage.crowd);
             for (const NativeIsa isa : drawn_.isas) {
-                DrawEntrant& candidate = add("native", stage);
+                DrawCandidate& candidate = add("native", stage);
                 candidate.isa = name_of(isa);
                 candidate.threads = drawn_.threads[i];
                 candidate.native = std::make_unique<NativeRenderer>(stage.device->gpu(), drawn_.picture, isa);
@@ -78,7 +78,7 @@ public:
 
     void time(uint32_t samples, const Progress& progress) {
         std::vector<TimedRun> timed_runs;
-        for (DrawEntrant& candidate : candidates_)
+        for (DrawCandidate& candidate : candidates_)
             if ((candidate.native || candidate.vulkan) && !candidate.is_wrong)
                 timed_runs.push_back(
                     {drawn_.configuration + ": " + candidate.renderer, [&] { candidate.sample(*camera_); }});
@@ -88,13 +88,13 @@ public:
 
     std::vector<Json> records() const {
         std::vector<Json> records;
-        for (const DrawEntrant& candidate : candidates_) records.push_back(record_of(candidate));
+        for (const DrawCandidate& candidate : candidates_) records.push_back(record_of(candidate));
         return records;
     }
 
 private:
-    DrawEntrant& add(const char* renderer, Stage& stage) {
-        DrawEntrant& candidate = candidates_.emplace_back();
+    DrawCandidate& add(const char* renderer, Stage& stage) {
+        DrawCandidate& candidate = candidates_.emplace_back();
         candidate.renderer = renderer;
         candidate.stage = &stage;
         return candidate;
@@ -102,7 +102,7 @@ private:
 
     void add_vulkan(const Progress& progress) {
         Stage& stage = stages_.back();
-        DrawEntrant& candidate = add("vulkan", stage);
+        DrawCandidate& candidate = add("vulkan", stage);
         const Result<Device> device = Device::create({.select = *drawn_.vulkan_device});
         RendererSettings settings = drawn_.picture;
         settings.path = DrawPath::kDevice;
@@ -119,10 +119,10 @@ private:
 
     // A picture is wrong if it differs at all from an earlier one of the same instruction set with another number of
     // threads, or visibly from the first one.
-    void compare(DrawEntrant& candidate, const Progress& progress) {
+    void compare(DrawCandidate& candidate, const Progress& progress) {
         progress(drawn_.configuration + ": checking " + candidate.renderer + " " + candidate.isa);
         candidate.picture = candidate.draw(*camera_).picture;
-        for (const DrawEntrant& before : candidates_)
+        for (const DrawCandidate& before : candidates_)
             if (&before != &candidate && before.isa == candidate.isa && before.picture.rgba != candidate.picture.rgba)
                 candidate.is_wrong = true;
         candidate.alike_db = psnr(candidate.picture, candidates_.front().picture);
@@ -132,7 +132,7 @@ private:
         if (!(candidate.alike_db >= min_alike_db(sub_pixel_bits))) candidate.is_wrong = true;
     }
 
-    Json record_of(const DrawEntrant& candidate) const {
+    Json record_of(const DrawCandidate& candidate) const {
         Json record = where_and_when(candidate.stage->device ? candidate.stage->device->info()
                                                              : stages_.front().device->info());
         const RendererSettings& picture = drawn_.picture;
@@ -167,14 +167,15 @@ private:
         const double samples = static_cast<double>(uint64_t{picture.width} * picture.height * picture.samples);
         record["mtriangles_per_s"] = static_cast<double>(of.triangles) / median_ms * 1e-3;
         record["msamples_per_s"] = samples / median_ms * 1e-3;
-        if (const DrawEntrant& other = candidates_.back(); other.vulkan && other.times.count() > 0 && candidate.native)
+        if (const DrawCandidate& other = candidates_.back();
+            other.vulkan && other.times.count() > 0 && candidate.native)
             record["times_faster"] = other.times.total().median / median_ms;
         return record;
     }
 
     const DrawCase& drawn_;
     std::vector<Stage> stages_;
-    std::deque<DrawEntrant> candidates_;  // a deque: candidates keep their addresses
+    std::deque<DrawCandidate> candidates_;  // a deque: candidates keep their addresses
     std::optional<Camera> camera_;
 };
 

@@ -38,7 +38,7 @@ const char* name_of(SkinFormat format) {
 // that.
 double error_bound(SkinFormat format) { return format == SkinFormat::kHalfAffine ? 2e-3 : kSkinErrorBound; }
 
-struct FrameEntrant {
+struct FrameCandidate {
     const FrameVariant* variant = nullptr;
     const Character* character = nullptr;
     const std::vector<Playback>* playback = nullptr;
@@ -75,7 +75,7 @@ public:
             if (variant.exact_keys && !frame_.exact) continue;
             progress(frame_.configuration + ": checking " + variant.name);
             const Character* character = variant.exact_keys ? frame_.exact : frame_.character;
-            FrameEntrant candidate{
+            FrameCandidate candidate{
                 .variant = &variant, .character = character, .playback = variant.one_clip ? &one_clip_ : &two_clips_};
             candidate.made = crowds_.get({character, variant.path, variant.format});
             if (candidate.crowd()) candidate.max_error = error_of(candidate);
@@ -88,7 +88,7 @@ public:
 
     void time(uint32_t samples, const Progress& progress) {
         std::vector<TimedRun> timed_runs;
-        for (FrameEntrant& candidate : candidates_)
+        for (FrameCandidate& candidate : candidates_)
             if (candidate.runs())
                 timed_runs.push_back(
                     {frame_.configuration + ": " + candidate.variant->name, [&] { take_sample(candidate); }});
@@ -101,7 +101,7 @@ public:
 
     std::vector<Json> records() const {
         std::vector<Json> records;
-        for (const FrameEntrant& candidate : candidates_) records.push_back(record_of(candidate));
+        for (const FrameCandidate& candidate : candidates_) records.push_back(record_of(candidate));
         for (const Floor& floor : floors_) {
             records.push_back(case_record());
             records.back().update(floor.record);
@@ -116,7 +116,7 @@ private:
     uint64_t joint_count() const { return frame_.character->rig.joint_count(); }
 
     // The largest error of some instances, at the times of their playbacks.
-    double error_of(const FrameEntrant& candidate) const {
+    double error_of(const FrameCandidate& candidate) const {
         value_of(candidate.crowd()->set_playback(candidate.crowd()->instances(), *candidate.playback));
         value_of(candidate.crowd()->update(0));
         return largest_error_of_some(static_cast<uint32_t>(instance_count()), [&](uint32_t instance) {
@@ -127,13 +127,13 @@ private:
     }
 
     // All variants begin at the same playback times in every round, so that they do the same work.
-    void take_sample(FrameEntrant& candidate) const {
+    void take_sample(FrameCandidate& candidate) const {
         value_of(candidate.crowd()->set_playback(candidate.crowd()->instances(), *candidate.playback));
         candidate.times.take(clock_.load(), *candidate.crowd());
     }
 
     void add_fill(SkinFormat format) {
-        const auto written = std::find_if(candidates_.begin(), candidates_.end(), [&](const FrameEntrant& candidate) {
+        const auto written = std::find_if(candidates_.begin(), candidates_.end(), [&](const FrameCandidate& candidate) {
             return candidate.runs() && candidate.variant->format == format;
         });
         if (written == candidates_.end()) return;
@@ -172,7 +172,7 @@ private:
         floors_.push_back(std::move(floor));
     }
 
-    uint64_t bytes_of(const FrameEntrant& candidate) const {
+    uint64_t bytes_of(const FrameCandidate& candidate) const {
         const bool staged = candidate.variant->path == UpdatePath::kStaged;
         const ScanFormat format = staged && candidate.crowd()
                                       ? parse_scan_request(candidate.crowd()->path(0)->scan.method).method->format
@@ -194,7 +194,7 @@ private:
         return record;
     }
 
-    Json record_of(const FrameEntrant& candidate) const {
+    Json record_of(const FrameCandidate& candidate) const {
         const FrameVariant& variant = *candidate.variant;
         Json record = case_record();
         record.update({{"variant", variant.name},
@@ -239,7 +239,7 @@ private:
     const SkinReference& reference_;
     std::vector<Playback> two_clips_, one_clip_;
     FrameCrowds crowds_;
-    std::vector<FrameEntrant> candidates_;
+    std::vector<FrameCandidate> candidates_;
     std::vector<Floor> floors_;
 };
 

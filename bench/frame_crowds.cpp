@@ -8,8 +8,8 @@
 namespace throng::bench {
 
 std::shared_ptr<const FrameCrowd> FrameCrowds::get(const FrameCrowdKey& key) {
-    for (const auto& there : crowds_)
-        if (there->key == key) return there;
+    for (const auto& existing : crowds_)
+        if (existing->key == key) return existing;
     FrameCrowd made{.key = key, .crowd = nullptr, .unsupported_reason = memory_unsupported_reason(needed_bytes(key))};
     if (made.unsupported_reason.empty()) {
         Result<Crowd> crowd = Crowd::create(
@@ -25,12 +25,12 @@ std::shared_ptr<const FrameCrowd> FrameCrowds::get(const FrameCrowdKey& key) {
 std::string FrameCrowds::memory_unsupported_reason(uint64_t needed_bytes) const {
     const uint64_t heap_bytes = device_.gpu()->largest_heap_bytes();
     uint64_t held_bytes = 0;
-    for (const auto& there : crowds_)
-        if (there->crowd) held_bytes += there->crowd->size_bytes();
+    for (const auto& existing : crowds_)
+        if (existing->crowd) held_bytes += existing->crowd->size_bytes();
     if (held_bytes + needed_bytes <= heap_bytes) return {};
-    return std::to_string(needed_bytes >> 20) + " MiB do not fit the device's memory of " +
-           std::to_string(heap_bytes >> 20) + " MiB beside the " + std::to_string(held_bytes >> 20) +
-           " MiB of the other variants";
+    return std::to_string(needed_bytes >> 20) + " MiB do not fit into the device's memory of " +
+           std::to_string(heap_bytes >> 20) + " MiB, of which other variants use " + std::to_string(held_bytes >> 20) +
+           " MiB";
 }
 
 uint64_t FrameCrowds::arena_buffer_bytes(const Character& character) const {

@@ -197,7 +197,7 @@ private:
             if (trips)
                 add_prediction(record, work, predict(work, machine));
             else
-                record["unsupported_reason"] = "the machine code has loops that the plan does not know";
+                record["unsupported_reason"] = "the loops of the machine code do not match those that the plan counts";
             records_.push_back(record);
         }
     }

@@ -103,19 +103,19 @@ public:
         std::vector<Json> records;
         if (device_.gpu()->is_native()) return records;
         for (uint64_t n = 1000;; n *= 10) {
-            const auto of = static_cast<uint32_t>(std::min<uint64_t>(n, count()));
-            progress(million_.configuration + ": recording " + std::to_string(of));
+            const auto character_count = static_cast<uint32_t>(std::min<uint64_t>(n, count()));
+            progress(million_.configuration + ": recording " + std::to_string(character_count));
             Json& record = records.emplace_back(
                 new_record(device_, "million", million_.configuration, *million_.character));
-            record["characters"] = of;
-            Result<Crowd> crowd = as_result([&] { return make(of, UpdatePath::kDevice); });
+            record["characters"] = character_count;
+            Result<Crowd> crowd = as_result([&] { return make(character_count, UpdatePath::kDevice); });
             if (!crowd) {  // what was timed before is kept
                 record["unsupported_reason"] = crowd.error().text();
                 break;
             }
             record["record_ms"] = spread_json(spread_of(recording_ms(*crowd, samples)));
             record["samples"] = samples;
-            if (of == count()) break;
+            if (character_count == count()) break;
         }
         return records;
     }

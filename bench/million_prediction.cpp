@@ -77,25 +77,28 @@ private:
     }
 
     double fused_ms(double instances, const Machine& machine) const {
-        if (!plan_) throw Failure(ErrorCode::kUnsupported, "prediction", "the character is updated stage by stage");
+        if (!plan_)
+            throw Failure(ErrorCode::kUnsupported, "prediction",
+                          "only fused updates are predicted, and the character is updated stage by stage");
         if (instances == 0) return 0;
         const double workgroups = std::max(1.0, instances / plan_->scan.instances_per_workgroup);
         return ms_of("fused, two clips", plan_->loops, workgroups * plan_->scan.workgroup_size,
                      instances * static_cast<double>(character_.palette.size() * sizeof(Affine)), machine);
     }
 
-    double ms_of(std::string_view name, const std::vector<LoopTrips>& known, double invocations, double bytes,
+    double ms_of(std::string_view name, const std::vector<LoopTrips>& loops, double invocations, double bytes,
                  const Machine& machine) const {
-        const auto of = std::ranges::find(made_, name, &Executable::name);
-        if (of == made_.end())
-            throw Failure(ErrorCode::kUnsupported, "prediction", "there is no kernel " + std::string(name));
-        const auto trips = trips_of(of->code, known, of->subgroup_size);
+        const auto kernel = std::ranges::find(made_, name, &Executable::name);
+        if (kernel == made_.end())
+            throw Failure(ErrorCode::kUnsupported, "prediction", "kernel '" + std::string(name) + "' was not compiled");
+        const auto trips = trips_of(kernel->code, loops, kernel->subgroup_size);
         if (!trips)
-            throw Failure(ErrorCode::kUnsupported, "prediction",
-                          std::string(name) + " has other loops than those that are counted");
-        return predict({.needs = of->needs(),
-                        .issued = issued_by_subgroup(of->code, *trips),
-                        .subgroups = invocations / of->subgroup_size,
+            throw Failure(
+                ErrorCode::kUnsupported, "prediction",
+                "the loops of kernel '" + std::string(name) + "' do not match those that the prediction counts");
+        return predict({.needs = kernel->needs(),
+                        .issued = issued_by_subgroup(kernel->code, *trips),
+                        .subgroups = invocations / kernel->subgroup_size,
                         .bytes = bytes},
                        machine)
             .ms();

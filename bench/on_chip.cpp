@@ -28,7 +28,7 @@ std::string unsupported_reason_of(const ScanPlan& plan, const ScanMethod& method
                                   const ScanLimits& limits) {
     std::string reason = on_chip_unsupported_reason(plan, method, rig, limits);
     if (reason.empty() && loop_iterations(plan, rig, 2) > limits.loop_iterations)
-        reason = "two repeats exceed the device's loop iterations";
+        reason = "two repeats take more loop iterations than the device allows";
     return reason;
 }
 

@@ -20,7 +20,7 @@ std::string on_chip_unsupported_reason(const ScanPlan& plan, const ScanMethod& m
     if (!plan.on_chip) return "its transforms pass through memory";
     const uint64_t needed_bytes = uint64_t{plan.counts.shared_bytes} * plan.instances_per_workgroup +
                                   on_chip_transforms(plan, rig) * bytes_of(method.format) + kBetweenBarriers_bytes;
-    return memory_unsupported_reason(needed_bytes, ", with the local transforms,", limits);
+    return memory_unsupported_reason(needed_bytes, ", including the local transforms,", limits);
 }
 
 Kernel on_chip_kernel(const std::shared_ptr<Gpu>& gpu, const ScanMethod& method, const ScanPlan& plan,

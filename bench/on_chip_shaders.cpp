@@ -14,7 +14,7 @@ namespace {
 const OnChipShaders& on_chip_shaders(std::string_view name) {
     const auto found = std::ranges::find(kOnChipShaders, name, &OnChipShaders::name);
     if (found == std::end(kOnChipShaders))
-        throw Failure(ErrorCode::kInvalidArgument, std::string(name), "no file of src/scan/methods is its shader");
+        throw Failure(ErrorCode::kInvalidArgument, std::string(name), "src/scan/methods has no shader with this name");
     return *found;
 }
 

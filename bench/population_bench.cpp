@@ -16,7 +16,7 @@ constexpr std::array kParts{0.1, 0.5, 1.0};
 enum class Kind { kForGood, kTogether, kAnywhere };
 constexpr std::array kKindNames{"for good", "together", "anywhere"};
 
-struct PopulationEntrant {
+struct PopulationCandidate {
     Kind kind = Kind::kForGood;
     uint32_t count = 0;
     Crowd crowd;
@@ -32,8 +32,8 @@ struct PopulationEntrant {
 // Frames in which many instances change.
 struct Turnover {
     const char* name = "";
-    PopulationEntrant candidate;
-    std::function<void(PopulationEntrant&)> change;
+    PopulationCandidate candidate;
+    std::function<void(PopulationCandidate&)> change;
     std::vector<double> call_ms{}, update_ms{};
 };
 
@@ -59,7 +59,8 @@ public:
     // Crowds that fill half of their capacity; half of their instances change in each frame. Each is checked after one.
     void check_turnover(const Progress& progress) {
         const uint32_t count = std::max(1u, capacity_ / 2);
-        turnovers_.push_back({"playbacks", make(Kind::kAnywhere, count), [&](auto& told) { tell(told); }});
+        turnovers_.push_back(
+            {"playbacks", make(Kind::kAnywhere, count), [&](auto& changed) { change_playback(changed); }});
         turnovers_.push_back(
             {"births and deaths", make(Kind::kAnywhere, count), [&](auto& reborn) { replace(reborn); }});
         turnovers_.push_back({"by shaders", make_commanded(count), [&](auto& commanded) { command(commanded); }});
@@ -73,7 +74,7 @@ public:
 
     void time(uint32_t samples, const Progress& progress) {
         std::vector<TimedRun> timed_runs;
-        for (PopulationEntrant& candidate : candidates_)
+        for (PopulationCandidate& candidate : candidates_)
             if (!candidate.is_wrong())
                 timed_runs.push_back({population_.configuration + ": " + std::to_string(candidate.count),
                                       [&] { candidate.times.take(load_, candidate.crowd); }});
@@ -91,20 +92,20 @@ public:
 
     std::vector<Json> records() const {
         std::vector<Json> all;
-        for (const PopulationEntrant& candidate : candidates_) all.push_back(record_of(candidate));
+        for (const PopulationCandidate& candidate : candidates_) all.push_back(record_of(candidate));
         for (const Turnover& turnover : turnovers_) all.push_back(record_of(turnover));
         return all;
     }
 
 private:
     // The n-th instance of each candidate plays and stands as the n-th of the case.
-    PopulationEntrant make(Kind kind, uint32_t count) const {
+    PopulationCandidate make(Kind kind, uint32_t count) const {
         CrowdGroup group{.character = population_.character};
         if (kind == Kind::kForGood)
             group.instance_count = count;
         else
             group.capacity = capacity_;
-        PopulationEntrant candidate = candidate_of(kind, count, group);
+        PopulationCandidate candidate = candidate_of(kind, count, group);
         Crowd& crowd = candidate.crowd;
         if (kind == Kind::kForGood) {
             for (uint32_t i = 0; i < count; ++i) candidate.instances.push_back({.instance = i});
@@ -120,8 +121,8 @@ private:
         return candidate;
     }
 
-    PopulationEntrant candidate_of(Kind kind, uint32_t count, const CrowdGroup& group) const {
-        PopulationEntrant candidate{
+    PopulationCandidate candidate_of(Kind kind, uint32_t count, const CrowdGroup& group) const {
+        PopulationCandidate candidate{
             kind, count,
             value_of(Crowd::create(device_, {.groups = {group}, .path = population_.path, .culling = Culling{}}))};
         candidate.plays.resize(count);
@@ -130,7 +131,7 @@ private:
     }
 
     // Checks after an update of zero time. A wrong number of instances counts as an infinite error.
-    void compare(PopulationEntrant& candidate) const {
+    void compare(PopulationCandidate& candidate) const {
         value_of(candidate.crowd.update(0));
         candidate.found_count = value_of(candidate.crowd.read_drawn()).size();
         if (candidate.found_count != candidate.count)
@@ -140,7 +141,7 @@ private:
                                                         [&](uint32_t i) { return error_of(candidate, i); });
     }
 
-    double error_of(PopulationEntrant& candidate, uint32_t i) const {
+    double error_of(PopulationCandidate& candidate, uint32_t i) const {
         return skin_error(value_of(candidate.crowd.read_skin_matrices(candidate.instances[i])),
                           reference_(*population_.character, population_.playback[candidate.plays[i]]),
                           population_.character->size);
@@ -157,7 +158,7 @@ private:
     }
 
     // Moves the instances to be changed, chosen at random, to the end of the list.
-    void choose(PopulationEntrant& candidate) {
+    void choose(PopulationCandidate& candidate) {
         for (uint32_t i = 0; i < changed_count_; ++i) {
             const uint32_t last = candidate.count - 1 - i,
                            chosen = std::uniform_int_distribution<uint32_t>(0, last)(random_);
@@ -166,12 +167,12 @@ private:
         }
     }
 
-    void tell(PopulationEntrant& candidate) {
+    void change_playback(PopulationCandidate& candidate) {
         choose(candidate);
         set_playback(candidate);
     }
 
-    void replace(PopulationEntrant& candidate) {
+    void replace(PopulationCandidate& candidate) {
         choose(candidate);
         const uint32_t kept = candidate.count - changed_count_;
         value_of(candidate.crowd.despawn(std::span(candidate.instances).subspan(kept)));
@@ -182,7 +183,7 @@ private:
     }
 
     // Sets the playback of the instances at the end of the list.
-    void set_playback(PopulationEntrant& candidate) const {
+    void set_playback(PopulationCandidate& candidate) const {
         const uint32_t kept = candidate.count - changed_count_;
         value_of(candidate.crowd.set_playback(std::span(candidate.instances).subspan(kept),
                                               population_.playback.subspan(kept, changed_count_)));
@@ -190,12 +191,12 @@ private:
     }
 
     // Like make(), but spawns the instances by commands, as shaders do, at a random half of the instance numbers.
-    PopulationEntrant make_commanded(uint32_t count) const {
-        PopulationEntrant candidate = candidate_of(Kind::kAnywhere, count,
-                                                   {.character = population_.character,
-                                                    .capacity = capacity_,
-                                                    .command_capacity = 3 * capacity_,
-                                                    .shaders_populate = true});
+    PopulationCandidate make_commanded(uint32_t count) const {
+        PopulationCandidate candidate = candidate_of(Kind::kAnywhere, count,
+                                                     {.character = population_.character,
+                                                      .capacity = capacity_,
+                                                      .command_capacity = 3 * capacity_,
+                                                      .shaders_populate = true});
         for (uint32_t i = 0; i < capacity_; ++i) candidate.instances.push_back({.instance = i});
         std::shuffle(candidate.instances.begin(), candidate.instances.end(), std::mt19937(1));
         value_of(candidate.crowd.update(0));
@@ -207,7 +208,7 @@ private:
 
     // The first `count` instances of the list are alive. Some of them die, and as many others are born with the same
     // playbacks.
-    void command(PopulationEntrant& candidate) {
+    void command(PopulationCandidate& candidate) {
         std::vector<InstanceCommand> commands;
         for (uint32_t i = 0; i < changed_count_; ++i) {
             const uint32_t gone = std::uniform_int_distribution<uint32_t>(0, candidate.count - 1)(random_),
@@ -220,7 +221,7 @@ private:
         write(candidate.crowd, commands);
     }
 
-    void add_birth(std::vector<InstanceCommand>& commands, const PopulationEntrant& candidate, uint32_t i) const {
+    void add_birth(std::vector<InstanceCommand>& commands, const PopulationCandidate& candidate, uint32_t i) const {
         const uint32_t instance = candidate.instances[i].instance;
         commands.push_back(InstanceCommand::spawn(instance, population_.placement[i]));
         commands.push_back(InstanceCommand::set_playback(instance, population_.playback[i]));
@@ -243,7 +244,7 @@ private:
         });
     }
 
-    Json record_of(const PopulationEntrant& candidate, const char* field, const char* name) const {
+    Json record_of(const PopulationCandidate& candidate, const char* field, const char* name) const {
         Json record = new_record(device_, "population", population_.configuration, *population_.character);
         record.update({{"path", path_name(candidate.crowd)},
                        {"capacity", capacity_},
@@ -255,7 +256,7 @@ private:
         return record;
     }
 
-    Json record_of(const PopulationEntrant& candidate) const {
+    Json record_of(const PopulationCandidate& candidate) const {
         Json record = record_of(candidate, "instances", kKindNames[static_cast<size_t>(candidate.kind)]);
         record["memory_bytes"] = candidate.crowd.size_bytes();
         candidate.times.add_to(record);
@@ -278,7 +279,7 @@ private:
     const SkinReference& reference_;
     uint32_t capacity_, changed_count_;
     std::mt19937 random_{2};
-    std::vector<PopulationEntrant> candidates_;
+    std::vector<PopulationCandidate> candidates_;
     std::vector<Turnover> turnovers_;
 };
 

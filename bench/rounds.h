@@ -1,4 +1,4 @@
-// Interleaved rounds: A B C A B C …, so that whatever disturbs the machine disturbs all timed_runs alike.
+// Interleaved rounds: A B C A B C …, so that whatever disturbs the machine disturbs all runs alike.
 #pragma once
 
 #include <chrono>
@@ -32,7 +32,7 @@ struct TimedRun {
 
 using Progress = std::function<void(const std::string&)>;
 
-// Runs rounds until each timed_run has all its samples, or has the least number of them and has used up its share of
+// Runs rounds until each run has all its samples, or has the least number of them and has used up its share of
 // `time_s`.
 void run_rounds(std::span<const TimedRun> timed_runs, const Sampling& sampling, double time_s,
                 const Progress& progress);

@@ -37,8 +37,11 @@ std::vector<ScanCell> cells_of(const std::string& experiment, const ScanBenchSet
                 for (const uint32_t levels : {15u, 30u, 60u, 120u})
                     if (levels <= joints) add(characters, joints, levels);
     }
-    if (cells.empty())
-        refuse("experiment '" + experiment + "'", "there is none of this name, or it has no levels to run");
+    if (cells.empty()) {
+        const bool is_known = std::ranges::count(scan_experiments(), experiment) > 0;
+        refuse("experiment '" + experiment + "'",
+               is_known ? "ScanBenchSettings::levels is empty" : "no experiment has this name");
+    }
     return cells;
 }
 
@@ -49,7 +52,7 @@ std::vector<ScanCell> cells_of(const ScanBenchSettings& settings) {
         cells.insert(cells.end(), more.begin(), more.end());
     }
     for (const ScanCell& cell : cells) {
-        if (cell.characters < 1) refuse("characters", "there must be one at least");
+        if (cell.characters < 1) refuse("characters", "there must be at least 1");
         make_skeleton(cell.shape, cell.joints, cell.levels, cell.seed);
     }
     return cells;

@@ -25,7 +25,7 @@ struct Candidate {
     std::vector<ScanChoice> choices;
 };
 
-// What the check of an candidate has shown.
+// What the check of a candidate has shown.
 struct ScanCheck {
     std::string unsupported_reason;
     std::optional<ScanChoice> choice;  // the fastest; none where no choice applies
@@ -36,7 +36,7 @@ struct ScanCheck {
     bool runs() const;
 };
 
-// The fields of bench/README.md that a cell's records share, and those of an candidate after its check.
+// The fields of bench/README.md that a cell's records share, and those of a candidate after its check.
 Json describe_cell(const ScanCell& cell, const ScanRig& rig, const DeviceInfo& device);
 Json describe_check(const Json& cell_record, const Candidate& candidate, const ScanCheck& check);
 

@@ -51,7 +51,7 @@ uint32_t batch_capacity(const Gpu& gpu, uint32_t joint_count) {
     const uint64_t capacity = std::min({range_bytes / instance_bytes, workgroups, workgroups * 64 / joint_count});
     if (capacity > 0) return static_cast<uint32_t>(std::min<uint64_t>(capacity, UINT32_MAX));
     throw Failure(ErrorCode::kLimit, "characters of " + std::to_string(joint_count) + " joints",
-                  "one exceeds what the device binds or dispatches");
+                  "the device's limits of buffer size or workgroup count are too low even for one character");
 }
 
 }  // namespace

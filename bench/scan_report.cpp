@@ -145,8 +145,8 @@ std::string levels_section(const Cells& cells, PageFigures& page) {
         if (!over_copy.empty())
             html += "<h3>Time over the copy's</h3>\n" +
                     figure(over_copy,
-                           "The same, divided by the time of the copy kernel in the same rounds. Below 1 comes what "
-                           "reads less than 48 bytes a joint, as the quaternion forms do, or stays in caches.");
+                           "The same, divided by the time of the copy kernel in the same rounds. Methods that read "
+                           "less than 48 bytes a joint, as the quaternion forms do, or stay in caches can be below 1.");
         html += "<h3>Each depth, with what was computed</h3>\n";
         bool is_first = true;
         for (const auto& [level, level_cells] : by_number(panel, "levels")) {
@@ -276,7 +276,7 @@ double-precision reference; a wrong method is reported as wrong and not timed. <
            R"(difference of an element of any matrix, for
 translations as a fraction of the skeleton's extent.</p>
 <p>After a warm-up the methods take turns, A B C A B C …, so that a change of clock or load meets all of them alike. )"
-           R"(Given are the median
+           R"(Times are the median
 )" + (samples.empty() ? "" : "of " + samples + " rounds ") +
            R"(and the 5th and 95th percentile. <em>lanes</em> are the invocations that share a character: where a )"
            R"(method has a choice, its fastest.</p>
@@ -287,7 +287,7 @@ translations as a fraction of the skeleton's extent.</p>
 last result is stored. The difference between two runs of different repeat counts is free of launching, loading and )"
            R"(storing. It is divided by characters
 and joints. What the <em>barriers</em> take at least is what is added when each is issued twice, as a share of the )"
-           R"(whole: the second one waits for nobody. Noise can make it negative.
+           R"(whole: at the second one no invocation has to wait. Noise can make it negative.
 A barrier between repeats is part of every method that shares memory.</p>
 <p><em>multiplications</em> counts products of transforms for one character, in all invocations; <em>longest )"
            R"(thread</em> those that must follow one another.</p>
@@ -300,9 +300,9 @@ std::string baseline_section(std::span<const Json> records) {
     return R"(<h2>What baking costs</h2>
 <p><em>baked</em> stores skin matrices of every frame, <em>flattened</em> model-space clips without a hierarchy; )"
            R"(neither needs a scan. Both pay with
-memory for each clip, and with vertices that stand in the wrong place when two clips are blended: the distances are )"
+memory for each clip, and with vertices in the wrong place when two clips are blended: the distances are )"
            R"(to the double-precision reference.
-On software devices they move 64-bit words, which throng's sample, blend and bind do not yet: that favours them.</p>
+On software devices they move 64-bit words, which throng's sample, blend and bind do not do yet; this favours them.</p>
 )" + table;
 }
 
@@ -320,7 +320,7 @@ std::string scan_report(std::span<const Json> records, bool with_figures) {
     if (!cells.empty())
         body += methods_section(cells) + measuring_section(cells);
     else if (frames.empty())
-        body += "<p>There is no record of the scan benchmark here.</p>\n";
+        body += "<p>The records contain no record of the scan benchmark.</p>\n";
     return html_page(std::string("throng: ") + title, body);
 }
 
@@ -337,7 +337,8 @@ std::string scan_levels_plot(std::span<const Json> records) {
                           page);
     }
     if (svg.empty())
-        throw Failure(ErrorCode::kInvalidArgument, "records", "none of the scan benchmark's times over levels");
+        throw Failure(ErrorCode::kInvalidArgument, "records",
+                      "they contain no time of the scan benchmark's experiment 'levels'");
     return "<?xml version=\"1.0\" encoding=\"utf-8\"?>\n" + svg;
 }
 

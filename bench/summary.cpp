@@ -202,14 +202,14 @@ std::string summary_text(std::span<const Json> records, std::span<const Json> pr
                                                [](const MeasuredTime& time) { return !std::isnan(time.predicted_ms); });
     std::string text;
     if (predictions.empty())
-        text += "Nothing was predicted: there are no records of `throng bench isa` here.\n";
+        text += "Nothing was predicted: no records of `throng bench isa` were given.\n";
     else if (!predicted)
         text += "None of the predictions is for this device.\n";
     while (!times.empty()) {
         const std::string device = times.front().device;
         const auto others = std::ranges::stable_partition(times,
                                                           [&](const auto& time) { return time.device == device; });
-        text += "\n## " + (device.empty() ? "a device without a name" : device) + "\n" +
+        text += "\n## " + (device.empty() ? "Unnamed device" : device) + "\n" +
                 tables_of({times.begin(), others.begin()}, predicted);
         times.erase(times.begin(), others.begin());
     }

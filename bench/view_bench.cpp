@@ -26,7 +26,7 @@ constexpr std::array kViewVariants{
 constexpr uint32_t kSettling = 17;
 constexpr uint32_t kCheckedOfEachLevel = 16;  // characters of each level of detail
 
-struct ViewEntrant {
+struct ViewCandidate {
     const ViewVariant* variant = nullptr;
     std::optional<Crowd> crowd;
     std::string unsupported_reason;
@@ -44,7 +44,7 @@ public:
     void check(const Progress& progress) {
         for (const ViewVariant& variant : kViewVariants) {
             progress(seen_.configuration + ": checking " + variant.name);
-            ViewEntrant& candidate = candidates_.emplace_back();
+            ViewCandidate& candidate = candidates_.emplace_back();
             candidate.variant = &variant;
             Result<Crowd> made = Crowd::create(
                 device_, {.groups = {{.character = seen_.character, .instance_count = count()}},
@@ -70,7 +70,7 @@ public:
 
     void time(uint32_t samples, const Progress& progress) {
         std::vector<TimedRun> timed_runs;
-        for (ViewEntrant& candidate : candidates_)
+        for (ViewCandidate& candidate : candidates_)
             if (candidate.crowd && !is_wrong(candidate))
                 timed_runs.push_back(
                     {seen_.configuration + ": " + candidate.variant->name,
@@ -80,19 +80,19 @@ public:
 
     std::vector<Json> records() const {
         std::vector<Json> records;
-        for (const ViewEntrant& candidate : candidates_) records.push_back(record_of(candidate));
+        for (const ViewCandidate& candidate : candidates_) records.push_back(record_of(candidate));
         return records;
     }
 
 private:
     // Fewer joints may move a vertex by at most the error that the view allows for levels of detail.
-    bool is_wrong(const ViewEntrant& candidate) const {
+    bool is_wrong(const ViewCandidate& candidate) const {
         return !(candidate.max_error <= kSkinErrorBound && candidate.max_pixels <= view_->lod_pixels);
     }
 
     uint32_t count() const { return static_cast<uint32_t>(seen_.playback.size()); }
 
-    std::vector<DrawnInstance> drawn_by(ViewEntrant& candidate) const {
+    std::vector<DrawnInstance> drawn_by(ViewCandidate& candidate) const {
         if (candidate.variant->culls) return value_of(candidate.crowd->read_drawn());
         std::vector<DrawnInstance> all;
         for (uint32_t i = 0; i < count(); ++i) all.push_back({.instance = i});
@@ -101,7 +101,7 @@ private:
 
     // Checks some instances of each level of detail that is drawn: their skin matrices, or, if they have fewer joints,
     // how far the vertices are off as seen in the view.
-    void compare(ViewEntrant& candidate) const {
+    void compare(ViewCandidate& candidate) const {
         std::vector<DrawnInstance> drawn = drawn_by(candidate);
         std::ranges::stable_sort(drawn, {}, &DrawnInstance::lod);  // large crowds are listed batch by batch
         candidate.drawn = tools::count_by_lod(drawn);
@@ -113,7 +113,7 @@ private:
         }
     }
 
-    void compare(ViewEntrant& candidate, const DrawnInstance& one) const {
+    void compare(ViewCandidate& candidate, const DrawnInstance& one) const {
         const ReferencePose pose = value_of(reference_pose(*seen_.character, seen_.playback[one.instance]));
         if (candidate.variant->reduces_joints && one.lod > 0)
             candidate.max_pixels = std::max(
@@ -126,7 +126,7 @@ private:
                                                       pose.model_from_bind, seen_.character->size));
     }
 
-    Json record_of(const ViewEntrant& candidate) const {
+    Json record_of(const ViewCandidate& candidate) const {
         Json record = new_record(device_, "view", seen_.configuration, *seen_.character);
         record.update({{"variant", candidate.variant->name}, {"characters", count()}});
         if (!candidate.crowd) {
@@ -151,7 +151,7 @@ private:
     GpuLoad load_;
     const ViewCase& seen_;
     std::optional<CrowdView> view_;
-    std::vector<ViewEntrant> candidates_;
+    std::vector<ViewCandidate> candidates_;
 };
 
 }  // namespace

@@ -55,7 +55,7 @@ int main(int argc, char** argv) {
 
     const uint32_t speed = controller.find_parameter("speed"), attack = controller.find_parameter("attack");
     if (speed == kNone || attack == kNone) {
-        std::fprintf(stderr, "state_machine: %s: has no parameters 'speed' and 'attack'\n", argv[2]);
+        std::fprintf(stderr, "state_machine: %s: needs the parameters 'speed' and 'attack'\n", argv[2]);
         return 1;
     }
 

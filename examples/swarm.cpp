@@ -60,7 +60,7 @@ int main(int argc, char** argv) {
     }
     const Camera camera{.eye = Vec3<float>{0, 3, 7} * character.size, .target = {0, character.size / 2, 0}};
     write_png(argv[2], renderer.render(crowd, camera).expect().picture).expect();
-    std::printf("%s: %.0f of %u were there on average, on %s\n", argv[2], static_cast<double>(drawn) / kFrames, kCount,
+    std::printf("%s: %.0f of %u were alive on average, on %s\n", argv[2], static_cast<double>(drawn) / kFrames, kCount,
                 device.info().name.c_str());
     return drawn > uint64_t{kFrames} * kCount / 2 && drawn < uint64_t{kFrames} * kCount ? 0 : 1;
 }

@@ -279,7 +279,7 @@ TEST(ActiveClips, FollowTheReference) {
     }
 }
 
-TEST(ActiveClips, AreSimilaritiesWhereScaleIsUniform) {
+TEST(ActiveClips, GiveSimilaritiesForUniformScale) {
     const ActiveClipsRun stage(make_character({.joint_count = 70, .scale_spread = 0}), make_masks(70));
     Random random(7);
     std::vector<Layers> instances;
@@ -316,7 +316,7 @@ TEST(ActiveClips, TwoInOneLayerAreABlend) {
 }
 
 // A layer with weight 0 at a joint leaves the pose below unchanged to the bit; one with weight 1 replaces it exactly.
-TEST(ActiveClips, WeightsOfNothingAndOfOneAreExact) {
+TEST(ActiveClips, LayerWeightsZeroAndOneAreExact) {
     const ActiveClipsRun stage(make_character({.joint_count = 65, .clip_count = 4}), make_masks(65));
     const Layer base{.parts = {{0, 0.3, 0.5f}, {1, 0.2, 0.5f}}}, wave{.parts = {{2, 0.7, 0.25f}, {3, 0.1, 0.75f}}};
     const auto with = [](Layer layer, bool is_additive, float weight, uint32_t mask) {
@@ -356,7 +356,7 @@ TEST(ActiveClips, WeightsOfNothingAndOfOneAreExact) {
 }
 
 // A clip's difference from its first row is zero in that row, up to rounding.
-TEST(ActiveClips, AFirstRowAddsNothing) {
+TEST(ActiveClips, AnAdditiveFirstRowAddsNothing) {
     const ActiveClipsRun stage(make_character({.joint_count = 65, .clip_count = 4}));
     const Layer base{.parts = {{0, 0.3}}};
     const std::vector<Affine> local = stage.run({{base},
@@ -392,7 +392,7 @@ Character two_row_clips(const std::vector<std::array<Trs<float>, 2>>& clips) {
 }
 
 // Two half turns in opposite directions, weighted by half each, sum to a zero quaternion: the last rotation wins.
-TEST(ActiveClips, RotationsThatCancel) {
+TEST(ActiveClips, CancellingRotationsUseTheLastOne) {
     const Trs<float> still{}, half{.rotation = {1, 0, 0, 0}, .translation = {1, 0, 0}},
         other_half{.rotation = {-1, 0, 0, 0}, .translation = {3, 0, 0}};
     const ActiveClipsRun stage(two_row_clips({{still, half}, {still, other_half}, {still, still}}));
@@ -416,7 +416,7 @@ TEST(ActiveClips, RotationsThatCancel) {
 }
 
 // A scale that starts at zero has no ratio, so it is left unchanged.
-TEST(ActiveClips, ScalesFromNothingAddNothing) {
+TEST(ActiveClips, AdditiveScalesFromZeroAddNothing) {
     const ActiveClipsRun stage(two_row_clips(
         {{Trs<float>{.scale = {1, 2, 4}}, {}}, {Trs<float>{.scale = {0, 1, 2}}, Trs<float>{.scale = {5, 3, 1}}}}));
     const std::vector<Affine> local = stage.run({{{.parts = {{0, 0}}}, {.is_additive = true, .parts = {{1, 1}}}}});
@@ -424,7 +424,7 @@ TEST(ActiveClips, ScalesFromNothingAddNothing) {
 }
 
 // The reference against numbers worked out by hand.
-TEST(ActiveClips, TheReferenceAddsInTheSpaceOfTheParent) {
+TEST(ActiveClips, TheReferenceAddsInParentSpace) {
     const auto about_z = [](double angle_rad) { return axis_angle(Vec3<double>{0, 0, 1}, angle_rad); };
     const ReferenceActiveClip base{.pose = {about_z(0.3), {1, 0, 0}, {1, 2, 1}}, .first = {}};
     const ReferenceActiveClip lean{.pose = {-about_z(0.9), {0, 5, 0}, {2, 2, 3}},
@@ -442,7 +442,7 @@ TEST(ActiveClips, TheReferenceAddsInTheSpaceOfTheParent) {
 }
 
 // A list that fills all its slots ends there, even without the flag that marks the end.
-TEST(ActiveClips, AListEndsWithItsRoom) {
+TEST(ActiveClips, AFullListNeedsNoEndFlag) {
     const ActiveClipsRun stage(make_character({.joint_count = 65}));
     std::vector<Layers> instances;
     for (const double time_s : {0.1, 0.3, 0.5})
@@ -454,7 +454,7 @@ TEST(ActiveClips, AListEndsWithItsRoom) {
     EXPECT_TRUE(same_bits(stage.run(instances, 9), wanted)) << "room to spare";
 }
 
-TEST(ActiveClips, AreReadFromATableThatTheDeviceWrote) {
+TEST(ActiveClips, CanBeReadFromATableWrittenByTheDevice) {
     const ActiveClipsRun stage(make_character({.joint_count = 65}), make_masks(65));
     Random random(5);
     const std::vector<io::ActiveClip> active_clips = stage.active_clips(

@@ -78,7 +78,7 @@ protected:
         }
         return {};
     }
-    void expect_there(const Crowd& crowd, const InstanceHandle& thing, const Attachment& attachment) const {
+    void expect_at_socket(const Crowd& crowd, const InstanceHandle& thing, const Attachment& attachment) const {
         const Affine is = placement(crowd, thing);
         const AffineT<double> wanted = placement_on_socket(
             socket(crowd, attachment.carrier, attachment.socket).as<double>(),
@@ -91,7 +91,7 @@ protected:
     const Character body_ = creature(30, 8), thing_ = creature(10, 3);
 };
 
-TEST_P(Attach, WhatHangsIsWhereTheSocketIs) {
+TEST_P(Attach, AttachedInstancesFollowTheirSocket) {
     for (const bool culls : {true, false}) {
         Crowd crowd = crowd_of(culls);
         std::vector<Attachment> attachments = random_attachments(crowd, 1);
@@ -102,7 +102,7 @@ TEST_P(Attach, WhatHangsIsWhereTheSocketIs) {
                 ASSERT_TRUE(crowd.attach(things(crowd), attachments));
             }
             ASSERT_TRUE(crowd.update(0.1f));
-            for (uint32_t i = 0; i < kThings; ++i) expect_there(crowd, things(crowd)[i], attachments[i]);
+            for (uint32_t i = 0; i < kThings; ++i) expect_at_socket(crowd, things(crowd)[i], attachments[i]);
         }
         // Once detached, an instance stays where it was, or goes where it is placed.
         const InstanceHandle stays = things(crowd)[4], is_put = things(crowd)[5];
@@ -112,11 +112,11 @@ TEST_P(Attach, WhatHangsIsWhereTheSocketIs) {
         ASSERT_TRUE(crowd.update(0.1f));
         EXPECT_EQ(placement(crowd, stays), was);
         EXPECT_EQ(placement(crowd, is_put), place);
-        expect_there(crowd, things(crowd)[6], attachments[6]);
+        expect_at_socket(crowd, things(crowd)[6], attachments[6]);
     }
 }
 
-TEST_P(Attach, NothingHangsOnWhoeverComesAfterACarrier) {
+TEST_P(Attach, AttachmentsDoNotPassToACarriersSuccessor) {
     Crowd crowd = crowd_of();
     const std::vector<InstanceHandle> all = things(crowd);
     const InstanceHandle carrier = bodies(crowd)[3];
@@ -137,7 +137,7 @@ TEST_P(Attach, NothingHangsOnWhoeverComesAfterACarrier) {
     const Attachment attachment{.carrier = next[0], .socket = 1};
     ASSERT_TRUE(crowd.attach(thing, attachment));
     ASSERT_TRUE(crowd.update(0.1f));
-    expect_there(crowd, thing[0], attachment);
+    expect_at_socket(crowd, thing[0], attachment);
 }
 
 TEST_P(Attach, BatchesChangeNothing) {
@@ -150,7 +150,7 @@ TEST_P(Attach, BatchesChangeNothing) {
     for (const InstanceHandle& thing : things(whole)) EXPECT_EQ(placement(whole, thing), placement(parts, thing));
 }
 
-TEST_P(Attach, IsSaved) {
+TEST_P(Attach, AttachmentsAreSaved) {
     Crowd crowd = crowd_of(), other = crowd_of();
     ASSERT_TRUE(crowd.attach(things(crowd), random_attachments(crowd, 1)));
     ASSERT_TRUE(crowd.update(0.1f));
@@ -158,10 +158,10 @@ TEST_P(Attach, IsSaved) {
     ASSERT_TRUE(other.restore_state(crowd.save_state().value()));
     ASSERT_TRUE(crowd.update(0.1f) && other.update(0.1f));
     for (const InstanceHandle& thing : things(crowd)) EXPECT_EQ(placement(crowd, thing), placement(other, thing));
-    expect_there(other, things(other)[0], random_attachments(other, 2)[0]);
+    expect_at_socket(other, things(other)[0], random_attachments(other, 2)[0]);
 }
 
-TEST_P(Attach, ADiscardedUpdateHasNotTakenItUp) {
+TEST_P(Attach, ADiscardedUpdateKeepsPendingAttachments) {
     if (test_gpu()->is_native()) GTEST_SKIP() << "it has no command buffers";
     Crowd crowd = crowd_of();
     ASSERT_TRUE(crowd.update(0.1f));
@@ -171,17 +171,17 @@ TEST_P(Attach, ADiscardedUpdateHasNotTakenItUp) {
     recorder.record([&](VkCommandBuffer commands) { ASSERT_TRUE(crowd.record(commands, 0.1f)); });
     ASSERT_TRUE(crowd.discard_last_record());
     ASSERT_TRUE(crowd.update(0.1f));
-    for (uint32_t i = 0; i < kThings; ++i) expect_there(crowd, things(crowd)[i], attachments[i]);
+    for (uint32_t i = 0; i < kThings; ++i) expect_at_socket(crowd, things(crowd)[i], attachments[i]);
 }
 
-TEST_P(Attach, MistakesAreNamed) {
+TEST_P(Attach, InvalidAttachmentsAreRefused) {
     Crowd crowd = crowd_of();
     const InstanceHandle thing = things(crowd)[0], body = bodies(crowd)[0];
     const auto says = [&](const auto& result, const char* what) {
         EXPECT_NE(refusal(result).find(what), std::string::npos) << refusal(result);
     };
     Attachment attachment{.carrier = body};
-    says(crowd.attach(body, attachment), "its group is not carried");
+    says(crowd.attach(body, attachment), "its group does not have CrowdGroup::is_carried set");
     says(crowd.attach(thing, Attachment{.carrier = thing}), "the carrier has 0 sockets");
     says(crowd.attach(thing, Attachment{.carrier = body, .socket = 2}), "there is no socket 2");
     says(crowd.attach(thing, Attachment{}), "its carrier");
@@ -199,7 +199,7 @@ TEST_P(Attach, MistakesAreNamed) {
                     {.character = &thing_, .instance_count = 1, .is_carried = true}}});
     says(in_model.attach(InstanceHandle{1}, Attachment{.carrier = {0}}), "in model space");
     Crowd none = create({.groups = {{.character = &body_, .instance_count = 2}}});
-    says(none.attach(InstanceHandle{1}, Attachment{.carrier = {0}}), "no group is carried");
+    says(none.attach(InstanceHandle{1}, Attachment{.carrier = {0}}), "no group has CrowdGroup::is_carried set");
     EXPECT_TRUE(none.detach(InstanceHandle{1}));
 }
 
@@ -208,7 +208,7 @@ constexpr uint32_t kRiders = 12;
 // Riders are attached to beasts and to each other, and things to both.
 class AttachInRows : public Attach {
 protected:
-    struct Hanging {
+    struct AttachedInstance {
         InstanceHandle thing;
         Attachment attachment;
     };
@@ -238,29 +238,29 @@ protected:
         }
     }
     // The first rider is attached to nothing, the others to a body or an earlier rider, and things to either.
-    static std::vector<Hanging> random_rows(const Crowd& crowd, uint64_t seed) {
+    static std::vector<AttachedInstance> random_rows(const Crowd& crowd, uint64_t seed) {
         Random random(seed);
         const std::vector<InstanceHandle> beasts = bodies(crowd), all = riders(crowd);
-        std::vector<Hanging> rows;
-        const auto hang = [&](const InstanceHandle& thing, uint32_t rider_count) {
+        std::vector<AttachedInstance> rows;
+        const auto add_row = [&](const InstanceHandle& thing, uint32_t rider_count) {
             const bool on_rider = rider_count > 0 && random.chance(0.7);
             rows.push_back({thing,
                             {.carrier = on_rider ? all[random.below(rider_count)] : beasts[random.below(kBodies)],
                              .socket = random.below(2),
                              .socket_from_model = to_affine(random.trs(1, 0.5)).as<float>()}});
         };
-        for (const InstanceHandle& thing : things(crowd)) hang(thing, kRiders);
-        for (uint32_t i = 1; i < kRiders; ++i) hang(all[i], i);
+        for (const InstanceHandle& thing : things(crowd)) add_row(thing, kRiders);
+        for (uint32_t i = 1; i < kRiders; ++i) add_row(all[i], i);
         return rows;
     }
-    static void hang(Crowd& crowd, std::span<const Hanging> rows) {
+    static void attach_rows(Crowd& crowd, std::span<const AttachedInstance> rows) {
         for (const auto& [thing, attachment] : rows) {
             const Result<void> done = crowd.attach(thing, attachment);
             ASSERT_TRUE(done) << refusal(done);
         }
     }
-    void expect_all_there(const Crowd& crowd, std::span<const Hanging> rows) const {
-        for (const auto& [thing, attachment] : rows) expect_there(crowd, thing, attachment);
+    void expect_all_at_sockets(const Crowd& crowd, std::span<const AttachedInstance> rows) const {
+        for (const auto& [thing, attachment] : rows) expect_at_socket(crowd, thing, attachment);
     }
     // Compares with riders that stand where these have been carried and play the same.
     void expect_sockets_of_riders(const Crowd& crowd, uint32_t update_count) const {
@@ -286,73 +286,74 @@ protected:
     const Character rider_ = creature(20, 6);
 };
 
-TEST_P(AttachInRows, EachIsWhereTheSocketOfItsCarrierIs) {
+TEST_P(AttachInRows, EachInstanceFollowsTheSocketOfItsCarrier) {
     for (const bool varies : {true, false}) {
         Crowd crowd = crowd_in_rows(varies);
-        std::vector<Hanging> rows = random_rows(crowd, 1);
-        hang(crowd, rows);
+        std::vector<AttachedInstance> rows = random_rows(crowd, 1);
+        attach_rows(crowd, rows);
         for (uint32_t update = 0; update < 4; ++update) {
             if (update == 2) {
                 ASSERT_TRUE(crowd.detach(riders(crowd)));
                 rows = random_rows(crowd, 2);
-                hang(crowd, rows);
+                attach_rows(crowd, rows);
             }
             ASSERT_TRUE(crowd.update(0.1f));
-            expect_all_there(crowd, rows);
+            expect_all_at_sockets(crowd, rows);
             expect_sockets_of_riders(crowd, update + 1);
         }
     }
 }
 
-TEST_P(AttachInRows, WhatIsLetGoStaysAndStillCarries) {
+TEST_P(AttachInRows, DetachedInstancesStayAndStillCarry) {
     Crowd crowd = crowd_in_rows();
     const std::vector<InstanceHandle> all = riders(crowd);
-    const std::vector<Hanging> rows{{all[0], {.carrier = bodies(crowd)[0]}},
-                                    {all[1], {.carrier = all[0], .socket = 1}},
-                                    {all[2], {.carrier = all[1]}},
-                                    {things(crowd)[0], {.carrier = all[2]}}};
-    hang(crowd, rows);
+    const std::vector<AttachedInstance> rows{{all[0], {.carrier = bodies(crowd)[0]}},
+                                             {all[1], {.carrier = all[0], .socket = 1}},
+                                             {all[2], {.carrier = all[1]}},
+                                             {things(crowd)[0], {.carrier = all[2]}}};
+    attach_rows(crowd, rows);
     ASSERT_TRUE(crowd.update(0.1f));
     const Affine was = placement(crowd, all[1]);
     ASSERT_TRUE(crowd.detach(all[1]));
     for (int update = 0; update < 2; ++update) {
         ASSERT_TRUE(crowd.update(0.1f));
         EXPECT_EQ(placement(crowd, all[1]), was);
-        for (const size_t i : {0u, 2u, 3u}) expect_there(crowd, rows[i].thing, rows[i].attachment);
+        for (const size_t i : {0u, 2u, 3u}) expect_at_socket(crowd, rows[i].thing, rows[i].attachment);
     }
     // After its carrier is despawned, the next one also stays where it is.
     const Affine next_was = placement(crowd, all[2]);
     ASSERT_TRUE(crowd.despawn(std::array{all[1]}));
     ASSERT_TRUE(crowd.update(0.1f));
     EXPECT_EQ(placement(crowd, all[2]), next_was);
-    for (const size_t i : {0u, 3u}) expect_there(crowd, rows[i].thing, rows[i].attachment);
+    for (const size_t i : {0u, 3u}) expect_at_socket(crowd, rows[i].thing, rows[i].attachment);
 }
 
 TEST_P(AttachInRows, BatchesChangeNothing) {
     Crowd whole = crowd_in_rows(), parts = crowd_in_rows(true, device_of_workgroups(5));
     ASSERT_GT(parts.outputs().size(), 10u);
     for (Crowd* crowd : {&whole, &parts}) {
-        hang(*crowd, random_rows(*crowd, 3));
+        attach_rows(*crowd, random_rows(*crowd, 3));
         ASSERT_TRUE(crowd->update(0.1f));
     }
     for (const auto& [thing, attachment] : random_rows(whole, 3))
         EXPECT_EQ(placement(whole, thing), placement(parts, thing));
 }
 
-TEST_P(AttachInRows, AreSaved) {
+TEST_P(AttachInRows, RowsAreSaved) {
     const Device device = device_of_workgroups(5);  // riders in several batches
     Crowd crowd = crowd_in_rows(true, device), other = crowd_in_rows(true, device);
     const std::vector<InstanceHandle> all = riders(crowd);
-    std::vector<Hanging> rows{{things(crowd)[0], {.carrier = all[0]}}};
+    std::vector<AttachedInstance> rows{{things(crowd)[0], {.carrier = all[0]}}};
     for (uint32_t i = 0; i + 1 < kRiders; ++i) rows.push_back({all[i], {.carrier = all[i + 1], .socket = 1}});
-    hang(crowd, rows);
+    attach_rows(crowd, rows);
     // The other crowd is attached in the opposite order. Restoring only the first batch's riders would form cycles.
-    for (uint32_t i = 1; i < kRiders; ++i) hang(other, std::array{Hanging{all[i], {.carrier = all[i - 1]}}});
+    for (uint32_t i = 1; i < kRiders; ++i)
+        attach_rows(other, std::array{AttachedInstance{all[i], {.carrier = all[i - 1]}}});
     ASSERT_TRUE(other.update(0.1f));
     ASSERT_TRUE(other.restore_state(crowd.save_state().value()));
     ASSERT_TRUE(crowd.update(0.1f) && other.update(0.1f));
-    for (const Hanging& one : rows) EXPECT_EQ(placement(crowd, one.thing), placement(other, one.thing));
-    expect_all_there(other, rows);
+    for (const AttachedInstance& one : rows) EXPECT_EQ(placement(crowd, one.thing), placement(other, one.thing));
+    expect_all_at_sockets(other, rows);
     // The saved bytes show what is attached to what, not the order of the calls that led there.
     ASSERT_TRUE(crowd.detach(all[5]));
     const std::vector<std::byte> saved = crowd.save_state().value();
@@ -360,14 +361,14 @@ TEST_P(AttachInRows, AreSaved) {
     EXPECT_TRUE(crowd.save_state().value() == saved);
 }
 
-TEST_P(AttachInRows, NobodyHangsOnItself) {
+TEST_P(AttachInRows, CyclesAreRefused) {
     Crowd crowd = crowd_in_rows();
     const std::vector<InstanceHandle> all = riders(crowd);
-    const std::vector<Hanging> rows{{all[0], {.carrier = bodies(crowd)[0]}}, {all[1], {.carrier = all[0]}}};
-    hang(crowd, rows);
+    const std::vector<AttachedInstance> rows{{all[0], {.carrier = bodies(crowd)[0]}}, {all[1], {.carrier = all[0]}}};
+    attach_rows(crowd, rows);
     ASSERT_TRUE(crowd.update(0.1f));
     const auto says = [&](const auto& result) {
-        EXPECT_NE(refusal(result).find("would hang on itself"), std::string::npos) << refusal(result);
+        EXPECT_NE(refusal(result).find("would be attached to itself"), std::string::npos) << refusal(result);
     };
     says(crowd.attach(all[0], Attachment{.carrier = all[0]}));
     says(crowd.attach(all[0], Attachment{.carrier = all[1]}));
@@ -376,11 +377,11 @@ TEST_P(AttachInRows, NobodyHangsOnItself) {
         std::array{Attachment{.carrier = all[1]}, Attachment{.carrier = all[3]}, Attachment{.carrier = all[2]}}));
     const Affine stands = placement(crowd, all[2]);
     ASSERT_TRUE(crowd.update(0.1f));
-    expect_all_there(crowd, rows);
+    expect_all_at_sockets(crowd, rows);
     EXPECT_EQ(placement(crowd, all[2]), stands);
 }
 
-TEST_P(AttachInRows, MayNotBeTooLong) {
+TEST_P(AttachInRows, TooLongRowsAreRefused) {
     constexpr uint32_t kMaximum = 64;
     Crowd crowd =
         Crowd::create(
@@ -389,13 +390,13 @@ TEST_P(AttachInRows, MayNotBeTooLong) {
              .path = GetParam()})
             .expect();
     const std::vector<InstanceHandle> all = handles(crowd, 0, kMaximum + 2);
-    std::vector<Hanging> rows;
+    std::vector<AttachedInstance> rows;
     for (uint32_t i = 1; i <= kMaximum; ++i) rows.push_back({all[i], {.carrier = all[i - 1]}});
-    hang(crowd, rows);
+    attach_rows(crowd, rows);
     EXPECT_NE(refusal(crowd.attach(all[0], Attachment{.carrier = all[kMaximum + 1]})).find("more than 64 carriers"),
               std::string::npos);
     ASSERT_TRUE(crowd.update(0.1f));
-    expect_all_there(crowd, rows);
+    expect_all_at_sockets(crowd, rows);
 }
 
 const auto kAttachPaths = testing::Values(UpdatePath::kAuto, UpdatePath::kFused, UpdatePath::kStaged);

@@ -81,7 +81,7 @@ TEST(Baseline, FlattenedIsExactAtItsKeys) {
     EXPECT_LE(worst, kRounding);
 }
 
-TEST(Baseline, ErrsBetweenWhatItStores) {
+TEST(Baseline, ErrsBetweenStoredPoses) {
     constexpr double kVisible = 1e-3;  // of the size, with these wild clips
     const Character character = make_character({.joint_count = 40, .seed = 3, .scale_spread = 0});
     for (const Baseline& baseline : baselines()) {
@@ -137,7 +137,7 @@ TEST(Baseline, TheKernelFollowsTheDefinition) {
     }
 }
 
-TEST(Baseline, TimePasses) {
+TEST(Baseline, UpdatesAdvanceTime) {
     const Character character = make_character({.joint_count = 20});
     for (const Baseline& baseline : baselines()) {
         const Character stored = baseline.bake(character, {});
@@ -215,7 +215,7 @@ TEST(Baseline, BlendingErrsMoreTheMoreAChainBends) {
 }
 
 // The chain's clips hold still, so no track is animated.
-TEST(Baseline, FlattenedStoresWhatStandsStillOnce) {
+TEST(Baseline, FlattenedStoresConstantTracksOnce) {
     const Character stored = flattened().bake(bending_chain(1), {});
     for (const Clip& clip : stored.clips) EXPECT_EQ(clip.row_stride, 0u) << clip.name;
 }

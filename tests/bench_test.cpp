@@ -91,7 +91,7 @@ TEST(Bench, SpreadsAreOfTheSortedValues) {
     EXPECT_EQ(spread_of({3}).p95, 3);
 }
 
-TEST(Bench, SomeInstancesAreSpreadUpToTheLast) {
+TEST(Bench, SampledInstancesReachTheLastOne) {
     for (const uint32_t count : {1u, 5u, 16u, 17u, 1000u}) {
         std::vector<uint32_t> seen;
         const double largest = largest_error_of_some(count, [&](uint32_t instance) {

@@ -80,7 +80,7 @@ TEST(Bind, RoundsLittle) {
     for (size_t i = 0; i < bound.got.size(); ++i) EXPECT_LE(matrix_error(bound.got[i], bound.wanted[i], 1), 1e-6);
 }
 
-TEST(Bind, TheReferenceBindsFirst) {
+TEST(Bind, TheReferenceAppliesTheBindMatrixFirst) {
     Affine turn_x, turn_z;
     turn_x.row = {{{1, 0, 0, 1}, {0, 0, -1, 0}, {0, 1, 0, 0}}};
     turn_z.row = {{{0, -1, 0, 2}, {1, 0, 0, 0}, {0, 0, 1, 0}}};

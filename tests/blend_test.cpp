@@ -114,7 +114,7 @@ TEST(Blend, FollowsTheReference) {
 }
 
 // The pose of a clip with weight 0 was never written: its contents must not show.
-TEST(Blend, APoseWithoutWeightDoesNotShow) {
+TEST(Blend, APoseWithZeroWeightIsNotShown) {
     constexpr uint32_t kJointCount = 70;
     Random random(4);
     std::vector<io::JointPose> first = poison<io::JointPose>(2 * kJointCount), second = first;

@@ -8,7 +8,7 @@
 namespace throng {
 namespace {
 
-TEST(BufferTable, NumbersAreTheRowsOfTheirNames) {
+TEST(BufferTable, NumbersMatchTheRowsOfTheNames) {
     EXPECT_EQ(name_of_buffer(io::kTimelineBuffer), "timeline");
     EXPECT_EQ(name_of_buffer(io::kPaletteJointsBuffer), "palette joints");
     EXPECT_EQ(name_of_buffer(io::kBufferCount - 1), "coarser depths");
@@ -18,7 +18,7 @@ TEST(BufferTable, NumbersAreTheRowsOfTheirNames) {
     EXPECT_EQ(names.size(), io::kBufferCount) << "two buffers have one name";
 }
 
-TEST(BufferTable, WhatIsThereComesBeforeWhatStandsForIt) {
+TEST(BufferTable, PlaceholdersAreUsedOnlyForAbsentBuffers) {
     const auto fake = [](uint64_t bytes) { return BufferRange(reinterpret_cast<VkBuffer>(bytes), 0, bytes); };
     BufferTable table{{io::kTracksBuffer, fake(16)}};
     EXPECT_EQ(table.storage(io::kTracksBuffer).size_bytes, 16u);

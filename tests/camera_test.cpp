@@ -58,7 +58,7 @@ TEST(FitCamera, FillsThePictureWithAVastCrowd) {
     EXPECT_LT(far.y, 1);
 }
 
-TEST(FitCamera, TakesAPointForBounds) {
+TEST(FitCamera, AcceptsBoundsOfASinglePoint) {
     const Camera camera = fit_camera({{1, 2, 3}, {1, 2, 3}}, 1);
     EXPECT_GT(length(camera.target - camera.eye), 0);
     const Vec3<double> seen = project(camera, 1, {1, 2, 3});
@@ -117,7 +117,7 @@ TEST(ShadowMap, AxesAreAtRightAnglesUnderAnySun) {
 }
 
 // A game's camera aims at what the crosshair hits, a kilometre away; its own hands must still be visible.
-TEST(View, NearThingsAreSeenHoweverFarTheTargetIs) {
+TEST(View, NearObjectsAreVisibleAtAnyTargetDistance) {
     for (const float distance : {0.1f, 5.0f, 1000.0f}) {
         const View view = make_view({.eye = {1, 2, 3}, .target = {1, 2, 3 - distance}}, 1.5f);
         const Vec3<float> close{1, 2, 3 - 1e-4f * distance};
@@ -130,7 +130,7 @@ TEST(View, NearThingsAreSeenHoweverFarTheTargetIs) {
     }
 }
 
-TEST(View, ShadowsReachAsFarAsTheHighestIn) {
+TEST(View, ShadowReachFollowsTheHighestInstance) {
     const Camera camera{.eye = {0, 1, 5}, .target = {0, 1, 0}};
     const DrawOptions options{.to_sun = {0, 0.6f, 0.8f}};
     const Bounds at_rest{{-1, 0.5f, -1}, {1, 1, 1}};

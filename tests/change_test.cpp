@@ -11,8 +11,8 @@ namespace throng::test {
 namespace {
 
 const InSubset kChangeInSubsets({Subset::kGpuAssisted, Subset::kNative}, {"Changes.*"}),
-    kChangeOnOtherDrivers({Subset::kOtherDriver},
-                          {"-Changes.InOnePieceAreThoseOfCommandsOfTheirOwn", "-Changes.OfWhoIsThereToo"});
+    kChangeOnOtherDrivers({Subset::kOtherDriver}, {"-Changes.CombinedUploadsEqualSeparateOnes",
+                                                   "-Changes.CombinedUploadsOfSpawnsEqualSeparateOnes"});
 
 constexpr uint32_t kEach = 60;  // instances per group; every other one changes, which counts as many
 
@@ -122,7 +122,7 @@ void expect_same_outputs(Crowd& a, Crowd& b, const char* where) {
     }
 }
 
-TEST(Changes, InOnePieceAreThoseOfCommandsOfTheirOwn) {
+TEST(Changes, CombinedUploadsEqualSeparateOnes) {
     const ChangingCrowd changing;
     Crowd apart = changing.make(), together = changing.make();
     const Contents before = contents_of(apart.outputs());
@@ -134,7 +134,7 @@ TEST(Changes, InOnePieceAreThoseOfCommandsOfTheirOwn) {
         EXPECT_NE(before.at(name), after.at(name)) << name;
 }
 
-TEST(Changes, OfWhoIsThereToo) {
+TEST(Changes, CombinedUploadsOfSpawnsEqualSeparateOnes) {
     const ChangingCrowd changing;
     Crowd apart = changing.make(), together = changing.make();
     changing.replace(apart, false);
@@ -143,7 +143,7 @@ TEST(Changes, OfWhoIsThereToo) {
 }
 
 // More changes than one upload holds, among them ranges of one instance and a long one.
-TEST(Changes, AreAsManyAsThereAre) {
+TEST(Changes, MayExceedOneUpload) {
     const Character character = creature(2, 2);
     constexpr uint32_t kInstances = 12'000;
     Crowd crowd = Crowd::create(test_device(), {.groups = {{.character = &character, .instance_count = kInstances}},

@@ -197,7 +197,7 @@ TEST(Control, FindsTheRowsAtAndAroundEveryKey) {
 }
 
 // Speeds and steps are finite, but their product need not be: the time stays within the clip, and comes back.
-TEST(Control, AnOverflowStaysInTheClip) {
+TEST(Control, OverflowingTimesStayInTheClip) {
     const Timelines timelines = make_timelines();
     Runner runner(timelines,
                   {{{0, 1, 0.5f, 3e38f}, {0, 0, 0.5f, 3e38f}, 1}, {{1, 1, 0.5f, -3e38f}, {1, 0, 0.5f, -3e38f}, 1}});
@@ -214,7 +214,7 @@ TEST(Control, AnOverflowStaysInTheClip) {
 }
 
 // A workgroup covers 64 instances; writes for the others would change the guard words behind this one.
-TEST(Control, OneInstanceIsOneInstance) {
+TEST(Control, ASingleInstanceWritesNothingBeyondItsSlot) {
     const Timelines timelines = make_timelines();
     Runner runner(timelines, {{{0, 1, 0.25f, 1}, {6, 0, 0, 0}, 1}});
     runner.step(0.5f);
@@ -249,7 +249,7 @@ TEST(Control, TheReferenceWrapsAndClamps) {
     expect_rows(9, 2, 2, 0);
 }
 
-TEST(Control, PlaybacksAreChecked) {
+TEST(Control, InvalidPlaybacksAreRefused) {
     EXPECT_NO_THROW(check_playback({.first = {.clip = 1}, .weight = 0}, 2, "here"));
     EXPECT_NO_THROW(check_playback({}, 0, "here"));
     EXPECT_THROW(check_playback({.first = {.clip = 2}}, 2, "here"), Failure);

@@ -9,7 +9,7 @@
 namespace throng::test {
 namespace {
 
-const InSubset kControllerGpuInSubsets({Subset::kGpuAssisted}, {"ControllerOnTheGpu.LayersPlayWhatTheyAreTold"});
+const InSubset kControllerGpuInSubsets({Subset::kGpuAssisted}, {"ControllerOnTheGpu.DirectLayersFollowPlayCommands"});
 const InSubset kControllerGpuNatively({Subset::kNative}, {"ControllerOnTheGpu.*"});
 
 // The kernel's buffers for instances of one controller.
@@ -107,7 +107,7 @@ private:
 TEST(ControllerOnTheGpu, AgreesWithTheReferenceAsAWalker) { follow_example<Kernels>("walker"); }
 TEST(ControllerOnTheGpu, AgreesWithTheReferenceAsAFlyer) { follow_example<Kernels>("flyer"); }
 TEST(ControllerOnTheGpu, AgreesWithTheReferenceAsADragon) { follow_example<Kernels>("dragon"); }
-TEST(ControllerOnTheGpu, LayersPlayWhatTheyAreTold) { follow_direct_layers<Kernels>(); }
+TEST(ControllerOnTheGpu, DirectLayersFollowPlayCommands) { follow_direct_layers<Kernels>(); }
 
 }  // namespace
 }  // namespace throng::test

@@ -235,7 +235,7 @@ void expect_shape_kept_in_every_clip(const Asset& asset) {
         }
 }
 
-TEST(Creature, IsSoundForEveryTree) {
+TEST(Creature, IsValidForEveryTree) {
     for (const CreatureKind kind : kCreatureKinds)
         for (const CreatureSettings& settings : grid(kind)) {
             SCOPED_TRACE(text_of(settings));
@@ -329,7 +329,7 @@ TEST(Creature, KeepsItsFeetOnTheGround) {
     }
 }
 
-TEST(Creature, CurlsUp) {
+TEST(Creature, TheCentipedeCurlsUp) {
     const Asset asset = creature(creature_settings(CreatureKind::kCentipede));
     const AssetClip& curl = asset.clips[2];
     const double straight = length(box_of_skin(asset, pose(asset, &curl, 0)).size());
@@ -337,7 +337,7 @@ TEST(Creature, CurlsUp) {
     EXPECT_LT(curled, 0.6 * straight);
 }
 
-TEST(Creature, IsKnownByItsName) {
+TEST(Creature, KindsAreFoundByName) {
     for (const CreatureKind kind : kCreatureKinds) EXPECT_EQ(*creature_kind(kNames[size_t(kind)]), kind);
     EXPECT_EQ(creature_kind("unicorn").error().message,
               "there is no 'unicorn'. There are: dragon, willow, walker, centipede");
@@ -388,7 +388,7 @@ TEST(Creature, IsTheSameForTheSameSettingsOnly) {
     }
 }
 
-TEST(Creature, NamesTheOptionThatIsWrong) {
+TEST(Creature, ErrorsNameTheWrongOption) {
     const auto place = [](const CreatureSettings& settings) {
         const Result<Asset> made = make_creature(settings);
         EXPECT_FALSE(made.ok());

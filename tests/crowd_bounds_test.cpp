@@ -81,7 +81,7 @@ TEST_F(CrowdBoundsTest, FollowWhereUpdatesMoveInstances) {
 
         // A new instance, where none has been before.
         ASSERT_TRUE(crowd.despawn(std::vector{InstanceHandle{3}}));
-        const auto born = crowd.spawn(0, std::vector{placed_at(80, 0, z)}).value();
+        const auto spawned = crowd.spawn(0, std::vector{placed_at(80, 0, z)}).value();
         EXPECT_NEAR(world_bounds(crowd).max.x, 80, reach);
         EXPECT_GT(world_bounds(crowd).min.z, z - reach);
     }
@@ -116,7 +116,7 @@ TEST_F(CrowdBoundsTest, FollowRecordedUpdatesAndNotDiscardedOnes) {
 }
 
 // Nothing has been uploaded to the device yet.
-TEST_F(CrowdBoundsTest, FollowNothingThatHasNotRun) {
+TEST_F(CrowdBoundsTest, IgnoreUpdatesThatHaveNotRun) {
     if (test_gpu()->is_native()) GTEST_SKIP() << "it has no command buffers";
     Crowd crowd = crowd_of_agents(character_);
     ASSERT_TRUE(crowd.set_placement(Instances::numbered(0, kCrowdBoundsCount), placed_at(500, 0, 500)));
@@ -128,7 +128,7 @@ TEST_F(CrowdBoundsTest, FollowNothingThatHasNotRun) {
 
 // Bounds are first asked for after a change. They know where earlier updates have moved instances, even if groups were
 // added or a state was restored since, and where an added group has been placed.
-TEST_F(CrowdBoundsTest, FollowAfterAChange) {
+TEST_F(CrowdBoundsTest, AreRightIfFirstReadAfterAChange) {
     const auto moved = [&] {
         Crowd crowd = crowd_of_agents(character_);
         for (int i = 0; i < 30; ++i) EXPECT_TRUE(crowd.update(0.1f));
@@ -162,7 +162,7 @@ TEST_F(CrowdBoundsTest, FollowAfterAChange) {
         EXPECT_EQ(world_bounds(*one).max.z, world_bounds(wanted).max.z);
 }
 
-TEST_F(CrowdBoundsTest, LeaveOutStraysButNotAParty) {
+TEST_F(CrowdBoundsTest, LeaveOutOutliersButNotAGroup) {
     constexpr uint32_t kMany = 300;
     Crowd crowd = create({.groups = {{.character = &character_, .instance_count = kMany}}});
     std::vector<Affine> places = in_a_row(kMany);
@@ -182,7 +182,7 @@ TEST_F(CrowdBoundsTest, LeaveOutStraysButNotAParty) {
     EXPECT_TRUE(same(main_bounds(crowd), world_bounds(crowd)));
 }
 
-TEST_F(CrowdBoundsTest, TheSizeOfACharacterIsThatOfOneThatIsThere) {
+TEST_F(CrowdBoundsTest, CharacterSizeIsThatOfALivingInstance) {
     Crowd crowd = create({.groups = {{.character = &character_, .instance_count = 1},
                                      {.character = &character_, .instance_count = 1, .capacity = 4}}});
     const auto size = [&] { return character_size(std::array{&crowd.state()}) / character_.size; };
@@ -195,7 +195,7 @@ TEST_F(CrowdBoundsTest, TheSizeOfACharacterIsThatOfOneThatIsThere) {
 }
 
 // Motion-capture files have the hips at the origin in the rest pose, but the feet on the ground in all clips.
-TEST_F(CrowdBoundsTest, ARestPoseThatNoClipComesNearToIsNotShown) {
+TEST_F(CrowdBoundsTest, ARestPoseFarFromAllClipsIsLeftOut) {
     Character captured = character_;
     ASSERT_FALSE(captured.clips.empty());
     const float height = captured.bounds_max.y - captured.bounds_min.y;
@@ -213,7 +213,7 @@ TEST_F(CrowdBoundsTest, ARestPoseThatNoClipComesNearToIsNotShown) {
     EXPECT_NEAR(in_clips.max.y, captured.bounds_min.y + 3 * height, 1e-4f * height);
 }
 
-TEST_F(CrowdBoundsTest, LeaveOutWhatAClipThrowsFarAway) {
+TEST_F(CrowdBoundsTest, LeaveOutPosesThatAClipMovesFarAway) {
     Character throwing = character_;
     const auto posed_height_where_clips_reach_down = [&](float sizes) {
         throwing.clips[0].bounds_min.y = throwing.bounds_min.y - sizes * throwing.size;
@@ -227,7 +227,7 @@ TEST_F(CrowdBoundsTest, LeaveOutWhatAClipThrowsFarAway) {
 }
 
 // The other instances look as they would without the stray, which is not visible.
-TEST_F(CrowdBoundsTest, AStrayDoesNotSpoilThePicture) {
+TEST_F(CrowdBoundsTest, AnOutlierDoesNotChangeThePicture) {
     const auto picture_of = [&](const Affine& last) {
         Crowd crowd = create(
             {.groups = {{.character = &character_, .instance_count = kCrowdBoundsCount}}, .culling = Culling{}});

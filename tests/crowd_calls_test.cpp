@@ -34,10 +34,12 @@ protected:
         for (const InstanceHandle& one : instances)
             EXPECT_EQ(*a.read_skin_matrices(one), *b.read_skin_matrices(one)) << "instance " << one.instance;
     }
-    static std::string stale(const std::string& place) { return place + ": instance 12 of generation 0 is not there"; }
+    static std::string not_alive_message(const std::string& place) {
+        return place + ": instance 12 of generation 0 is not alive";
+    }
 };
 
-TEST_F(CrowdCalls, OneCallForManyIsACallForEach) {
+TEST_F(CrowdCalls, OneCallForManyEqualsACallForEach) {
     Crowd together = create(settings), one_by_one = create(settings);
     Random random(31);
     const std::vector<Playback> playbacks = random_playbacks(random, character, 3);
@@ -68,7 +70,7 @@ TEST_F(CrowdCalls, OneCallForManyIsACallForEach) {
     EXPECT_NE(*together.read_skin_matrices({6}), *together.read_skin_matrices({7})) << "something was set";
 }
 
-TEST_F(CrowdCalls, PosesOfManyAreOneForAllOrOneForEach) {
+TEST_F(CrowdCalls, SetPoseTakesOnePoseForAllOrOneForEach) {
     Crowd crowd = create(settings), wanted = create(settings);
     const size_t joints = character.rig.joint_count();
     std::vector<Trs<float>> poses(2 * joints);
@@ -103,43 +105,45 @@ TEST_F(CrowdCalls, PosesOfManyAreOneForAllOrOneForEach) {
 // Spawned instances: slot 13 has been used twice, 12 is despawned.
 TEST_F(CrowdCalls, AHandleThatIsStaleSetsNothing) {
     Crowd crowd = create(settings), untouched = create(settings);
-    std::vector<InstanceHandle> there;
+    std::vector<InstanceHandle> handles;
     for (Crowd* one : {&crowd, &untouched}) {
-        there = *one->spawn(4, std::array{Affine{}, Affine{}, Affine{}});
-        ASSERT_EQ(there.front().instance, 12u);
-        ASSERT_TRUE(one->despawn(std::span(there).first(2)));
-        const std::vector<InstanceHandle> reborn = *one->spawn(4, std::array{Affine{}, Affine{}});
-        ASSERT_TRUE(one->despawn(std::span(reborn).first(1)));
-        there = {reborn[1], there[0], there[2]};
+        handles = *one->spawn(4, std::array{Affine{}, Affine{}, Affine{}});
+        ASSERT_EQ(handles.front().instance, 12u);
+        ASSERT_TRUE(one->despawn(std::span(handles).first(2)));
+        const std::vector<InstanceHandle> respawned = *one->spawn(4, std::array{Affine{}, Affine{}});
+        ASSERT_TRUE(one->despawn(std::span(respawned).first(1)));
+        handles = {respawned[1], handles[0], handles[2]};
     }
-    ASSERT_EQ(there[0], (InstanceHandle{13, 1}));
+    ASSERT_EQ(handles[0], (InstanceHandle{13, 1}));
     const Playback playback{.first = {.clip = 0, .time_s = 0.4}};
-    EXPECT_EQ(refusal(crowd.set_playback(there, playback)), stale("playback"));
-    EXPECT_EQ(refusal(crowd.set_placement(there, placed_at(1, 2, 3))), stale("placement"));
-    EXPECT_EQ(refusal(crowd.set_pose(there, character.rig.rest)), stale("pose"));
-    EXPECT_EQ(refusal(crowd.clear_pose(there)), stale("pose"));
-    EXPECT_EQ(refusal(crowd.play(there, 0, LayerPlayback())), stale("play"));
-    EXPECT_EQ(refusal(crowd.set_layer(there, 0, LayerBlend())), stale("layer"));
-    EXPECT_EQ(refusal(crowd.set_parameter(there, 0, 1)), stale("parameter"));
-    EXPECT_EQ(refusal(crowd.set_target(there, 0, TargetPlace())), stale("target"));
-    EXPECT_EQ(refusal(crowd.set_destination(there, Vec3<float>())), stale("destination"));
-    EXPECT_EQ(refusal(crowd.clear_destination(there)), stale("destination"));
-    EXPECT_EQ(refusal(crowd.watch(there)), stale("watch"));
-    EXPECT_EQ(refusal(crowd.read_skin_matrices(there[1])), stale("read-back"));
-    EXPECT_EQ(refusal(crowd.read_positions(there[1])), stale("read-back"));
+    EXPECT_EQ(refusal(crowd.set_playback(handles, playback)), not_alive_message("playback"));
+    EXPECT_EQ(refusal(crowd.set_placement(handles, placed_at(1, 2, 3))), not_alive_message("placement"));
+    EXPECT_EQ(refusal(crowd.set_pose(handles, character.rig.rest)), not_alive_message("pose"));
+    EXPECT_EQ(refusal(crowd.clear_pose(handles)), not_alive_message("pose"));
+    EXPECT_EQ(refusal(crowd.play(handles, 0, LayerPlayback())), not_alive_message("play"));
+    EXPECT_EQ(refusal(crowd.set_layer(handles, 0, LayerBlend())), not_alive_message("layer"));
+    EXPECT_EQ(refusal(crowd.set_parameter(handles, 0, 1)), not_alive_message("parameter"));
+    EXPECT_EQ(refusal(crowd.set_target(handles, 0, TargetPlace())), not_alive_message("target"));
+    EXPECT_EQ(refusal(crowd.set_destination(handles, Vec3<float>())), not_alive_message("destination"));
+    EXPECT_EQ(refusal(crowd.clear_destination(handles)), not_alive_message("destination"));
+    EXPECT_EQ(refusal(crowd.watch(handles)), not_alive_message("watch"));
+    EXPECT_EQ(refusal(crowd.read_skin_matrices(handles[1])), not_alive_message("read-back"));
+    EXPECT_EQ(refusal(crowd.read_positions(handles[1])), not_alive_message("read-back"));
     EXPECT_EQ(refusal(crowd.set_playback(InstanceHandle{13}, playback)),
-              "playback: instance 13 of generation 0 is not there")
+              "playback: instance 13 of generation 0 is not alive")
         << "another has its number now";
     EXPECT_EQ(refusal(crowd.set_playback(InstanceHandle{0, 1}, playback)),
-              "playback: instance 0 of generation 1 is not there");
+              "playback: instance 0 of generation 1 is not alive");
     EXPECT_EQ(refusal(crowd.set_playback(InstanceHandle{}, playback)),
-              "playback: the handle is none of Crowd::spawn() or handle()");
+              "playback: the handle is empty: use one from Crowd::spawn() or handle()");
     EXPECT_EQ(refusal(crowd.read_skin_matrices(InstanceHandle())),
-              "read-back: the handle is none of Crowd::spawn() or handle()");
-    EXPECT_EQ(refusal(crowd.despawn(InstanceHandle())), "despawn: the handle is none of Crowd::spawn() or handle()");
-    EXPECT_EQ(refusal(crowd.handle(99)), "handle: instance 99 of a crowd of 16");
-    expect_same(crowd, untouched, {there[0], there[2], {0}});
-    EXPECT_TRUE(crowd.set_playback(there[0], playback) && crowd.set_playback(Instances::numbered(13), playback));
+              "read-back: the handle is empty: use one from Crowd::spawn() or handle()");
+    EXPECT_EQ(refusal(crowd.despawn(InstanceHandle())),
+              "despawn: the handle is empty: use one from Crowd::spawn() or handle()");
+    EXPECT_EQ(refusal(crowd.handle(99)),
+              "handle: instance 99 is out of range: this crowd's instance numbers are below 16");
+    expect_same(crowd, untouched, {handles[0], handles[2], {0}});
+    EXPECT_TRUE(crowd.set_playback(handles[0], playback) && crowd.set_playback(Instances::numbered(13), playback));
 }
 
 TEST_F(CrowdCalls, ValuesThatAreTooFewOrWrongSetNothing) {
@@ -153,7 +157,7 @@ TEST_F(CrowdCalls, ValuesThatAreTooFewOrWrongSetNothing) {
     EXPECT_EQ(refusal(crowd.set_playback(three, std::array{good, good, bad})).find("playback of instance 2"), 0u);
     const float nan = std::numeric_limits<float>::quiet_NaN();
     EXPECT_EQ(refusal(crowd.set_parameter(*crowd.instances(1), 0, std::array{1.0f, 2.0f, nan})),
-              "parameter of instance 5: it must be finite");
+              "parameter of instance 5: the value must be finite");
     EXPECT_EQ(refusal(crowd.set_parameter(Instances::numbered(3, 4), 0, 1)),
               "parameter of instance 6: creature has no controller");
     EXPECT_EQ(refusal(crowd.set_destination(*crowd.instances(3), std::vector<Vec3<float>>{{}, {}, {nan, 0, 0}})),
@@ -161,7 +165,7 @@ TEST_F(CrowdCalls, ValuesThatAreTooFewOrWrongSetNothing) {
     EXPECT_EQ(
         refusal(crowd.set_target(Instances::numbered(6, 4), 0, TargetPlace{{1, 2, 3}, 1})).find("target of instance 9"),
         0u);
-    EXPECT_EQ(refusal(crowd.instances(5)), "crowd: group 5 of a crowd of 5");
+    EXPECT_EQ(refusal(crowd.instances(5)), "crowd: group 5 is out of range: this crowd's group numbers are below 5");
     std::vector<InstanceHandle> all;
     for (uint32_t i = 0; i < 12; ++i) all.push_back({i});
     expect_same(crowd, untouched, all);
@@ -171,7 +175,7 @@ TEST_F(CrowdCalls, ValuesThatAreTooFewOrWrongSetNothing) {
 }
 
 // What an application changes in a Character cannot make a kernel read outside its buffers.
-TEST(EditedCharacter, IsCheckedAndNamed) {
+TEST(EditedCharacter, InvalidEditsAreRefusedByName) {
     const Character character = creature(20, 6);
     const std::pair<const char*, std::function<void(Character&)>> edits[]{
         {"parents[5]", [](Character& c) { c.rig.parents[5] = 19; }},

@@ -13,7 +13,7 @@ namespace {
 const InSubset kCrowdControllerInSubsets(
     {Subset::kGpuAssisted},
     {"CrowdController.*", "-CrowdController.SocketsAreTheJointsInModelOrWorldSpace",
-     "-CrowdController.InertialPlaysFollowTheReference", "-CrowdController.TellsWhatLayersPlay",
+     "-CrowdController.InertialPlaysFollowTheReference", "-CrowdController.FeedbackReportsWhatLayersPlay",
      "-CrowdController.ThousandsOfCommandsAreAppliedInTheirOrder", "-CrowdController.WrongCallsAreRefused"});
 const InSubset kCrowdControllerWithOtherSubgroups({Subset::kSubgroups, Subset::kWideSubgroups},
                                                   {"CrowdController.PosesFollowTheReferenceFused"}),
@@ -159,7 +159,7 @@ TEST(CrowdController, InertialPlaysFollowTheReference) {
     }
 }
 
-TEST(CrowdController, AnInertialPlayBeginsWhereTheCharacterIs) {
+TEST(CrowdController, AnInertialPlayStartsFromTheCurrentPose) {
     const Character character = creature(40);
     const Controller controller = direct_layers(1, {}, true);
     const auto jump = [&](FadeKind fade, float fade_s) {
@@ -227,7 +227,7 @@ TEST(CrowdController, SocketsAreTheJointsInModelOrWorldSpace) {
         }
 }
 
-TEST(CrowdController, FeedbackCountsWhatFindsNoRoomAndKeepsFourUpdates) {
+TEST(CrowdController, FeedbackCountsLostEventsAndKeepsFourUpdates) {
     const Character character = creature(20);
     const Controller controller = example("guard");
     constexpr uint32_t kInstances = 50;
@@ -251,7 +251,7 @@ TEST(CrowdController, FeedbackCountsWhatFindsNoRoomAndKeepsFourUpdates) {
     EXPECT_TRUE(crowd.feedback()->empty());
 }
 
-TEST(CrowdController, TellsWhatLayersPlay) {
+TEST(CrowdController, FeedbackReportsWhatLayersPlay) {
     const Character character = creature(20);
     const Controller guard = example("guard"), direct = direct_layers(2);
     ASSERT_EQ(guard.layers[0].states[1].name, "move");
@@ -301,7 +301,7 @@ TEST(CrowdController, TellsWhatLayersPlay) {
 }
 
 // One instance is set to the state that feedback reports of another, also when the command waits in a saved state.
-TEST(CrowdController, IsPutIntoAStateThatFeedbackHasTold) {
+TEST(CrowdController, AStateReportedByFeedbackCanBeSetOnAnotherInstance) {
     const Character character = creature(20);
     const Controller guard = example("guard");
     Crowd crowd = create({.groups = {{.character = &character, .instance_count = 2, .controller = &guard}}});
@@ -339,7 +339,8 @@ TEST(CrowdController, WrongCallsAreRefused) {
     EXPECT_NE(refusal(crowd.set_playback(InstanceHandle{1}, playback)).find("controller"), std::string::npos);
     EXPECT_NE(refusal(crowd.play(InstanceHandle{0}, 0, LayerPlayback())).find("no controller"), std::string::npos);
     EXPECT_NE(refusal(crowd.play(InstanceHandle{1}, 0, LayerPlayback())).find("has states"), std::string::npos);
-    EXPECT_NE(refusal(crowd.play(InstanceHandle{2}, 1, LayerPlayback())).find("layer 1 of a controller that has 1"),
+    EXPECT_NE(refusal(crowd.play(InstanceHandle{2}, 1, LayerPlayback()))
+                  .find("layer 1 is out of range: the controller has 1"),
               std::string::npos);
     EXPECT_NE(refusal(crowd.play(InstanceHandle{2}, 0, {.clip = {.clip = 9}})).find("clip 9"), std::string::npos);
     EXPECT_NE(refusal(crowd.play(InstanceHandle{2}, 0, {.clip = {.clip = 0}, .fade_s = -1})).find("fade"),
@@ -352,21 +353,23 @@ TEST(CrowdController, WrongCallsAreRefused) {
         return refusal(crowd.set_state(InstanceHandle{instance}, layer, motion, fade_s));
     };
     EXPECT_NE(refused_state(2, 0, {.motion = 0}).find("has no states: call play()"), std::string::npos);
-    EXPECT_NE(refused_state(1, 0, {.motion = 9}).find("state 9 of a layer"), std::string::npos);
+    EXPECT_NE(refused_state(1, 0, {.motion = 9}).find("state 9 is out of range: the layer has "), std::string::npos);
     EXPECT_NE(refused_state(1, 0, {.motion = 0, .phase = 1.5f}).find("phase"), std::string::npos);
     EXPECT_NE(refused_state(1, 0, {.motion = 0}, -1).find("fade"), std::string::npos);
     EXPECT_NE(refusal(crowd.set_layer(InstanceHandle{2}, 0, {.weight = 2})).find("weight"), std::string::npos);
     EXPECT_NE(refusal(crowd.set_layer(InstanceHandle{2}, 0, {.mask = 0})).find("mask 0"), std::string::npos);
-    EXPECT_NE(refusal(crowd.set_parameter(InstanceHandle{1}, 2, 0)).find("parameter 2 of a controller that has 2"),
-              std::string::npos);
+    EXPECT_NE(
+        refusal(crowd.set_parameter(InstanceHandle{1}, 2, 0)).find("parameter 2 is out of range: the controller has 2"),
+        std::string::npos);
     EXPECT_NE(
         refusal(crowd.set_parameter(InstanceHandle{1}, 0, std::numeric_limits<float>::quiet_NaN())).find("finite"),
         std::string::npos);
-    EXPECT_NE(refusal(crowd.play(InstanceHandle{3}, 0, LayerPlayback())).find("of a crowd of 3"), std::string::npos);
+    const std::string out_of_range = "instance 3 is out of range: this crowd's instance numbers are below 3";
+    EXPECT_NE(refusal(crowd.play(InstanceHandle{3}, 0, LayerPlayback())).find(out_of_range), std::string::npos);
     EXPECT_NE(refusal(crowd.play(InstanceHandle{2}, 0, {.clip = {.clip = 0}, .fade_s = 1, .fade = FadeKind::kInertial}))
                   .find("inertial"),
               std::string::npos);
-    EXPECT_NE(refusal(crowd.watch(InstanceHandle{3})).find("of a crowd of 3"), std::string::npos);
+    EXPECT_NE(refusal(crowd.watch(InstanceHandle{3})).find(out_of_range), std::string::npos);
     EXPECT_NE(refusal(crowd.watch(std::vector<InstanceHandle>(65, {0}))).find("watch_capacity is 64"),
               std::string::npos);
     Crowd plain = create({.groups = {{.character = &character, .instance_count = 1}}});

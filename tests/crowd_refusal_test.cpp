@@ -44,7 +44,8 @@ TEST(Crowd, WrongValuesAreRefusedAndChangeNothing) {
         change(playback);
         return std::vector{good, playback};  // the first alone would be taken
     };
-    refused(1, with([](Playback& p) { p.first.clip = 3; }), "playback of instance 2: clip 3 of a character that has 3");
+    refused(1, with([](Playback& p) { p.first.clip = 3; }),
+            "playback of instance 2: clip 3 is out of range: the character has 3");
     refused(1, with([](Playback& p) { p.second.clip = 77; }), "clip 77");
     refused(1, with([](Playback& p) { p.first.time_s = kNan; }), "finite");
     refused(1, with([](Playback& p) { p.second.time_s = kInfinity; }), "finite");
@@ -52,9 +53,9 @@ TEST(Crowd, WrongValuesAreRefusedAndChangeNothing) {
     refused(1, with([](Playback& p) { p.weight = 1.5f; }), "weight");
     refused(1, with([](Playback& p) { p.weight = -0.01f; }), "weight");
     refused(1, with([](Playback& p) { p.weight = static_cast<float>(kNan); }), "weight");
-    refused(3, {good, good}, "instances 3 to 4 of a crowd of 4");
-    refused(5, {}, "instance 5 of a crowd of 4");
-    refused(0xFFFFFFFF, {good}, "crowd of 4");
+    refused(3, {good, good}, "instances 3 to 4 are out of range: this crowd's instance numbers are below 4");
+    refused(5, {}, "instance 5 is out of range: this crowd's instance numbers are below 4");
+    refused(0xFFFFFFFF, {good}, "instance 4294967295 is out of range: this crowd's instance numbers are below 4");
     EXPECT_TRUE(crowd.set_playback(Instances::numbered(4, 0), std::vector<Playback>()));
 
     std::vector<Affine> placement(2);
@@ -135,7 +136,7 @@ void expect_moved_from(const Result<Value>& result) {
     EXPECT_NE(result.error().text().find("moved from"), std::string::npos) << result.error().text();
 }
 
-TEST(Crowd, WhatHasBeenMovedFromFails) {
+TEST(Crowd, CallsOnAMovedFromCrowdFail) {
     const Character character = small_character();
     Crowd crowd = create({.groups = {{&character, 2}}});
     Device device = test_device();
@@ -165,7 +166,7 @@ TEST(Crowd, WhatHasBeenMovedFromFails) {
     EXPECT_EQ(device.validation_message_count(), 0u);
 }
 
-TEST(Crowd, ARendererThatHasBeenMovedFromFails) {
+TEST(Crowd, CallsOnAMovedFromRendererFail) {
     const Character character = small_character();
     Crowd crowd = create({.groups = {{&character, 2}}});
     Renderer renderer = *Renderer::create(test_device(), {.width = 16, .height = 16});
@@ -179,13 +180,14 @@ TEST(Crowd, ARendererThatHasBeenMovedFromFails) {
     expect_moved_from(kept.render(crowd, {}));
 }
 
-TEST(Crowd, AGroupThatIsNotThereIsRefused) {
+TEST(Crowd, AnUnknownGroupIsRefused) {
     const Character character = small_character();
     const Crowd crowd = create({.groups = {{&character, 1}}});
     for (const uint32_t group : {1u, 99u, kNone}) {
         const Result<GroupPath> path = crowd.path(group);
         ASSERT_FALSE(path);
-        EXPECT_EQ(path.error().text(), "crowd: group " + std::to_string(group) + " of a crowd of 1");
+        EXPECT_EQ(path.error().text(),
+                  "crowd: group " + std::to_string(group) + " is out of range: this crowd's group numbers are below 1");
     }
 }
 
@@ -203,12 +205,12 @@ TEST(Crowd, ACharacterWithoutJointsIsRefused) {
     expect_refused(advise_scan(test_device(), nothing.rig, 1));
 }
 
-TEST(Crowd, APictureWithoutPixelsHasNoView) {
+TEST(Crowd, AViewOfAPictureWithoutPixelsIsRefused) {
     for (const auto& [width, height] : {std::pair(0u, 0u), std::pair(0u, 9u), std::pair(9u, 0u)}) {
         const Result<CrowdView> view = view_of({.eye = {0, 1, 5}, .target = {}}, width, height, {});
         ASSERT_FALSE(view);
         EXPECT_EQ(view.error().text(),
-                  "view: a picture of " + std::to_string(width) + " x " + std::to_string(height) + " pixels");
+                  "view: the picture is empty: " + std::to_string(width) + " x " + std::to_string(height) + " pixels");
     }
 }
 

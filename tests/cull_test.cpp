@@ -169,7 +169,7 @@ void expect_same_where_drawn(const CrowdGroup& group, UpdatePath path, bool only
             << "all again, instance " << i;
 }
 
-TEST(Cull, OnlyWhatIsDrawnIsAnimated) {
+TEST(Cull, OnlyDrawnInstancesAreAnimated) {
     const Character small = small_character(), large = creature(150, 40);
     const Controller walker = example("walker"), inertial = example("dragon"), direct = direct_layers(2);
     const auto expect_same = [](const char* what, const CrowdGroup& group, UpdatePath path, bool only_drawn) {
@@ -272,7 +272,7 @@ TEST(Cull, CellsFollowPlacements) {
 
 // A flight over a crowd: the pictures equal those of all instances at full detail, except where a coarser mesh moves a
 // surface by less than a pixel.
-TEST(Cull, PicturesAreThoseOfEverything) {
+TEST(Cull, PicturesEqualThoseWithoutCulling) {
     constexpr uint32_t kCount = 150;
     const Character character = creature_with_lods();
     Random random(11);
@@ -335,8 +335,8 @@ TEST(Cull, WrongViewsAreRefused) {
         EXPECT_EQ(updated.error().text(), "view: " + says);
     };
     const std::string places = "eye, shadow and ground must be finite", sizes = "pixels and lod_pixels must be above 0",
-                      rates = "full_rate_pixels and budget_ms must not be negative, and the first is at most 1e30",
-                      detail = "where pixels is infinite, lod_pixels and shared_pose_pixels must not be";
+                      rates = "full_rate_pixels must be from 0 to 1e30, and budget_ms must not be negative",
+                      detail = "if pixels is infinite, lod_pixels and shared_pose_pixels must be finite";
     refused("clip_from_world must be finite", [](CrowdView& v) { v.clip_from_world[1][2] = kNan; });
     refused(places, [](CrowdView& v) { v.eye.y = kNan; });
     refused(places, [](CrowdView& v) { v.shadow.x = kNan; });
@@ -353,7 +353,7 @@ TEST(Cull, WrongViewsAreRefused) {
 }
 
 // What was set before a refused update takes effect in the next one.
-TEST(Cull, ARefusedUpdateTakesNothingUp) {
+TEST(Cull, ARefusedUpdateKeepsPendingChanges) {
     const Character character = small_character();
     Crowd crowd = create({.groups = {{&character, 3}}, .culling = Culling{}});
     Affine place;
@@ -368,7 +368,7 @@ TEST(Cull, ARefusedUpdateTakesNothingUp) {
 }
 
 // Positions use the joints of the level that is drawn.
-TEST(Cull, PositionsAreThoseOfTheLevel) {
+TEST(Cull, PositionsUseTheJointsOfTheDrawnLevel) {
     const Character character = creature_with_lods();
     Crowd crowd = create(
         {.groups = {{&character, 1}}, .path = UpdatePath::kFused, .culling = Culling{.reduces_joints = true}});
@@ -388,7 +388,7 @@ TEST(Cull, PositionsAreThoseOfTheLevel) {
 }
 
 // For example, a ragdoll that falls far from its instance's placement.
-TEST(Cull, PosesFromOutsideMayGoFarIfTheGroupSaysSo) {
+TEST(Cull, SetPosesMayReachFarIfTheGroupAllowsIt) {
     const Character character = creature_with_lods();
     const float away = 20 * character.size;
     std::vector<Trs<float>> pose = character.rig.rest;
@@ -417,7 +417,7 @@ TEST(Cull, PosesFromOutsideMayGoFarIfTheGroupSaysSo) {
 
 // How far a pose may reach beyond the boxes of all clips if the group does not say so, measured by how far away a view
 // may begin and still see the instance.
-TEST(Cull, UsuallyPosesReachNotFarBeyondTheirClips) {
+TEST(Cull, ByDefaultPosesStayNearTheirClips) {
     const Character character = creature(30, 10);
     const Controller controller = example("dragon");
     const ProceduralRules rules{.rules = {WindRule{.joint = character.rig.names[1]}}};

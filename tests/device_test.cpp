@@ -105,7 +105,7 @@ struct Show {
     Crowd crowd;
 };
 
-TEST(Device, SeveralLiveSideBySide) {
+TEST(Device, SeveralDevicesWorkSideBySide) {
     const Character character = make_character({});
     std::optional<Device> second = Device::create({.select = test_device().info().name}).value();
     Show first_show(test_device(), character, 0.1), second_show(*second, character, 0.4);
@@ -203,7 +203,7 @@ struct Application {
 };
 
 // Throng cannot query which features the application has enabled. AdoptedDevice must say so.
-TEST(Device, AnAdoptedOneUsesTheFeaturesThatItIsSaidToHave) {
+TEST(Device, AnAdoptedDeviceUsesTheDeclaredFeatures) {
     const Gpu& of_throng = *test_device().gpu();
     const Application application;
     AdoptedDevice adopted = application.adopted();
@@ -218,7 +218,7 @@ TEST(Device, AnAdoptedOneUsesTheFeaturesThatItIsSaidToHave) {
     }
 }
 
-TEST(Device, AnApplicationsDeviceIsAdoptedAndLeftAlone) {
+TEST(Device, AnAdoptedDeviceIsLeftIntact) {
     const Application application;
     {
         const Result<Device> device = Device::adopt(application.adopted());
@@ -248,12 +248,12 @@ TEST(Device, AnApplicationsDeviceIsAdoptedAndLeftAlone) {
     wrong.threads = 5000;
     const Result<Device> crowded = Device::adopt(wrong);
     ASSERT_FALSE(crowded);
-    EXPECT_EQ(crowded.error().text(), "adopted device: 5000 threads; at most 1024");
+    EXPECT_EQ(crowded.error().text(), "adopted device: 5000 threads exceed the limit of 1024");
     EXPECT_TRUE(Device::adopt(application.adopted())) << "after a refusal";
 }
 
 // Such instances need not provide the functions of Vulkan 1.3, and Mesa's do not. NVIDIA's do, and its device works.
-TEST(Device, AnInstanceOfAnOlderVulkanIsNotAdoptedWithoutTheCallsOfTheNewer) {
+TEST(Device, AnOlderInstanceWithoutVulkan13CallsIsNotAdopted) {
     for (const uint32_t version : {0u, VK_API_VERSION_1_1, VK_API_VERSION_1_2}) {
         const Application application(version);
         const Result<Device> device = Device::adopt(application.adopted());
@@ -263,8 +263,8 @@ TEST(Device, AnInstanceOfAnOlderVulkanIsNotAdoptedWithoutTheCallsOfTheNewer) {
         }
         ASSERT_FALSE(device);
         EXPECT_EQ(device.error().text(),
-                  "adopted device: its instance was made for a Vulkan below 1.3: set VkApplicationInfo::apiVersion to "
-                  "VK_API_VERSION_1_3");
+                  "adopted device: its instance was created for a Vulkan version below 1.3: set "
+                  "VkApplicationInfo::apiVersion to VK_API_VERSION_1_3");
     }
 }
 
@@ -301,7 +301,7 @@ TEST(Device, AnApplicationsPipelineCacheIsUsed) {
     application.table.vkDestroyPipelineCache(application.device, adopted.pipeline_cache, nullptr);
 }
 
-TEST(Device, ScanCostsComeFromTheCacheWhereItHasThem) {
+TEST(Device, ScanCostsAreReadFromTheCacheIfPresent) {
     const Gpu& gpu = *test_device().gpu();
     ScanCosts kept = built_in_scan_costs(gpu);
     kept.units = 80;

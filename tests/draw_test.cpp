@@ -21,8 +21,9 @@ using namespace test;
 
 // Under GPU-assisted validation the excluded tests take too long.
 const InSubset kDrawInSubsets({Subset::kGpuAssisted},
-                              {"Draw.*", "-Draw.LeavesOutWhatAMaskSays", "-Draw.WhatIsBlendedIsSeenThrough",
-                               "-Draw.MirroredInstancesKeepTheirFrontFaces", "-Draw.DrawsBrokenImagesWhite"}),
+                              {"Draw.*", "-Draw.AlphaMasksDiscardPixelsBelowTheCutoff",
+                               "-Draw.BlendedMaterialsAreTransparent", "-Draw.MirroredInstancesKeepTheirFrontFaces",
+                               "-Draw.DrawsBrokenImagesWhite"}),
     kDrawNatively({Subset::kNative}, {"Draw.*", "-Draw.AFailedUploadIsNotBlamedOnTheNextTexture"});
 
 // Draws a crowd of `asset`, an instance for each placement, seen along -z: one unit is 14 pixels, x = 0 is in the
@@ -75,7 +76,7 @@ TEST(Draw, MirroredInstancesKeepTheirFrontFaces) {
     EXPECT_TRUE(is_pale(at(draw(square(), {turned() * mirrored()}), 0, 0.5)));
 }
 
-TEST(Draw, LeavesOutWhatAMaskSays) {
+TEST(Draw, AlphaMasksDiscardPixelsBelowTheCutoff) {
     const auto centre = [](AlphaMode mode, float alpha, float cutoff) {
         Asset asset = square();
         asset.materials[0].alpha_mode = mode;
@@ -105,7 +106,7 @@ double shown_part(float alpha, uint32_t layers, uint32_t samples) {
     return (light_of(AlphaMode::kBlend, alpha, layers) - nothing) / (all - nothing);
 }
 
-TEST(Draw, WhatIsBlendedIsSeenThrough) {
+TEST(Draw, BlendedMaterialsAreTransparent) {
     for (const uint32_t samples : {1u, 4u}) {
         for (const float alpha : {0.1f, 0.3f, 0.5f, 0.8f})
             EXPECT_NEAR(shown_part(alpha, 1, samples), alpha, 0.04) << alpha << ", samples " << samples;
@@ -146,7 +147,7 @@ TEST(Draw, BlendedLayersOfGroupsAndCrowdsShowThroughEachOther) {
 }
 
 // Small squares behind a blended one are seen through the samples that it does not cover, and only there.
-TEST(Draw, OcclusionLeavesWhatIsSeenThroughBlendedOnes) {
+TEST(Draw, OcclusionKeepsInstancesBehindBlendedOnes) {
     Asset red = square(), pane = square();
     pane.materials = {{.name = "pane", .base_color = {0, 0.5f, 1, 0.99f}, .alpha_mode = AlphaMode::kBlend}};
     const Character behind = *compile_character(red, kExact), before = *compile_character(pane, kExact);
@@ -271,7 +272,7 @@ TEST(Draw, AFailedUploadIsNotBlamedOnTheNextTexture) {
 
 // Images whose headers claim a large size but hold no pixels. Each takes a sixth of the limit even before it is
 // decoded.
-TEST(Draw, TexturesOfACrowdHaveALimit) {
+TEST(Draw, TextureMemoryOfACrowdIsLimited) {
     std::vector<std::byte> encoded = png_bytes({1, 1, {255, 255, 255, 255}});
     // 8192, in the header
     for (const size_t side : {16u, 20u}) encoded[side + 2] = std::byte{0x20}, encoded[side + 3] = std::byte{0};
@@ -296,7 +297,7 @@ TEST(Draw, TexturesOfACrowdHaveALimit) {
 }
 
 // Three joints in a row behind the square. Their lines are drawn over it.
-TEST(Draw, SkeletonsShowLevelsOverTheMesh) {
+TEST(Draw, SkeletonsAreDrawnOverTheMeshColoredByLevel) {
     Asset asset = square();
     asset.clips.clear();
     asset.nodes[0].parent_from_node.translation = {0, 0, 0};
@@ -332,7 +333,7 @@ TEST(Draw, SkeletonsShowLevelsOverTheMesh) {
               "skeletons: the crowd keeps no model matrices; set CrowdSettings::keep_model_matrices");
 }
 
-TEST(Draw, BoundsAreTheBoxesOfCulling) {
+TEST(Draw, BoundsOptionDrawsTheCullingBoxes) {
     const Result<Character> character = compile_character(square(), kExact);
     const Result<Crowd> crowd = Crowd::create(test_device(), {.groups = {{&*character, 1}}});
     const Group& group = crowd->state().groups[0];

@@ -24,7 +24,7 @@ VKAPI_ATTR void VKAPI_CALL note_stages(VkCommandBuffer commands, VkEvent event, 
     driver_set_event(commands, event, dependency);
 }
 
-TEST(DeviceEvent, IsSetWithoutNamingTheProcessor) {
+TEST(DeviceEvent, IsSetWithoutTheHostStage) {
     const Device device = another_device();
     Gpu& gpu = *device.gpu();
     driver_set_event = std::exchange(gpu.vk.vkCmdSetEvent2, &note_stages);
@@ -39,7 +39,7 @@ TEST(DeviceEvent, IsSetWithoutNamingTheProcessor) {
     EXPECT_EQ(event_stages & VK_PIPELINE_STAGE_2_HOST_BIT, 0u);
 }
 
-TEST(DeviceEvent, OfALostDeviceIsNoneThatIsYetToBeSet) {
+TEST(DeviceEvent, ReportsALostDevice) {
     const Device device = another_device();
     Gpu& gpu = *device.gpu();
     const DeviceEvent event(device.gpu());
@@ -55,7 +55,7 @@ TEST(DeviceEvent, OfALostDeviceIsNoneThatIsYetToBeSet) {
     gpu.vk.vkGetEventStatus = of_driver;
 }
 
-TEST(StagedPicture, NeedsNoMoreMemoryForFramesThatAreDropped) {
+TEST(StagedPicture, DroppedFramesNeedNoMoreMemory) {
     Recorder recorder;
     StagedPicture picture(test_gpu(), {16, 16}, false);
     std::set<const uint8_t*> used;

@@ -40,7 +40,7 @@ TEST(Feedback, EventsComeByInstanceThenLayerThenTime) {
 }
 
 // What a game needs to make another instance play the same. A state has its own speed and loop setting.
-TEST(Feedback, TellsSpeedLoopAndWeight) {
+TEST(Feedback, ReportsSpeedLoopAndWeight) {
     const Character character = creature(20, 8);
     const Controller direct = direct_layers(2);
     const Controller stated{

@@ -50,7 +50,7 @@ private:
 
 uint64_t submissions() { return test_gpu()->counts.submissions; }
 
-TEST(FirstUploads, GoWithTheFirstUpdate) {
+TEST(FirstUploads, AreSubmittedWithTheFirstUpdate) {
     const Cast cast;
     for (const UpdatePath path : {UpdatePath::kDevice, UpdatePath::kAuto}) {
         const uint64_t before = submissions();
@@ -64,7 +64,7 @@ TEST(FirstUploads, GoWithTheFirstUpdate) {
     cast.expect_as_updated(crowd);
 }
 
-TEST(FirstUploads, MayBeRecordedBefore) {
+TEST(FirstUploads, CanBeRecordedBeforeTheFirstUpdate) {
     const Cast cast;
     Recorder recorder;
     for (const bool together : {false, true}) {
@@ -85,7 +85,7 @@ TEST(FirstUploads, MayBeRecordedBefore) {
     EXPECT_FALSE(crowd.record_uploads(VK_NULL_HANDLE));
 }
 
-TEST(FirstUploads, OfAnUpdateThatIsDiscardedGoWithTheNext) {
+TEST(FirstUploads, OfADiscardedUpdateAreRepeatedByTheNext) {
     const Cast cast;
     Recorder recorder;
     for (const bool recorded_before : {false, true}) {
@@ -110,7 +110,7 @@ TEST(FirstUploads, OfAnUpdateThatIsDiscardedGoWithTheNext) {
 
 // As when a window is closed before its commands are submitted. Neither this crowd nor a later one, which shares its
 // tables, may treat the dropped uploads as done.
-TEST(FirstUploads, OfCommandsThatAreDroppedGoWithTheNext) {
+TEST(FirstUploads, OfDroppedCommandsAreRepeatedByTheNextUpdate) {
     const Cast cast;
     const auto skins_after_one = [&] {  // this crowd shares no tables: it is destroyed before the next one is created
         Crowd crowd = cast.make();
@@ -138,7 +138,7 @@ TEST(FirstUploads, OfCommandsThatAreDroppedGoWithTheNext) {
 
 // The initial contents must not overwrite a restored state: neither by their own commands that are recorded again, nor
 // with the next update after a discarded one.
-TEST(FirstUploads, DoNotComeBackAfterARestore) {
+TEST(FirstUploads, DoNotOverwriteARestoredState) {
     const Cast cast;
     Crowd updated = cast.make();
     ASSERT_TRUE(updated.update(Cast::kStep_s));
@@ -163,7 +163,7 @@ TEST(FirstUploads, DoNotComeBackAfterARestore) {
 }
 
 // Before its first update a crowd can be drawn, which shows no instances, and saved. There are no matrices to read.
-TEST(FirstUploads, AreThereForWhoeverReadsFirst) {
+TEST(FirstUploads, AreNotNeededForDrawingAndSaving) {
     const Cast cast;
     Crowd listed = cast.make();
     EXPECT_TRUE(drawn_of(listed).empty());
@@ -184,7 +184,7 @@ TEST(FirstUploads, AreThereForWhoeverReadsFirst) {
 
 VkBuffer tracks_of(Crowd& crowd, uint32_t group = 0) { return crowd.state().groups[group][io::kTracksBuffer].handle(); }
 
-TEST(FirstUploads, OfTheSameTableAreMadeOnce) {
+TEST(FirstUploads, OfOneCharactersTablesAreMadeOnce) {
     const Cast cast;
     std::optional<Crowd> first(cast.make());
     EXPECT_EQ(tracks_of(*first, 0), tracks_of(*first, 1)) << "groups of one character";
@@ -206,7 +206,7 @@ TEST(FirstUploads, OfTheSameTableAreMadeOnce) {
     cast.expect_as_updated(early);
 }
 
-TEST(FirstUploads, OfACharacterThatWasEditedAreItsOwn) {
+TEST(FirstUploads, OfAnEditedCharacterAreNotShared) {
     Character character = creature(30, 10);
     const auto make = [&] { return create({.groups = {{&character, 1}}, .path = UpdatePath::kDevice}); };
     Crowd before = make();

@@ -62,7 +62,7 @@ std::map<std::string, Json> measure(const Character& character, const Character*
                                     samples, kFrameBenchQuiet, reference));
 }
 
-TEST(FrameBench, BytesAreCountedByHand) {
+TEST(FrameBench, ByteCountsEqualThoseByHand) {
     // 188 = playback state 36 + both times 8 + the cursor (36), which is written once and read by two samples and the
     // blend.
     EXPECT_EQ((FrameTraffic{.joint_count = 300, .palette_count = 300}.bytes_per_instance()), 188 + 300u * 432);
@@ -167,7 +167,7 @@ TEST(FrameBench, AWrongResultIsNotTimed) {
             EXPECT_NE(record.contains("wrong"), record["path"] == "copy") << variant;
 }
 
-TEST(FrameBench, SaysWhatDoesNotApply) {
+TEST(FrameBench, ReportsWhyAVariantDoesNotApply) {
     Character character = measured_creature();
     for (float& element : character.palette[3].joint_from_bind.row[0]) element *= 2;  // not a similarity any more
     const std::map<std::string, Json> records = measure(character, nullptr, 1);
@@ -211,7 +211,7 @@ TEST(FrameBench, FillsWriteEveryRow) {
 
 // Copies alternate between two buffers of 1003 rows: three full passes, then one of five rows. The last bytes are less
 // than a row and are dropped.
-TEST(FrameBench, CopiesMoveEveryRowTheWayStagesDo) {
+TEST(FrameBench, CopiesMoveEveryRow) {
     constexpr uint64_t kRows = 1003, kTailRows = 5, kRowBytes = 16;
     const CopyFloor copy(test::test_gpu(), 2 * ((3 * kRows + kTailRows) * kRowBytes + 8), kRows * kRowBytes);
     ASSERT_EQ(copy.passes().size(), 4u);
@@ -311,7 +311,7 @@ TEST(FrameBench, TheReportHasASectionOfIt) {
     EXPECT_EQ(html.find("no record of the scan"), std::string::npos);
 }
 
-TEST(FrameBench, TheReportEndsOnNoRecord) {
+TEST(FrameBench, TheReportAcceptsIncompleteRecords) {
     if (!has_gnuplot()) GTEST_SKIP() << "its figures need gnuplot, which is not installed";
     std::vector<Json> records{
         {{"bench", "frame"}},

@@ -74,7 +74,7 @@ protected:
 
 // Until it is written again, every slot holds what a crowd without frames in flight has after the same update. A
 // discarded record changes no slot.
-TEST_F(FramesInFlight, EachSlotKeepsItsOwn) {
+TEST_F(FramesInFlight, EachSlotKeepsItsOutputs) {
     std::set<std::string> differed;
     enum class Kind { kAnimatesAll, kCulls, kOther };
     for (const auto& [kind, in_flight] :
@@ -125,7 +125,7 @@ TEST_F(FramesInFlight, EachSlotKeepsItsOwn) {
     EXPECT_EQ(differed, all) << "what is not the same in two slots, in one of the crowds";
 }
 
-TEST_F(FramesInFlight, ViewsSayWhereTheirEntriesLie) {
+TEST_F(FramesInFlight, BufferViewsGiveTheOffsetsOfTheirEntries) {
     CrowdSettings of = settings(true);
     of.frames_in_flight = 2;
     Crowd crowd = create(of);
@@ -150,13 +150,13 @@ TEST_F(FramesInFlight, ViewsSayWhereTheirEntriesLie) {
     EXPECT_FALSE(block.model);
 }
 
-TEST_F(FramesInFlight, OtherNumbersAreRefused) {
+TEST_F(FramesInFlight, InvalidCountsAreRefused) {
     for (const uint32_t wrong : {0u, 5u, ~0u}) {
         CrowdSettings of = settings(false);
         of.frames_in_flight = wrong;
         const Result<Crowd> refused = Crowd::create(test_device(), of);
         ASSERT_FALSE(refused);
-        EXPECT_NE(refused.error().text().find(std::to_string(wrong) + "; 1 to 4"), std::string::npos);
+        EXPECT_NE(refused.error().text().find(std::to_string(wrong) + " is not within 1..4"), std::string::npos);
     }
     EXPECT_TRUE(Crowd().outputs(0).empty());
     EXPECT_EQ(Crowd().frame_slot_count(), 0u);
@@ -195,7 +195,7 @@ TEST_F(FramesInFlight, AreDrawnFromTheirSlots) {
 }
 
 // prepare() makes all that drawing a crowd needs. The first picture then creates no pipeline and submits nothing.
-TEST_F(FramesInFlight, ARendererIsReadyWhereItHasBeenPrepared) {
+TEST_F(FramesInFlight, APreparedRendererIsReadyToDraw) {
     if (test_gpu()->is_native()) GTEST_SKIP() << "it has no command buffers";
     Crowd crowd = create(settings(true));
     set(crowd);

@@ -20,9 +20,9 @@ namespace throng::test {
 namespace {
 
 // Two crowds with groups of all kinds, which get the same calls.
-class Twins {
+class CrowdPair {
 public:
-    Twins() {
+    CrowdPair() {
         CrowdSettings settings{.path = UpdatePath::kDevice,
                                .keep_previous_matrices = true,
                                .culling = Culling{.skips_updates = true},
@@ -75,7 +75,7 @@ public:
                 // same calls.
                 case 9: set_was_refused_.push_back(refusal(crowd.set_pose(InstanceHandle{posed}, pose, fade_s))); break;
                 case 10: EXPECT_TRUE(crowd.request_poses(InstanceHandle{posed})); break;
-                default: born_or_gone(crowd, any % 2 == 0, moved);
+                default: spawn_or_despawn(crowd, any % 2 == 0, moved);
             }
         }
         if (kind == 9) {
@@ -89,10 +89,10 @@ public:
         const auto drawn = [](const DrawnInstance& one) { return std::pair(one.instance, one.lod); };
         const std::vector<DrawnInstance> all[2] = {drawn_of(crowds[0]), drawn_of(crowds[1])};
         EXPECT_TRUE(std::ranges::equal(all[0], all[1], {}, drawn, drawn)) << where;
-        const std::vector<Feedback> told[2] = {std::move(*crowds[0].feedback()), std::move(*crowds[1].feedback())};
-        ASSERT_EQ(told[0].size(), 1u) << where;
-        ASSERT_EQ(told[1].size(), 1u) << where;
-        const Feedback &a = told[0][0], &b = told[1][0];
+        const std::vector<Feedback> feedback[2] = {std::move(*crowds[0].feedback()), std::move(*crowds[1].feedback())};
+        ASSERT_EQ(feedback[0].size(), 1u) << where;
+        ASSERT_EQ(feedback[1].size(), 1u) << where;
+        const Feedback &a = feedback[0][0], &b = feedback[1][0];
         EXPECT_EQ(a.update, b.update) << where;
         const auto event = [](const CharacterEvent& one) {
             return std::tuple(one.instance.instance, one.instance.generation, one.event, one.layer, one.time_s);
@@ -128,8 +128,8 @@ public:
 private:
     static constexpr uint32_t kEach = 12;
     // Spawns an instance in the last group, or despawns its first one.
-    static void born_or_gone(Crowd& crowd, bool is_born, const Affine& place) {
-        if (is_born && *crowd.alive_count(4) < kEach) {
+    static void spawn_or_despawn(Crowd& crowd, bool spawns, const Affine& place) {
+        if (spawns && *crowd.alive_count(4) < kEach) {
             EXPECT_TRUE(crowd.spawn(4, {&place, 1}));
             return;
         }
@@ -154,33 +154,33 @@ private:
 
 // The second crowd also records frames that are randomly dropped, with changes before the record and between the record
 // and its discard.
-TEST(Frames, DroppedAtRandomCostNothing) {
-    Twins twins;
-    Crowd& dropping = twins.crowds[1];
+TEST(Frames, RandomlyDroppedFramesHaveNoEffect) {
+    CrowdPair pair;
+    Crowd& dropping = pair.crowds[1];
     Recorder recorder;
     Random random(31);
     uint32_t dropped = 0;
     for (int update = 0; update < 40; ++update) {
-        for (uint32_t i = random.below(30); i > 0; --i) twins.change(random);
-        const CrowdView view = twins.view(random);
+        for (uint32_t i = random.below(30); i > 0; --i) pair.change(random);
+        const CrowdView view = pair.view(random);
         while (random.chance(0.4)) {
             const auto step_s = static_cast<float>(random.between(0, 0.2));
             recorder.record([&](VkCommandBuffer commands) {
                 EXPECT_TRUE(dropping.record(commands, step_s, random.chance(0.8) ? &view : nullptr));
             });
-            for (uint32_t i = random.below(4); i > 0; --i) twins.change(random);
+            for (uint32_t i = random.below(4); i > 0; --i) pair.change(random);
             const Result<void> discarded = dropping.discard_last_record();
             ASSERT_TRUE(discarded) << discarded.error().text();
             ++dropped;
         }
         const auto step_s = static_cast<float>(random.between(0, 0.1));
         const CrowdView* seen = random.chance(0.9) ? &view : nullptr;
-        for (Crowd& crowd : twins.crowds) ASSERT_TRUE(crowd.update(step_s, seen));
-        twins.expect_same("update " + std::to_string(update));
+        for (Crowd& crowd : pair.crowds) ASSERT_TRUE(crowd.update(step_s, seen));
+        pair.expect_same("update " + std::to_string(update));
     }
     EXPECT_GT(dropped, 10u);
-    EXPECT_GT(twins.event_count, 0u);
-    EXPECT_GT(twins.pose_count, 0u);
+    EXPECT_GT(pair.event_count, 0u);
+    EXPECT_GT(pair.pose_count, 0u);
 }
 
 struct DrivenCrowd {
@@ -189,7 +189,7 @@ struct DrivenCrowd {
     Crowd crowd = create({.groups = {{.character = &character, .instance_count = 4, .controller = &controller}}});
 };
 
-TEST(Frames, ManyDroppedInARowCostNothing) {
+TEST(Frames, ManyDiscardedInARowHaveNoEffect) {
     DrivenCrowd driven;
     Recorder recorder;
     for (int frame = 0; frame < 20; ++frame) {
@@ -201,7 +201,7 @@ TEST(Frames, ManyDroppedInARowCostNothing) {
     EXPECT_EQ(driven.crowd.feedback()->size(), 1u);
 }
 
-TEST(Frames, OneDroppedWithoutAWordStopsNothing) {
+TEST(Frames, OneUnreportedDropDoesNotBlockUpdates) {
     DrivenCrowd driven;
     Recorder recorder;
     ASSERT_TRUE(driven.crowd.update(0.1f));
@@ -210,7 +210,7 @@ TEST(Frames, OneDroppedWithoutAWordStopsNothing) {
     EXPECT_LE(driven.crowd.feedback()->size(), 4u) << "of those that ran";
 }
 
-TEST(Frames, AllDroppedWithoutAWordAreNamed) {
+TEST(Frames, RepeatedUnreportedDropsAreRefused) {
     DrivenCrowd driven;
     Recorder recorder;
     std::string last;
@@ -248,7 +248,7 @@ FailingStage& add_failing_stage(const Crowd& crowd) {
     return static_cast<FailingStage&>(*state.stages.back());
 }
 
-TEST(Frames, AnUpdateThatHasFailedIsNotDiscarded) {
+TEST(Frames, AFailedRecordCannotBeDiscarded) {
     DrivenCrowd driven;
     FailingStage& stage = add_failing_stage(driven.crowd);
     Recorder recorder;
@@ -262,7 +262,7 @@ TEST(Frames, AnUpdateThatHasFailedIsNotDiscarded) {
 }
 
 // Also if the update was for a view with occlusion, whose second half can no longer be recorded.
-TEST(Frames, AnUpdateThatHasFailedIsRestored) {
+TEST(Frames, RestoreStateWorksAfterAFailedUpdate) {
     const Character character = small_character();
     Crowd crowd = create({.groups = {{&character, 2}}, .culling = Culling{}});
     FailingStage& stage = add_failing_stage(crowd);
@@ -279,7 +279,7 @@ TEST(Frames, AnUpdateThatHasFailedIsRestored) {
 }
 
 // The buffers' initial contents are uploaded again, since they were part of the failed update.
-TEST(Frames, AFirstUpdateThatHasFailedIsRestored) {
+TEST(Frames, RestoreStateWorksAfterAFailedFirstUpdate) {
     const Character character = small_character();
     const auto make = [&] { return create({.groups = {{&character, 2}}, .path = UpdatePath::kDevice}); };
     Crowd crowd = make(), twin = make();
@@ -295,7 +295,7 @@ TEST(Frames, AFirstUpdateThatHasFailedIsRestored) {
 }
 
 // The next update is the instance's first, as if nothing had been recorded.
-TEST(Frames, WhoIsSpawnedBeforeADiscardIsNewInTheNextUpdate) {
+TEST(Frames, InstancesSpawnedBeforeADiscardAreNewInTheNextUpdate) {
     const Character character = creature(20, 8);
     Recorder recorder;
     std::array<Crowd, 2> crowds;
@@ -339,9 +339,9 @@ TEST(Frames, PoseRequestsOfADiscardedRecordAreSaved) {
     std::vector<uint32_t> shown;
     for (int update = 0; update < 2; ++update) {
         ASSERT_TRUE(crowd.update(0));
-        const Result<std::vector<Feedback>> told = crowd.feedback();
-        ASSERT_TRUE(told);
-        for (const Feedback& one : *told)
+        const Result<std::vector<Feedback>> feedback = crowd.feedback();
+        ASSERT_TRUE(feedback);
+        for (const Feedback& one : *feedback)
             for (const ShownPose& pose : one.poses) shown.push_back(pose.instance.instance);
     }
     EXPECT_EQ(shown, (std::vector<uint32_t>{0, 1, 2, 3}));
@@ -393,11 +393,12 @@ TEST(Frames, OutputsMayBeBoundAsVertexBuffers) {
 }
 
 // Calls that depend on a recorded update return an error while it has neither run nor been discarded.
-TEST(Frames, WhatHasNotRunIsNotRead) {
+TEST(Frames, PendingUpdatesAreNotRead) {
     DrivenCrowd driven;
     Crowd& crowd = driven.crowd;
     Recorder recorder;
-    EXPECT_NE(refusal(crowd.read_skin_matrices(InstanceHandle{0})).find("read-back: no update of "), std::string::npos);
+    EXPECT_NE(refusal(crowd.read_skin_matrices(InstanceHandle{0})).find("read-back: no update has written results of "),
+              std::string::npos);
     for (const bool runs : {true, false}) {
         const VkCommandBuffer commands = recorder.record(
             [&](VkCommandBuffer into) { EXPECT_TRUE(crowd.record(into, 0.1f)); });
@@ -423,7 +424,7 @@ TEST(Frames, WhatHasNotRunIsNotRead) {
 }
 
 // Adding and removing groups in between does not make a pending update count as run.
-TEST(Frames, WhatHasNotRunIsNotSavedWhenGroupsHaveChanged) {
+TEST(Frames, PendingUpdatesAreNotSavedAfterAddingGroups) {
     const Character character = creature(20, 8);
     const CrowdSettings settings{.groups = {{.character = &character, .instance_count = 1}},
                                  .path = UpdatePath::kDevice};
@@ -445,7 +446,7 @@ TEST(Frames, WhatHasNotRunIsNotSavedWhenGroupsHaveChanged) {
 }
 
 // Discarding one update does not hide that the one before it is pending.
-TEST(Frames, WhatHasNotRunIsNotSavedWhenTheNextIsDiscarded) {
+TEST(Frames, PendingUpdatesAreNotSavedAfterADiscard) {
     const Character character = creature(20, 8);
     Crowd crowd = create({.groups = {{.character = &character, .instance_count = 1}}, .path = UpdatePath::kDevice});
     ASSERT_TRUE(crowd.update(0.1f));
@@ -460,7 +461,7 @@ TEST(Frames, WhatHasNotRunIsNotSavedWhenTheNextIsDiscarded) {
 }
 
 // A pending update is not drawn either. Once it has been submitted, it can be drawn at once.
-TEST(Frames, WhatHasNotRunIsNotDrawn) {
+TEST(Frames, PendingUpdatesAreNotDrawn) {
     const Character character = creature(20, 8);
     const Camera camera{.eye = {0, 0, 3 * character.size}, .target = {0, 0, 0}};
     for (const DrawPath path : {DrawPath::kAuto, DrawPath::kDevice}) {
@@ -487,7 +488,7 @@ TEST(Frames, WhatHasNotRunIsNotDrawn) {
 }
 
 // More pending updates than the crowd keeps track of. The crowd has no feedback, which would refuse the fifth.
-TEST(Frames, TheLastOfManyDroppedWithoutAWordIsNotRead) {
+TEST(Frames, TheLastOfManyUnreportedDropsIsNotRead) {
     const Character character = creature(20, 8);
     Crowd crowd = create({.groups = {{.character = &character, .instance_count = 2}}});
     ASSERT_TRUE(crowd.update(0.1f));

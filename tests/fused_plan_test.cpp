@@ -78,7 +78,7 @@ TEST(Fused, SubgroupsShareTheCharactersOfSmallCrowds) {
 
 // A method that is asked for by name has a tile of 2 characters and 64 lanes: 2 * joints * 32 bytes of similarities, or
 // 48 of affines, and 64 slots of the same size beside it.
-TEST(Fused, ATileMustFit) {
+TEST(Fused, TheTileMustFitInSharedMemory) {
     const auto plan_of = [](const char* method, uint32_t joint_count) {
         return plan_fused({find_scan_method(method), 32}, FusedRig(character_of(joint_count, 0)), kHardware);
     };
@@ -92,7 +92,7 @@ TEST(Fused, ATileMustFit) {
 }
 
 // To the byte: the tile, and at least an element of each array that the method declares.
-TEST(Fused, SharedMemoryIsTheTileAndTheMethodsOwn) {
+TEST(Fused, SharedMemoryIsTheTileAndTheMethodsArrays) {
     const FusedRig rig(character_of(1, 0.1));
     for (const char* name : {"doubling", "levels", "blocks64", "compressed"}) {
         ScanLimits limits = kHardware;
@@ -159,7 +159,7 @@ TEST(Fused, TablesAreNamedWhereTheDeviceCannotReadThem) {
                                           " (maxTexelBufferElements)");
 }
 
-TEST(Fused, WhatDoesNotFitIsStagedUnlessAskedFor) {
+TEST(Fused, LargeRigsAreStagedUnlessFusedIsRequested) {
     const Character large = make_character({.name = "large",
                                             .joint_count = 65535,
                                             .shape = RigShape::kBushy,

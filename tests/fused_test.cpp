@@ -20,25 +20,27 @@ namespace {
 // Rows of several characters per subgroup, and of several rounds. The other kernels differ only in numbers.
 const test::InSubset kFusedInSubsets({test::Subset::kGpuAssisted},
                                      {"Fused/FusedMethod.*", "Fused/FusedRows.*/3", "Fused/FusedRows.*/300",
-                                      "Fused.RowsOfScalesFollowTheReference", "Fused.KeysAreReadWhereThereAreNoRows",
+                                      "Fused.RowsWithUniformScaleFollowTheReference",
+                                      "Fused.KeysAreReadIfRowsAreUnavailable",
                                       "Fused.AnyNumberOfSubgroupsYieldsTheSameBits",
                                       "Fused.SimilaritiesOfMirrorsAndHalfTurns"});
 const test::InSubset kFusedOnOtherDrivers({test::Subset::kOtherDriver},
                                           {"-Fused/FusedMethod.*_1", "-Fused/FusedMethod.*_300"});
 const test::InSubset kFusedWithOtherSubgroups({test::Subset::kSubgroups},
-                                              {"Fused.*", "Fused/*", "-Fused.WhatDoesNotFitIsStagedUnlessAskedFor"});
+                                              {"Fused.*", "Fused/*",
+                                               "-Fused.LargeRigsAreStagedUnlessFusedIsRequested"});
 // Methods that exchange values through registers; only `stream` reads rows.
 const test::InSubset kFusedWithWideSubgroups({test::Subset::kWideSubgroups},
                                              {"Fused/FusedMethod.*/stream*", "Fused/FusedMethod.*/subgroup*",
                                               "Fused/FusedMethod.*/fragments*", "Fused/FusedRows.*", "Fused.AnyNumber*",
-                                              "Fused.RowsOfScalesFollowTheReference"});
+                                              "Fused.RowsWithUniformScaleFollowTheReference"});
 const test::InSubset kFusedNatively({test::Subset::kNative},
                                     {"Fused.*", "Fused/FusedMethod.*", "-Fused.AGpuTakesTheFirstMethodThatFits",
-                                     "-Fused.SharedMemoryIsTheTileAndTheMethodsOwn",
+                                     "-Fused.SharedMemoryIsTheTileAndTheMethodsArrays",
                                      "-Fused.TooFewStorageBuffersAreAnObstacle",
                                      "-Fused.TablesAreNamedWhereTheDeviceCannotReadThem",
-                                     "-Fused.WhatDoesNotFitIsStagedUnlessAskedFor", "-Fused.Rows*",
-                                     "-Fused.KeysAreReadWhereThereAreNoRows"});
+                                     "-Fused.LargeRigsAreStagedUnlessFusedIsRequested", "-Fused.Rows*",
+                                     "-Fused.KeysAreReadIfRowsAreUnavailable"});
 
 using namespace test;
 
@@ -166,7 +168,7 @@ Character evenly_scaled() {
     return compiled(asset);
 }
 
-TEST(Fused, RowsOfScalesFollowTheReference) {
+TEST(Fused, RowsWithUniformScaleFollowTheReference) {
     if (!has_scan("stream")) GTEST_SKIP() << "no stream here";
     const Character character = evenly_scaled();
     Random random(3);
@@ -179,7 +181,7 @@ TEST(Fused, RowsOfScalesFollowTheReference) {
     EXPECT_LE(crowd_error(crowd, character, playbacks), 2 * kPoseBound);
 }
 
-TEST(Fused, KeysAreReadWhereThereAreNoRows) {
+TEST(Fused, KeysAreReadIfRowsAreUnavailable) {
     if (!has_scan("stream")) GTEST_SKIP() << "no stream here";
     const Character uneven = make_character({.joint_count = 20, .scale_spread = 0.1});
     const Character even = make_character({.joint_count = 20, .scale_spread = 0});
@@ -192,7 +194,7 @@ TEST(Fused, KeysAreReadWhereThereAreNoRows) {
 
 // A few instances share a subgroup's lanes; many have one lane each; more than fill a workgroup leave the last one
 // partly empty.
-TEST(Fused, AnyNumberOfInstances) {
+TEST(Fused, AnyNumberOfInstancesFollowsTheReference) {
     const Character character = packed_character({.joint_count = 70, .seed = 3});
     size_t scan_count = 0;
     for (const char* scan : {"serial", "subgroup:1", "subgroup:8", "fragments", "stream", "stream:4"}) {
@@ -255,7 +257,7 @@ TEST(Fused, AnyNumberOfSubgroupsYieldsTheSameBits) {
 }
 
 // Joints that only turn are processed in a separate loop. In the second asset, half of the joints only turn.
-TEST(Fused, JointsThatOnlyTurn) {
+TEST(Fused, JointsThatOnlyRotateFollowTheReference) {
     constexpr uint32_t kJoints = 60, kInstances = 19;
     for (const uint32_t turning_count : {kJoints, kJoints / 2}) {
         Asset asset = make_asset({.joint_count = kJoints, .shape = RigShape::kChain, .seed = 31});
@@ -289,7 +291,7 @@ TEST(Fused, JointsThatOnlyTurn) {
 }
 
 // A separate kernel for one clip per instance is used while no instance blends.
-TEST(Fused, OneClipAndTwoTakeTurns) {
+TEST(Fused, SwitchesBetweenOneClipAndBlending) {
     const Character character = packed_character({.joint_count = 40, .seed = 8});
     Crowd crowd = create({.groups = {{&character, 20}}, .path = UpdatePath::kFused, .keep_model_matrices = true});
     Random random(4);
@@ -334,7 +336,7 @@ TEST(Fused, EveryFormatOnBothPathsStaysWithinItsError) {
     }
 }
 
-TEST(Fused, SimilaritiesAreRefusedWhereTheyCannotHoldTheMatrices) {
+TEST(Fused, SimilaritiesAreRefusedIfTheyCannotHoldTheMatrices) {
     const Character scaled = make_character({.joint_count = 20, .scale_spread = 0.1});
     Character sheared = make_character({.joint_count = 20, .scale_spread = 0});
     sheared.palette[3].joint_from_bind.row[0][1] += 0.5f;
@@ -394,7 +396,7 @@ TEST(Fused, PreviousMatricesAreThoseOfTheUpdateBefore) {
     EXPECT_FALSE(has_output(without.outputs()[0], &OutputBlock::previous_skin));
 }
 
-TEST(Fused, ThreadsThatAMethodDoesNotHaveAreRefusedOnEveryPath) {
+TEST(Fused, UnsupportedThreadCountsAreRefusedOnEveryPath) {
     const Character character = small_character();
     for (const UpdatePath path : {UpdatePath::kAuto, UpdatePath::kFused, UpdatePath::kStaged})
         for (const char* scan : {"serial:7", "subgroup:3"}) {

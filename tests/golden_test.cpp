@@ -35,7 +35,7 @@ void expect_golden(const Golden& golden, const Character& character, CrowdSettin
     report(golden, label, worst, bounds);
 }
 
-TEST(Golden, EveryScanMethodOnTheGpu) {
+TEST(Golden, EveryScanMethodMatchesOnTheGpu) {
     THRONG_SKIP_WITHOUT(shared_folder("goldens"));
     for (const Golden& golden : load_goldens())
         for (const ScanMethodInfo& method : scan_methods()) {
@@ -48,7 +48,7 @@ TEST(Golden, EveryScanMethodOnTheGpu) {
         }
 }
 
-TEST(Golden, InOnePassOnTheGpu) {
+TEST(Golden, FusedUpdatesMatchOnTheGpu) {
     THRONG_SKIP_WITHOUT(shared_folder("goldens"));
     constexpr double kAnyMatrix = 1;
     for (const Golden& golden : load_goldens()) {

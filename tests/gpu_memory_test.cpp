@@ -45,7 +45,7 @@ struct RangesModel {
     std::vector<bool> used;
 };
 
-TEST(FreeRanges, GiveWhatIsFreeAndNothingElse) {
+TEST(FreeRanges, GiveOnlyFreeRanges) {
     constexpr uint64_t kSize = 3000;
     std::mt19937 random(1);
     const auto below = [&](uint32_t end) { return std::uniform_int_distribution<uint32_t>(0, end - 1)(random); };
@@ -85,7 +85,7 @@ TEST(FreeRanges, GiveWhatIsFreeAndNothingElse) {
 
 // ---- Blocks
 
-TEST(GpuMemory, BlocksAreSharedGrowAndGo) {
+TEST(GpuMemory, BlocksAreSharedAndGrowAndAreFreed) {
     const Device device = another_device();
     Gpu& gpu = *device.gpu();
     ASSERT_EQ(gpu.memory.block_count(), 0u);
@@ -115,7 +115,7 @@ TEST(GpuMemory, BlocksAreSharedGrowAndGo) {
     EXPECT_EQ(gpu.memory.block_count(), 0u);
 }
 
-TEST(GpuMemory, ReadBacksDoNotAskTheDriverEachTime) {
+TEST(GpuMemory, ReadBacksReuseTheirMemory) {
     const Device device = another_device();
     const std::vector<uint32_t> values(1000, 7);
     const Buffer buffer = upload(device.gpu(), "values", values);
@@ -130,7 +130,7 @@ TEST(GpuMemory, ReadBacksDoNotAskTheDriverEachTime) {
     EXPECT_EQ(blocks.block_count(), 1u);
 }
 
-TEST(GpuMemory, OfBlocksThatAreEmptyOneIsKept) {
+TEST(GpuMemory, OneEmptyBlockIsKept) {
     const Device device = another_device();
     for (const bool keeps_empty : {true, false}) {
         MemoryBlocks blocks(*device.gpu(), keeps_empty);
@@ -148,7 +148,7 @@ TEST(GpuMemory, OfBlocksThatAreEmptyOneIsKept) {
 }
 
 // Each thread writes its number into the memory that it takes, and must find it there when it gives the memory back.
-TEST(GpuMemory, ThreadsDoNotGetEachOthersParts) {
+TEST(GpuMemory, ThreadsDoNotShareMemory) {
     const Device device = another_device();
     Gpu& gpu = *device.gpu();
     uint32_t type = 0;
@@ -188,7 +188,7 @@ VKAPI_ATTR VkResult VKAPI_CALL allocate_little(VkDevice device, const VkMemoryAl
     return driver_allocate(device, info, callbacks, memory);
 }
 
-TEST(GpuMemory, WhereABlockDoesNotFitWhatIsNeededMay) {
+TEST(GpuMemory, FallsBackToTheNeededSizeIfABlockDoesNotFit) {
     const Device device = another_device();
     Gpu& gpu = *device.gpu();
     driver_allocate = std::exchange(gpu.vk.vkAllocateMemory, &allocate_little);
@@ -213,7 +213,7 @@ VKAPI_ATTR void VKAPI_CALL free_and_have_more(VkDevice device, VkDeviceMemory me
     max_allocated_bytes = 64 * kMiB;
 }
 
-TEST(GpuMemory, WhatIsKeptGoesWhereMemoryIsOut) {
+TEST(GpuMemory, KeptBlocksAreFreedIfMemoryRunsOut) {
     const Device device = another_device();
     Gpu& gpu = *device.gpu();
     const uint32_t type = 0;
@@ -247,7 +247,7 @@ VKAPI_ATTR VkResult VKAPI_CALL allocate_of_second(VkDevice device, const VkMemor
     return driver_allocate(device, &of_driver, callbacks, memory);
 }
 
-TEST(GpuMemory, OfAnotherHeapIsTakenWhereTheBestHasNoneLeft) {
+TEST(GpuMemory, AnotherHeapIsUsedIfTheBestIsFull) {
     const Device device = another_device();
     Gpu& gpu = *device.gpu();
     if (gpu.memory_properties.memoryTypeCount != 1) GTEST_SKIP() << "the test device has several memory types";
@@ -302,7 +302,7 @@ TEST(Uploads, AreSubmittedTogether) {
     EXPECT_EQ(download<uint32_t>(gpu, empty), std::vector<uint32_t>(4, 0));
 }
 
-TEST(Uploads, BeyondTheirStagingMemoryAreSubmittedOnTheWay) {
+TEST(Uploads, ThatExceedTheStagingMemoryAreSubmittedEarly) {
     const std::shared_ptr<Gpu>& gpu = test_gpu();
     const uint64_t before = gpu->counts.submissions;
     const std::vector<size_t> counts{7 * kMiB, 7 * kMiB, 7 * kMiB, 18 * kMiB, 1000};  // words: 28, 28, 28, 72 MiB
@@ -316,7 +316,7 @@ TEST(Uploads, BeyondTheirStagingMemoryAreSubmittedOnTheWay) {
 }
 
 // The validation layer would report a copy to a destroyed buffer.
-TEST(Uploads, TheTargetMayBeGone) {
+TEST(Uploads, TheTargetMayBeDestroyedBeforeFinish) {
     Uploads uploads(test_gpu());
     Buffer buffer = upload(uploads, "numbers", random_numbers(100, 1));
     buffer = upload(uploads, "other numbers", random_numbers(200, 2));
@@ -324,7 +324,7 @@ TEST(Uploads, TheTargetMayBeGone) {
     EXPECT_EQ(download<uint32_t>(test_gpu(), buffer), random_numbers(200, 2));
 }
 
-TEST(Uploads, ThatAreNotFinishedSubmitNothing) {
+TEST(Uploads, UnfinishedUploadsSubmitNothing) {
     const uint64_t before = test_gpu()->counts.submissions;
     {
         Uploads uploads(test_gpu());
@@ -394,7 +394,7 @@ TEST(GpuMemory, ACrowdOfManyGroupsAsksLittleOfTheDriver) {
     if (test_gpu()->uses_software_kernels()) make_crowds(false, "stream");  // as on GPUs
 }
 
-TEST(GpuMemory, WhereItIsUpdatedNativelyItMakesNoPipelines) {
+TEST(GpuMemory, NativelyUpdatedCrowdsMakeNoPipelines) {
     if (!test_gpu()->processor) GTEST_SKIP() << "the test device is no software device";
     make_crowds(true);
 }

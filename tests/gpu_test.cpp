@@ -77,7 +77,7 @@ TEST(Gpu, BuffersMove) {
     EXPECT_EQ(download<uint32_t>(test_gpu(), c), (std::vector<uint32_t>{5, 6, 7, 8}));
 }
 
-TEST(Gpu, AStorageBufferBeyondTheDevicesRangeIsRefusedWithBothNumbers) {
+TEST(Gpu, AStorageBufferBeyondTheDevicesRangeIsRefused) {
     const uint64_t limit = test_gpu()->properties.limits.maxStorageBufferRange;
     const Error error = error_of(
         [&] { Buffer(test_gpu(), "the keys", limit + 16, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT); });
@@ -105,7 +105,8 @@ TEST(Gpu, AWrongDispatchIsRefused) {
         run_on_gpu([&](VkCommandBuffer commands) { kernel.dispatch_invocations(commands, bindings, uint64_t{0}, 1); });
     });
     EXPECT_EQ(push.code, ErrorCode::kInvalidArgument);
-    EXPECT_TRUE(contains(push.text(), "control") && contains(push.text(), "16 bytes, not 8")) << push.text();
+    EXPECT_TRUE(contains(push.text(), "control") && contains(push.text(), "16 bytes of push constants, not 8"))
+        << push.text();
 
     const uint32_t limit = test_gpu()->properties.limits.maxComputeWorkGroupCount[0];
     if (limit < UINT32_MAX) {
@@ -122,7 +123,7 @@ TEST(Gpu, AWrongDispatchIsRefused) {
         (void)kernel.bind({{io::kPlaybacksBuffer, buffer}, {io::kTimelineBuffer, buffer}});
     });
     EXPECT_EQ(missing.code, ErrorCode::kInvalidArgument);
-    EXPECT_EQ(missing.text(), "control: there is no buffer of times");
+    EXPECT_EQ(missing.text(), "control: buffer 'times' is missing");
 }
 
 TEST(Gpu, TheWorkgroupSizeIsGivenExactlyWhereTheShaderLeavesItOpen) {
@@ -145,7 +146,7 @@ std::vector<uint32_t> storage_bindings(const SpirvInfo& info) {
     return out;
 }
 
-TEST(Gpu, SpirvTellsWhatAShaderNeeds) {
+TEST(Gpu, SpirvInfoHasWhatAShaderNeeds) {
     const auto expect = [](const char* name, std::span<const uint32_t> spirv, const std::vector<uint32_t>& bindings,
                            size_t push_bytes, uint32_t local_size) {
         const SpirvInfo info = read_spirv(spirv);
@@ -188,7 +189,7 @@ TEST(Gpu, SpirvTellsWhatAShaderNeeds) {
     EXPECT_EQ(error_of([] { scan_shaders("no such method"); }).code, ErrorCode::kInvalidArgument);
 }
 
-TEST(Gpu, SpirvTellsSetsAndKinds) {
+TEST(Gpu, SpirvInfoHasSetsAndKinds) {
     using Found = std::tuple<uint32_t, uint32_t, BindingKind>;
     const SpirvInfo info = read_spirv(kCharacterSpirv);
     std::vector<Found> found;
@@ -203,7 +204,7 @@ TEST(Gpu, SpirvTellsSetsAndKinds) {
     EXPECT_EQ(keys->kind, BindingKind::kTexels);
 }
 
-TEST(Gpu, WhatIsNoSpirvIsRefused) {
+TEST(Gpu, InvalidSpirvIsRefused) {
     EXPECT_EQ(error_of([] { read_spirv({}); }).code, ErrorCode::kInvalidArgument);
     std::vector<uint32_t> words(kernels::control.plain.begin(), kernels::control.plain.end());
     EXPECT_EQ(error_of([&] { read_spirv(std::span(words).first(6)); }).code, ErrorCode::kInvalidArgument)
@@ -275,7 +276,7 @@ std::map<std::string, Layout> layouts_in_spirv(std::span<const uint32_t> words) 
     return out;
 }
 
-TEST(Gpu, StructsLieAlikeInCppAndInTheShaders) {
+TEST(Gpu, StructLayoutsMatchInCppAndShaders) {
     const std::map<std::string, Layout> cpp = layouts_in_cpp(), spirv = layouts_in_spirv(kLayoutSpirv);
     for (const auto& [name, layout] : cpp) {
         const auto found = spirv.find(name);

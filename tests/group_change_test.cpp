@@ -98,38 +98,38 @@ TEST_F(GroupChanges, HandlesOfRemovedGroupsAreRefused) {
     ASSERT_TRUE(crowd.add_groups(create(settings(4, 4))));
     go_on(crowd);
     for (const uint32_t group : {0u, 1u}) {
-        const InstanceHandle gone = there_in(crowd, group)[1];
+        const InstanceHandle removed = alive_in(crowd, group)[1];
         ASSERT_TRUE(crowd.remove_group(group));
-        const std::string why = "instance " + std::to_string(gone.instance) +
-                                " of generation 0 is not there: its group has been removed";
-        EXPECT_FALSE(crowd.is_alive(gone));
-        EXPECT_EQ(refusal(crowd.despawn(gone)), "despawn: " + why);
-        EXPECT_EQ(refusal(crowd.read_skin_matrices(gone)), "read-back: " + why);
-        EXPECT_EQ(refusal(crowd.read_positions(gone)), "read-back: " + why);
+        const std::string why = "instance " + std::to_string(removed.instance) +
+                                " of generation 0 is gone: its group has been removed";
+        EXPECT_FALSE(crowd.is_alive(removed));
+        EXPECT_EQ(refusal(crowd.despawn(removed)), "despawn: " + why);
+        EXPECT_EQ(refusal(crowd.read_skin_matrices(removed)), "read-back: " + why);
+        EXPECT_EQ(refusal(crowd.read_positions(removed)), "read-back: " + why);
     }
 }
 
-TEST_F(GroupChanges, NumbersAreGivenAgainAndHandlesAreNot) {
+TEST_F(GroupChanges, NumbersAreReusedButHandlesAreNot) {
     Crowd crowd = create(settings(3));
     EXPECT_EQ(crowd.add_groups(create(settings(4, 4))).value(), std::vector<uint32_t>{1});
     EXPECT_EQ(crowd.add_groups(create(settings(2))).value(), std::vector<uint32_t>{2});
     EXPECT_EQ(crowd.instance_count(), 9u);
-    const std::vector<InstanceHandle> gone = there_in(crowd, 1), last = there_in(crowd, 2);
-    EXPECT_EQ(gone.front(), (InstanceHandle{3, 0}));
+    const std::vector<InstanceHandle> removed = alive_in(crowd, 1), last = alive_in(crowd, 2);
+    EXPECT_EQ(removed.front(), (InstanceHandle{3, 0}));
     EXPECT_EQ(last.front(), (InstanceHandle{7, 0}));
     go_on(crowd);
-    ASSERT_TRUE(crowd.despawn({&gone[0], 1}));
+    ASSERT_TRUE(crowd.despawn({&removed[0], 1}));
     ASSERT_TRUE(crowd.remove_group(1));
     EXPECT_EQ(crowd.instance_count(), 9u);
-    for (const InstanceHandle& one : gone) EXPECT_FALSE(crowd.is_alive(one));
+    for (const InstanceHandle& one : removed) EXPECT_FALSE(crowd.is_alive(one));
     EXPECT_TRUE(crowd.is_alive(last[1]));
-    EXPECT_EQ(refusal(crowd.set_placement(gone[1], Affine{})), "placement: instance 4 of generation 0 is not there");
+    EXPECT_EQ(refusal(crowd.set_placement(removed[1], Affine{})), "placement: instance 4 of generation 0 is not alive");
     EXPECT_EQ(refusal(crowd.set_placement(crowd.instances(), Affine{})),
-              "placement: instance 3 is not there: its group has been removed");
+              "placement: instance 3 is gone: its group has been removed");
     EXPECT_EQ(refusal(crowd.instances(1)), "crowd: group 1 has been removed");
     EXPECT_EQ(refusal(crowd.spawn(1, {})), "crowd: group 1 has been removed");
     EXPECT_FALSE(crowd.handle(3));
-    EXPECT_FALSE(crowd.read_skin_matrices(gone[1]));
+    EXPECT_FALSE(crowd.read_skin_matrices(removed[1]));
     go_on(crowd);
 
     // The groups of two and one fit into the gap, a group of three does not
@@ -137,10 +137,10 @@ TEST_F(GroupChanges, NumbersAreGivenAgainAndHandlesAreNot) {
     small.groups.push_back({.character = &other_character_, .instance_count = 1});
     EXPECT_EQ(crowd.add_groups(create(small)).value(), (std::vector<uint32_t>{1, 3}));
     EXPECT_EQ(crowd.add_groups(create(settings(3, 3))).value(), std::vector<uint32_t>{4});
-    EXPECT_EQ(there_in(crowd, 1), (std::vector<InstanceHandle>{{3, 2}, {4, 2}}));
-    EXPECT_EQ(there_in(crowd, 3), (std::vector<InstanceHandle>{{5, 2}}));
-    EXPECT_EQ(there_in(crowd, 4).front(), (InstanceHandle{9, 2}));
-    EXPECT_FALSE(crowd.is_alive(gone[1]));
+    EXPECT_EQ(alive_in(crowd, 1), (std::vector<InstanceHandle>{{3, 2}, {4, 2}}));
+    EXPECT_EQ(alive_in(crowd, 3), (std::vector<InstanceHandle>{{5, 2}}));
+    EXPECT_EQ(alive_in(crowd, 4).front(), (InstanceHandle{9, 2}));
+    EXPECT_FALSE(crowd.is_alive(removed[1]));
     ASSERT_TRUE(crowd.set_playback(*crowd.instances(3), {.first = {.clip = 0}}));
     go_on(crowd);
     EXPECT_EQ(crowd.read_model_matrices({5, 2}).error().text(),
@@ -152,7 +152,7 @@ TEST_F(GroupChanges, NumbersAreGivenAgainAndHandlesAreNot) {
 }
 
 // Feedback about a removed group's last updates has the handles that its instances had.
-TEST_F(GroupChanges, EventsOfThoseThatHaveGoneAreTheirs) {
+TEST_F(GroupChanges, EventsOfRemovedGroupsKeepTheirHandles) {
     const Controller dragon = example("dragon");
     CrowdSettings of = settings(2);
     of.groups[0].controller = &dragon;
@@ -163,7 +163,7 @@ TEST_F(GroupChanges, EventsOfThoseThatHaveGoneAreTheirs) {
     for (uint32_t generation = 0; generation < 3; ++generation) {
         ASSERT_EQ(crowd.add_groups(create(of)).value(), std::vector<uint32_t>{1});
         ASSERT_TRUE(crowd.set_parameter(*crowd.instances(1), parameter_of(dragon, "forward"), 1));
-        std::vector<InstanceHandle> watched = there_in(crowd, 1);
+        std::vector<InstanceHandle> watched = alive_in(crowd, 1);
         watched.push_back({1, 0});  // of the group that stays
         ASSERT_TRUE(crowd.watch(watched));
         for (int update = 0; update < 3; ++update) ASSERT_TRUE(crowd.update(0.7f));
@@ -188,7 +188,7 @@ TEST_F(GroupChanges, EventsOfThoseThatHaveGoneAreTheirs) {
 }
 
 // The added groups may need more feedback per watched instance than those before.
-TEST_F(GroupChanges, FeedbackGetsRoom) {
+TEST_F(GroupChanges, FeedbackGrowsWithAddedGroups) {
     const Controller dragon = example("dragon");
     CrowdSettings small = settings(2), large = settings(2);
     for (CrowdSettings* const of : {&small, &large}) {
@@ -215,7 +215,7 @@ TEST_F(GroupChanges, FeedbackGetsRoom) {
     }
 }
 
-TEST_F(GroupChanges, MemoryIsGivenBack) {
+TEST_F(GroupChanges, MemoryOfRemovedGroupsIsFreed) {
     for (const uint32_t in_flight : {1u, 4u}) {
         CrowdSettings of = settings(50);
         of.frames_in_flight = in_flight;
@@ -236,7 +236,7 @@ TEST_F(GroupChanges, MemoryIsGivenBack) {
 
 // Changes do not wait for recorded updates that have not run yet, in several slots of frames in flight. The initial
 // contents of a group's first frame are not lost if that frame is.
-TEST_F(GroupChanges, BetweenUpdatesThatAreUnderWay) {
+TEST_F(GroupChanges, CanBeMadeWhileUpdatesArePending) {
     if (test_gpu()->is_native()) GTEST_SKIP() << "nothing is recorded there";
     CrowdSettings of = settings(5);
     of.path = UpdatePath::kDevice;
@@ -283,7 +283,7 @@ TEST_F(GroupChanges, BetweenUpdatesThatAreUnderWay) {
 }
 
 // In the first update, the previous matrices equal the current ones.
-TEST_F(GroupChanges, WhatComesHasNotMoved) {
+TEST_F(GroupChanges, AddedGroupsStartWithoutMotion) {
     CrowdSettings of = settings(3);
     of.culling.reset();
     of.keep_previous_matrices = true;
@@ -300,7 +300,7 @@ TEST_F(GroupChanges, WhatComesHasNotMoved) {
     EXPECT_EQ(first.at("0: skin"), second.at("0: previous skin"));
 }
 
-TEST_F(GroupChanges, WhatHangsOnThoseThatGoStaysThere) {
+TEST_F(GroupChanges, AttachmentsOfRemovedCarriersStayInPlace) {
     CrowdSettings carriers = settings(2), carried = settings(2);
     carriers.groups[0].sockets = {3};
     carried.groups[0].is_carried = true;
@@ -308,20 +308,20 @@ TEST_F(GroupChanges, WhatHangsOnThoseThatGoStaysThere) {
     ASSERT_TRUE(crowd.add_groups(create(carriers)));
     ASSERT_TRUE(crowd.add_groups(create(carried)));
     ASSERT_TRUE(crowd.set_placement(*crowd.instances(1), to_affine(Trs<float>{.translation = {7, 0, 0}})));
-    const std::vector<InstanceHandle> things = there_in(crowd, 2);
-    ASSERT_TRUE(crowd.attach(things, Attachment{.carrier = there_in(crowd, 1)[1], .socket = 0}));
+    const std::vector<InstanceHandle> things = alive_in(crowd, 2);
+    ASSERT_TRUE(crowd.attach(things, Attachment{.carrier = alive_in(crowd, 1)[1], .socket = 0}));
     go_on(crowd, 2);
     const std::string hanging = contents_of_groups(crowd, {2}).at("0: placement");
     ASSERT_TRUE(crowd.remove_group(1));
     ASSERT_TRUE(crowd.add_groups(create(carriers)));
     go_on(crowd, 2);
     EXPECT_EQ(contents_of_groups(crowd, {2}).at("0: placement"), hanging);
-    ASSERT_TRUE(crowd.attach(things, Attachment{.carrier = there_in(crowd, 1)[1], .socket = 0}));
+    ASSERT_TRUE(crowd.attach(things, Attachment{.carrier = alive_in(crowd, 1)[1], .socket = 0}));
     go_on(crowd, 1);
     EXPECT_NE(contents_of_groups(crowd, {2}).at("0: placement"), hanging);
 }
 
-TEST_F(GroupChanges, RefusesWhatDoesNotGoTogether) {
+TEST_F(GroupChanges, IncompatibleCrowdsAreRefused) {
     Crowd crowd = create(settings(2));
     go_on(crowd);
     const auto refused = [&](const auto& change) {
@@ -333,7 +333,7 @@ TEST_F(GroupChanges, RefusesWhatDoesNotGoTogether) {
         EXPECT_TRUE(other.update(0.1f));
         return why;
     };
-    const std::string setting = "add groups: the other crowd has another CrowdSettings::";
+    const std::string setting = "add groups: the two crowds differ in CrowdSettings::";
     EXPECT_EQ(refused([](CrowdSettings& of) { of.skin_format = SkinFormat::kHalfAffine; }), setting + "skin_format");
     EXPECT_EQ(refused([](CrowdSettings& of) { of.skin_blend = SkinBlend::kDualQuaternion; }), setting + "skin_blend");
     EXPECT_EQ(refused([](CrowdSettings& of) { of.skins_once = true; }), setting + "skins_once");
@@ -341,29 +341,30 @@ TEST_F(GroupChanges, RefusesWhatDoesNotGoTogether) {
     EXPECT_EQ(refused([](CrowdSettings& of) { of.keep_previous_matrices = true; }), setting + "keep_previous_matrices");
     EXPECT_EQ(refused([](CrowdSettings& of) { of.frames_in_flight = 2; }), setting + "frames_in_flight");
     EXPECT_EQ(refused([](CrowdSettings& of) { of.culling.reset(); }),
-              setting + "culling, which is to be set there too (CrowdGroup::capacity sets it by itself)");
+              setting + "culling: the other one needs it too (a group with CrowdGroup::capacity turns it on)");
     EXPECT_EQ(refused([](CrowdSettings& of) { of.culling->skips_updates = true; }), setting + "Culling::skips_updates");
     EXPECT_EQ(refused([](CrowdSettings& of) { of.culling->reduces_joints = true; }),
               setting + "Culling::reduces_joints");
-    EXPECT_EQ(refused([](CrowdSettings& of) { of.pose_request_capacity = 1; }), setting + "pose_request_capacity");
+    EXPECT_EQ(refused([](CrowdSettings& of) { of.pose_request_capacity = 1; }),
+              setting + "pose_request_capacity, which must be above 0 in both or in neither");
     EXPECT_EQ(
         refused([](CrowdSettings& of) {
             of.terrain = Terrain{.columns = 1, .rows = 1, .heights = {0}};
             of.groups[0].on_terrain = true;
         }),
-        "add groups: " + character_.name + " stands on a terrain (CrowdGroup::on_terrain), and the crowd has none");
+        "add groups: " + character_.name + " has CrowdGroup::on_terrain, but this crowd has no CrowdSettings::terrain");
     Crowd updated = create(settings(1));
     go_on(updated);
     EXPECT_EQ(refusal(crowd.add_groups(std::move(updated))), "add groups: the other crowd has been updated");
     EXPECT_FALSE(crowd.add_groups(Crowd()));
     EXPECT_FALSE(crowd.add_groups(std::move(crowd)));
-    EXPECT_EQ(refusal(crowd.remove_group(0)), "remove group: a crowd has one group at least, and it is the last");
-    EXPECT_EQ(refusal(crowd.remove_group(1)), "crowd: group 1 of a crowd of 1");
+    EXPECT_EQ(refusal(crowd.remove_group(0)),
+              "remove group: it is the only group with instances, and a crowd needs one");
+    EXPECT_EQ(refusal(crowd.remove_group(1)), "crowd: group 1 is out of range: this crowd's group numbers are below 1");
     if (!test_gpu()->processor || test_gpu()->is_native()) return;
     const auto on_device = [](CrowdSettings& of) { of.path = UpdatePath::kDevice; };
-    EXPECT_EQ(refused(on_device),
-              "add groups: " + character_.name +
-                  " cannot be updated natively, and the crowd is: UpdatePath::kDevice runs it on the device");
+    EXPECT_EQ(refused(on_device), "add groups: " + character_.name +
+                                      " is not updated natively, but this crowd is; make it with UpdatePath::kDevice");
     CrowdSettings of = settings(2);
     on_device(of);
     crowd = create(of);
@@ -387,7 +388,7 @@ VkResult refuse_event(VkDevice device, const VkEventCreateInfo* info, const VkAl
                                      : driver_create_event(device, info, allocator, event);
 }
 
-TEST_F(GroupChanges, WhatFailsHasNotHappened) {
+TEST_F(GroupChanges, FailedChangesHaveNoEffect) {
     if (test_gpu()->is_native()) GTEST_SKIP() << "it makes no buffers";
     const Device device = another_device();
     Gpu& gpu = *device.gpu();
@@ -459,7 +460,7 @@ TEST_F(GroupChanges, FollowedPlacementsFindBatchesThatHaveMoved) {
 class GroupChangesDrawn : public testing::TestWithParam<DrawPath> {};
 
 // With textures; existing ones are not decoded again.
-TEST_P(GroupChangesDrawn, PicturesFollow) {
+TEST_P(GroupChangesDrawn, PicturesFollowGroupChanges) {
     if (const std::string reason = undrawable_reason(GetParam()); !reason.empty()) GTEST_SKIP() << reason;
     Asset ball = make_ball();
     ball.images.push_back({.name = "gradient", .encoded = png_bytes(gradient(8, 8))});

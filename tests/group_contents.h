@@ -6,7 +6,7 @@
 
 namespace throng::test {
 
-inline std::vector<InstanceHandle> there_in(const Crowd& crowd, uint32_t group) {
+inline std::vector<InstanceHandle> alive_in(const Crowd& crowd, uint32_t group) {
     std::vector<InstanceHandle> there;
     const Instances all = *crowd.instances(group);
     for (uint32_t i = 0; i < all.size(); ++i)

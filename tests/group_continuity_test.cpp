@@ -50,15 +50,15 @@ std::vector<uint32_t> numbers(uint32_t first, uint32_t count = kGroupContinuityK
 // Makes random calls as an application does: the same calls for all crowds in the same state. `groups` are the numbers
 // that the kinds from `first_kind` on have in the crowd. From the first update on, instances stand on plots from
 // `first_plot` on.
-class Player {
+class RandomCaller {
 public:
-    Player(const Groups& of, std::vector<uint32_t> groups, uint32_t first_plot, uint32_t first_kind = 0)
+    RandomCaller(const Groups& of, std::vector<uint32_t> groups, uint32_t first_plot, uint32_t first_kind = 0)
         : of_(of), groups_(std::move(groups)), first_plot_(first_plot), first_kind_(first_kind) {}
 
     void place(Crowd& crowd) const {
         for (size_t i = 0; i < groups_.size(); ++i) {
             uint32_t plot_number = first_plot_ + kPlots * (first_kind_ + static_cast<uint32_t>(i));
-            for (const InstanceHandle& one : there_in(crowd, groups_[i]))
+            for (const InstanceHandle& one : alive_in(crowd, groups_[i]))
                 EXPECT_TRUE(crowd.set_placement(one, plot(plot_number++)));
         }
     }
@@ -67,7 +67,7 @@ public:
         Random random(update);
         for (size_t i = 0; i < groups_.size(); ++i) {
             const uint32_t kind = first_kind_ + static_cast<uint32_t>(i), group = groups_[i];
-            for (const InstanceHandle& one : there_in(crowd, group)) {
+            for (const InstanceHandle& one : alive_in(crowd, group)) {
                 if (random.chance(0.5)) change(crowd, one, kind, random);
                 if (kind < 5 && random.chance(0.1)) {
                     EXPECT_TRUE(crowd.despawn(std::array{one}));
@@ -76,16 +76,16 @@ public:
             if (kind < 5 && *crowd.alive_count(group) < 10) {
                 EXPECT_TRUE(crowd.spawn(group, std::array{plot(first_plot_ + kPlots * kind + 10 + update)}));
             }
-            if (kind == kCarried && first_kind_ <= kCarriers) hang(crowd, random);
+            if (kind == kCarried && first_kind_ <= kCarriers) attach_at_random(crowd, random);
         }
     }
 
 private:
     static constexpr uint32_t kPlots = 200;  // per kind: no instance is spawned where another stands
 
-    void hang(Crowd& crowd, Random& random) const {
-        const std::vector<InstanceHandle> carriers = there_in(crowd, groups_[kCarriers - first_kind_]);
-        const std::vector<InstanceHandle> things = there_in(crowd, groups_[kCarried - first_kind_]);
+    void attach_at_random(Crowd& crowd, Random& random) const {
+        const std::vector<InstanceHandle> carriers = alive_in(crowd, groups_[kCarriers - first_kind_]);
+        const std::vector<InstanceHandle> things = alive_in(crowd, groups_[kCarried - first_kind_]);
         for (uint32_t i = 0; i < things.size(); ++i) {
             if (random.chance(0.5) || carriers.empty()) continue;
             const bool is_second = i > 0 && random.chance(0.4);
@@ -148,9 +148,9 @@ protected:
     const Groups groups_{GetParam()};
 };
 
-TEST_P(GroupContinuity, WhatStaysGoesOnAsIfNothingHadBeen) {
+TEST_P(GroupContinuity, GroupChangesDoNotAffectOtherGroups) {
     Crowd crowd = groups_.make(), undisturbed = groups_.make();
-    const Player ours(groups_, numbers(0), 0);
+    const RandomCaller ours(groups_, numbers(0), 0);
     const uint32_t end = crowd.instance_count();
     std::vector<uint32_t> others;
     for (Crowd* const one : {&crowd, &undisturbed}) {
@@ -161,12 +161,12 @@ TEST_P(GroupContinuity, WhatStaysGoesOnAsIfNothingHadBeen) {
     for (uint32_t number = 0; number < 16; ++number) {
         for (Crowd* const one : {&crowd, &undisturbed}) {
             ours.play(*one, number);
-            ASSERT_TRUE(one->watch(there_in(*one, 2)));
-            ASSERT_TRUE(one->request_poses(there_in(*one, 0).front()));
+            ASSERT_TRUE(one->watch(alive_in(*one, 2)));
+            ASSERT_TRUE(one->request_poses(alive_in(*one, 0).front()));
         }
         if (number == 4) {
             Crowd other = groups_.make();
-            const Player theirs(groups_, numbers(0), 2000);
+            const RandomCaller theirs(groups_, numbers(0), 2000);
             theirs.place(other);
             theirs.play(other, 77);
             others = crowd.add_groups(std::move(other)).value();
@@ -189,9 +189,9 @@ TEST_P(GroupContinuity, WhatStaysGoesOnAsIfNothingHadBeen) {
 }
 
 // Groups are added to a running crowd, and into the gap that removed ones have left.
-TEST_P(GroupContinuity, WhatComesGoesOnAsInACrowdOfItsOwn) {
+TEST_P(GroupContinuity, AddedGroupsMatchASeparateCrowd) {
     Crowd crowd = groups_.make();
-    const Player ours(groups_, numbers(0), 0), own(groups_, numbers(0), 2000);
+    const RandomCaller ours(groups_, numbers(0), 0), own(groups_, numbers(0), 2000);
     ours.place(crowd);
     for (uint32_t number = 0; number < 3; ++number) update(crowd, number);
     for (uint32_t time = 0; time < 2; ++time) {
@@ -204,7 +204,7 @@ TEST_P(GroupContinuity, WhatComesGoesOnAsInACrowdOfItsOwn) {
         Crowd alone = make_other();
         const std::vector<uint32_t> numbers_here = crowd.add_groups(make_other()).value();
         EXPECT_EQ(numbers_here, numbers(kGroupContinuityKinds));
-        const Player theirs(groups_, numbers_here, 2000);
+        const RandomCaller theirs(groups_, numbers_here, 2000);
         for (uint32_t number = 10 * time; number < 10 * time + 8; ++number) {
             ours.play(crowd, number);
             theirs.play(crowd, number + 100);
@@ -218,13 +218,13 @@ TEST_P(GroupContinuity, WhatComesGoesOnAsInACrowdOfItsOwn) {
 }
 
 // With agents that meet, and things attached to sockets of the crowd that the groups join.
-TEST_P(GroupContinuity, BeforeTheFirstUpdateIsAsIfMadeTogether) {
+TEST_P(GroupContinuity, GroupsAddedBeforeTheFirstUpdateMatchOneCrowd) {
     Crowd whole = groups_.make(), crowd = groups_.make(0, 5);
     EXPECT_EQ(crowd.add_groups(groups_.make(5, 2)).value(), numbers(5, 2));
-    const Player player(groups_, numbers(0), 0);
+    const RandomCaller caller(groups_, numbers(0), 0);
     for (Crowd* const one : {&whole, &crowd}) {
-        player.place(*one);
-        const std::vector<InstanceHandle> agents = there_in(*one, 4);
+        caller.place(*one);
+        const std::vector<InstanceHandle> agents = alive_in(*one, 4);
         for (size_t i = 0; i < agents.size(); ++i) {
             const float x = 3 * static_cast<float>(i);
             EXPECT_TRUE(one->set_placement(agents[i], to_affine(Trs<float>{.translation = {x, 0, 0}})));
@@ -234,14 +234,14 @@ TEST_P(GroupContinuity, BeforeTheFirstUpdateIsAsIfMadeTogether) {
     EXPECT_EQ(whole.instance_count(), crowd.instance_count());
     for (uint32_t number = 0; number < 8; ++number) {
         if (number > 0)
-            for (Crowd* const one : {&whole, &crowd}) player.play(*one, number);
+            for (Crowd* const one : {&whole, &crowd}) caller.play(*one, number);
         for (Crowd* const one : {&whole, &crowd}) update(*one, number);
         expect_same(contents_of(whole.outputs()), contents_of(crowd.outputs()), "update " + std::to_string(number));
     }
 }
 
 // Restored in a crowd whose groups are in the same places, but were there from the beginning.
-TEST_P(GroupContinuity, SavedStatesGoAlong) {
+TEST_P(GroupContinuity, SavedStatesWorkAfterGroupChanges) {
     const auto grown = [&](bool goes_on) {
         Crowd crowd = groups_.make(0, 3);
         if (goes_on) update(crowd, 0);

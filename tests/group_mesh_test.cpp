@@ -28,7 +28,7 @@ std::vector<T> contents(const BufferView& view) {
     return download<T>(test_gpu(), BufferRange(view.buffer, view.offset_bytes, view.size_bytes));
 }
 
-TEST(GroupMesh, HasWhatTheCharacterHasInEveryLevelOfDetail) {
+TEST(GroupMesh, MatchesTheCharacterAtEveryLevelOfDetail) {
     const Character character = in_three_sections();
     ASSERT_EQ(character.sections.size(), 3u);
     ASSERT_GE(character.lods.size(), 2u);
@@ -75,7 +75,7 @@ TEST(GroupMesh, HasWhatTheCharacterHasInEveryLevelOfDetail) {
         }
 }
 
-TEST(GroupMesh, IsOfAGroupThatIsThere) {
+TEST(GroupMesh, AnUnknownGroupIsRefused) {
     const Character character = in_three_sections();
     const Crowd crowd = create({.groups = {{.character = &character, .instance_count = 3}}});
     EXPECT_EQ(crowd.mesh(1).error().code, ErrorCode::kInvalidArgument);

@@ -71,7 +71,7 @@ TEST(ImageFile, WebPIsDecoded) {
     EXPECT_LT(sum / static_cast<double>(near.rgba.size()), 10);
 }
 
-TEST(ImageFile, WhatIsNoneIsSaid) {
+TEST(ImageFile, UndecodableImagesAreRefused) {
     expect_refused({.name = "skin"}, "has no content");
     AssetImage text{.name = "skin"};
     for (const char c : std::string("not an image")) text.encoded.push_back(static_cast<std::byte>(c));
@@ -179,7 +179,7 @@ TEST(ImageFile, MessagesHoldNoBytesOfTheFile) {
     expect_refused(encoded_image(png), "cannot be decoded: PNG not supported: unknown PNG chunk type");
 }
 
-TEST(ImageFile, APngMustNotUnpackToFarMoreThanItsPixels) {
+TEST(ImageFile, APngWithFarMoreDataThanPixelsIsRefused) {
     expect_refused(png_of({.width = 1, .height = 1}, stream_of_zeros(1 << 14)),
                    "cannot be decoded: its data are larger than 1 x 1 pixels can be: a damaged PNG file");
     // The size limit depends on each file's own header.

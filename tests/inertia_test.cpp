@@ -56,7 +56,7 @@ TEST(Inertia, DecaysToRestWithoutOvershoot) {
 }
 
 // A swing toward a moving target is interrupted: neither position nor speed may jump.
-TEST(Inertia, NeitherPlaceNorSpeedJumps) {
+TEST(Inertia, PositionAndSpeedAreContinuous) {
     // The quintic's largest is about 10 offsets / duration^2
     constexpr double kStep_s = 1e-3, kDuration_s = 0.4, kSwitch_s = 0.5, kAcceleration = 120;
     const Vec3<double> axis = normalized(Vec3<double>{1, 2, -1});
@@ -87,7 +87,7 @@ TEST(Inertia, NeitherPlaceNorSpeedJumps) {
 }
 
 // If the offset is growing, its initial speed is taken as 0.
-TEST(Inertia, AnOffsetThatGrowsHasNoSpeed) {
+TEST(Inertia, AGrowingOffsetStartsWithoutSpeed) {
     const Trs<double> rest;
     const Trs<double> away{axis_angle(Vec3<double>{1, 0, 0}, 0.5), {0, 2, 0}, {1, 1, 3}},
         less{axis_angle(Vec3<double>{1, 0, 0}, 0.4), {0, 1, 0}, {1, 1, 2}};

@@ -41,7 +41,7 @@ std::map<std::string, Json> kernels_of(const std::vector<Json>& records) {
     return kernels;
 }
 
-TEST(Isa, ADeviceThatCompilesOnlyRunsNothing) {
+TEST(Isa, ACompileOnlyDeviceRunsNothing) {
     const std::shared_ptr<Gpu> gpu = compiler_or_null();
     if (!gpu) GTEST_SKIP() << "without AMD's driver";
     EXPECT_TRUE(gpu->compiles_only());
@@ -119,7 +119,7 @@ TEST(Isa, DefaultFormsAreAsTheRecordHasThem) {
 
 // The planner's built-in GPU costs must equal the output of `throng tune --predicted`, and lead to good choices by
 // machine code.
-TEST(Isa, CostsOfThePlannerAreThoseOfMachineCode) {
+TEST(Isa, PlannerCostsMatchMachineCode) {
     constexpr uint32_t kAmd = 0x1002;
     const std::shared_ptr<Gpu> gpu = compiler_or_null();
     if (!gpu) GTEST_SKIP() << "without AMD's driver";

@@ -9,7 +9,7 @@
 
 namespace throng::test {
 
-inline constexpr uint32_t kRoom = 24;  // of each group
+inline constexpr uint32_t kGroupCapacity = 24;  // of each group
 
 inline std::string group_name(uint32_t group) {
     return std::array{"clips", "walker", "dragon", "springs", "agents"}.at(group);
@@ -31,9 +31,9 @@ struct Kinds {
                   LookAtRule{.joint = character.rig.names.back(), .target = "there"}}};
 
     CrowdSettings settings(UpdatePath path) {
-        CrowdSettings settings{.path = path, .culling = Culling{}, .watch_capacity = 5 * kRoom};
+        CrowdSettings settings{.path = path, .culling = Culling{}, .watch_capacity = 5 * kGroupCapacity};
         if (path != UpdatePath::kAuto) settings.scan = "serial";  // otherwise crowds of other sizes use other methods
-        settings.groups = {{.character = &character, .pose_capacity = kRoom},
+        settings.groups = {{.character = &character, .pose_capacity = kGroupCapacity},
                            {.character = &walking, .controller = &walker},
                            {.character = &character, .controller = &dragon, .sockets = {3, 7}},
                            {.character = &character, .procedural = &rules},

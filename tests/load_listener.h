@@ -14,9 +14,10 @@ namespace throng::test {
 // Expects what LoadHooks guarantees. Cancels at the poll with the number `yes_at`.
 struct Listener {
     LoadHooks hooks() {
-        return {.progress = [this](double part_done) { hear(part_done); }, .is_cancelled = [this] { return poll(); }};
+        return {.progress = [this](double part_done) { on_progress(part_done); },
+                .is_cancelled = [this] { return poll(); }};
     }
-    void hear(double part_done) {
+    void on_progress(double part_done) {
         EXPECT_EQ(std::this_thread::get_id(), thread);
         EXPECT_TRUE(parts.empty() || part_done > parts.back()) << part_done << " after " << parts.back();
         EXPECT_GE(part_done, 0);

@@ -13,7 +13,7 @@
 namespace throng::test {
 namespace {
 
-const InSubset kLookInSubsets({Subset::kGpuAssisted}, {"*Looks.WhatIsHiddenIsAsIfItWereNotThere/ByShaders"}),
+const InSubset kLookInSubsets({Subset::kGpuAssisted}, {"*Looks.HiddenSectionsAreNotDrawn/ByShaders"}),
     kLookOnOtherDrivers({Subset::kOtherDriver}, {"-*Looks.*"}), kLookNatively({Subset::kNative}, {"*Looks.*"});
 
 // A creature in two sections, named "creature": the second has every third triangle and its own material.
@@ -75,7 +75,7 @@ int difference(const std::vector<uint8_t>& a, const std::vector<uint8_t>& b) {
     return most;
 }
 
-TEST_P(Looks, WhatIsHiddenIsAsIfItWereNotThere) {
+TEST_P(Looks, HiddenSectionsAreNotDrawn) {
     Asset first_alone = asset_;
     first_alone.meshes[0].primitives[1].indices.clear();
     const Character both = without_lods(asset_), first = without_lods(first_alone);
@@ -92,7 +92,7 @@ TEST_P(Looks, WhatIsHiddenIsAsIfItWereNotThere) {
     }
 }
 
-TEST_P(Looks, ColorsAreTimesTheMaterials) {
+TEST_P(Looks, ColorsMultiplyTheMaterials) {
     const std::array<float, 3> color{0.2f, 0.9f, 0.4f}, tint{0.5f, 0.25f, 1};
     Asset colored = asset_;
     for (size_t i = 0; i < 3; ++i) {
@@ -109,7 +109,7 @@ TEST_P(Looks, ColorsAreTimesTheMaterials) {
 }
 
 // Materials of every way of drawing, with and without a texture.
-TEST_P(Looks, AnotherMaterialIsAsIfTheFileHadIt) {
+TEST_P(Looks, ReplacedMaterialsEqualThoseOfAFile) {
     Asset dressed = asset_;
     const auto add = [&](const AssetMaterial& material) { dressed.materials.push_back(material); };
     dressed.images.push_back({.name = "stripes", .encoded = png_bytes({2, 1, {255, 40, 40, 255, 40, 40, 255, 255}})});
@@ -148,7 +148,7 @@ TEST_P(Looks, AnotherMaterialIsAsIfTheFileHadIt) {
 }
 
 // Setting one instance's look does not change another's.
-TEST_P(Looks, EachInstanceHasItsOwn) {
+TEST_P(Looks, EachInstanceHasItsOwnLook) {
     const Character character = without_lods(asset_);
     std::set<std::vector<uint8_t>> pictures;
     Crowd crowd = crowd_of(character, {{}, {{{.section = 0, .is_shown = false}}}});
@@ -167,7 +167,7 @@ TEST_P(Looks, EachInstanceHasItsOwn) {
     EXPECT_TRUE(same_bits(written, looks));
 }
 
-TEST_P(Looks, NewbornsHaveTheDefaultAndSavedOnesTheirs) {
+TEST_P(Looks, SpawnedInstancesHaveTheDefaultAndSavedOnesTheirLook) {
     const Character character = without_lods(asset_);
     CrowdSettings settings{.groups = {{.character = &character, .capacity = 4, .outfits = {{}, {}}}}};
     Crowd crowd = create(settings);
@@ -187,29 +187,29 @@ TEST_P(Looks, NewbornsHaveTheDefaultAndSavedOnesTheirs) {
     EXPECT_TRUE(same_bits(written(crowd), std::vector{InstanceLook{}, looks[1]}));
 }
 
-TEST_P(Looks, RefusesWhatThereIsNot) {
+TEST_P(Looks, RefusesUnknownOutfitsAndInvalidTints) {
     const Character character = without_lods(asset_);
     Crowd plain = crowd_of(character), crowd = crowd_of(character, {{}});
     EXPECT_EQ(refusal(plain.set_look(InstanceHandle{0}, InstanceLook{})), "look: no group has CrowdGroup::outfits");
     EXPECT_EQ(refusal(crowd.set_look(InstanceHandle{2}, {.outfit = 1})),
-              "look of instance 2: outfit 1 of a group that has 1 (CrowdGroup::outfits)");
+              "look of instance 2: outfit 1 is out of range: the group has 1 (CrowdGroup::outfits)");
     EXPECT_EQ(refusal(crowd.set_look(InstanceHandle{2}, {.tint = {0, -1, 0}})),
-              "look of instance 2: the tint is 0 to 1000");
+              "look of instance 2: the tint must be within 0..1000");
     EXPECT_EQ(refusal(crowd.set_look(InstanceHandle{2}, {.tint = {0, std::nanf(""), 0}})),
-              "look of instance 2: the tint is 0 to 1000");
+              "look of instance 2: the tint must be within 0..1000");
     EXPECT_FALSE(crowd.set_look(InstanceHandle{kLookCount}, InstanceLook{}));
     const auto refused = [&](const SectionLook& look) {
         const std::vector<Outfit> outfits{{}, {{look}}};
         return refusal(Crowd::create(test_device(),
                                      {.groups = {{.character = &character, .instance_count = 1, .outfits = outfits}}}));
     };
-    EXPECT_EQ(refused({.section = 2}), character.name + ": outfit 1: section 2 of a mesh that has 2");
+    EXPECT_EQ(refused({.section = 2}), character.name + ": outfit 1: section 2 is out of range: the mesh has 2");
     const std::string range = character.name +
-                              ": outfit 1: section 1: colours are 0 to 1000, the part of the tint 0 to 1";
+                              ": outfit 1: section 1: color must be within 0..1000, and tint within 0..1";
     EXPECT_EQ(refused({.section = 1, .color = {1, 1, 1001}}), range);
     EXPECT_EQ(refused({.section = 1, .tint = -0.1f}), range);
     EXPECT_EQ(refused({.section = 1, .material = 2}),
-              character.name + ": outfit 1: section 1: material 2 of a character that has 2");
+              character.name + ": outfit 1: section 1: material 2 is out of range: the character has 2");
     EXPECT_EQ(character.find_sections_of_material("second"), std::vector<uint32_t>{1});
     EXPECT_EQ(character.find_material("second"), character.sections[1].material);
     EXPECT_EQ(character.find_material("third"), kNone);

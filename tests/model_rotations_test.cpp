@@ -33,7 +33,7 @@ ReferenceLayer layer_of(const Trs<double>& pose, double weight, bool in_model_sp
 }
 
 // A chain of random poses with random weights, some of them 0 or 1.
-TEST(ModelRotations, TheReferenceBlendsWhatTheRotationsAreInTheModel) {
+TEST(ModelRotations, TheReferenceBlendsRotationsInModelSpace) {
     Random random(1);
     std::vector<ReferenceJoint> chain;
     Quaternion<double> below, layer, blended;
@@ -105,7 +105,7 @@ public:
     }
 };
 
-TEST(ModelRotations, WhatIsAimedKeepsItsDirectionWhereTheHipsTurn) {
+TEST(ModelRotations, AimedJointsKeepTheirDirectionWhenTheHipsTurn) {
     const AimingCharacter aiming;
     const Character& character = aiming.character;
     ASSERT_EQ(character.rig.parents, (std::vector<uint32_t>{kNone, 0, 1, 2}));

@@ -211,7 +211,7 @@ TEST(Morph, LayersFollowTheReference) {
 }
 
 // Clip 0 animates all three weights, clip 1 none: by hand.
-TEST(Morph, LayersKeepTheRules) {
+TEST(Morph, LayersEqualValuesByHand) {
     const Character character = compiled(
         small_asset({{.node = 0, .times_s = {0, 1}, .values = {0.2f, 0, 0.4f, 1, 1, 0.4f}}}));
     const auto weights = [&](const std::vector<MorphLayer>& layers) {
@@ -237,7 +237,7 @@ TEST(Morph, LayersKeepTheRules) {
     expect(weights({{.active_clips = {rest}}, {.is_additive = true, .active_clips = {still}}}), {0, 0.5, 0});
 }
 
-TEST(Morph, TheLargestAreShown) {
+TEST(Morph, TheLargestWeightsAreShown) {
     constexpr uint32_t kLimit = 8;
     Asset asset = make_asset({.joint_count = 3, .vertex_count = 6});
     const std::vector<float> defaults{0.1f, -0.5f, 0.5f, 1e-6f, 0, 0.3f, -0.9f, 0.3f, 0.3f, 2, 0.3f, 0.3f, -0.3f};
@@ -278,7 +278,7 @@ double position_error(Crowd& crowd, uint32_t instance, std::span<const Vec3<doub
     return worst;
 }
 
-TEST(Morph, CrowdsOfTwoClipsShowThem) {
+TEST(Morph, CrowdsWithTwoClipsShowMorphs) {
     double worst = 0, moved = 0;
     for (const UpdatePath path : {UpdatePath::kStaged, UpdatePath::kFused})
         for (const double error : {0.0, 1e-4}) {
@@ -324,7 +324,7 @@ TEST(Morph, CrowdsOfTwoClipsShowThem) {
 }
 
 // A face uses dozens of targets at once. With a limit, a crowd shows those with the largest weights.
-TEST(Morph, CrowdsShowAllOrAsManyAsTheyAreToldTo) {
+TEST(Morph, CrowdsShowAllMorphsOrUpToTheirLimit) {
     const Character character = compiled(make_asset({.joint_count = 9, .seed = 4, .cubic = true, .morph_count = 25}));
     ASSERT_EQ(character.morphs.size(), 50u);
     for (const UpdatePath path : {UpdatePath::kAuto, UpdatePath::kStaged, UpdatePath::kFused})
@@ -364,7 +364,7 @@ TEST(Morph, BatchesChangeNothing) {
     for (uint32_t i = 0; i < kInstances; ++i) EXPECT_EQ(*whole.read_positions({i}), *parts->read_positions({i})) << i;
 }
 
-TEST(Morph, CrowdsWithAControllerShowThem) {
+TEST(Morph, CrowdsWithAControllerShowMorphs) {
     double worst = 0;
     for (const UpdatePath path : {UpdatePath::kStaged, UpdatePath::kFused}) {
         const Character character = compiled(make_asset({.joint_count = 9, .seed = 6, .morph_count = 6}),
@@ -418,7 +418,7 @@ TEST(Morph, CrowdsWithAControllerShowThem) {
 }
 
 // A clip that moves no joint has one row of keys. Its weights are still animated.
-TEST(Morph, AClipOfWeightsAloneIsPlayed) {
+TEST(Morph, AClipWithOnlyMorphWeightsIsPlayed) {
     Asset asset = small_asset({{.node = 0, .times_s = {0, 1}, .values = {0, 0, 0, 1, 0, 0}}});
     asset.clips[0].tracks.clear();
     const Character character = compiled(asset, {.error = 1e-4});
@@ -440,7 +440,7 @@ TEST(Morph, AClipOfWeightsAloneIsPlayed) {
 
 // A real character against its file: weights, differences and skinning implemented a second time. Its clips keep all
 // weights at 0, so the test sets some.
-TEST(Morph, ARealCharacterShowsWhatItsFileSays) {
+TEST(Morph, ARealCharacterMatchesItsFile) {
     const std::filesystem::path file = shared_folder("characters") / "robot_expressive/RobotExpressive.glb";
     if (!std::filesystem::exists(file)) GTEST_SKIP() << file << " is missing";
     Asset asset = *load_asset(file);

@@ -151,7 +151,7 @@ Crowd placed_crowd(const Character& character, uint32_t count, const CrowdSettin
     return placed_crowd({{&character, count}}, settings, has_mirrored);
 }
 
-TEST_F(NativeDraw, ControllersAndLevelsOfDetail) {
+TEST_F(NativeDraw, ControllersAndLevelsOfDetailMatchTheDevice) {
     const Character walker = compiled(*make_creature(creature_settings(CreatureKind::kWalker)), {});
     const Controller controller = example("walker");
     for (const bool reduces : {false, true}) {
@@ -161,7 +161,7 @@ TEST_F(NativeDraw, ControllersAndLevelsOfDetail) {
     }
 }
 
-TEST_F(NativeDraw, Files) {
+TEST_F(NativeDraw, FilesMatchTheDevice) {
     const std::filesystem::path folder = shared_folder("characters");
     THRONG_SKIP_WITHOUT(folder);
     for (const auto& entry : std::filesystem::recursive_directory_iterator(folder)) {
@@ -178,7 +178,7 @@ TEST_F(NativeDraw, Files) {
     }
 }
 
-TEST_F(NativeDraw, Creatures) {
+TEST_F(NativeDraw, CreaturesMatchTheDevice) {
     for (const CreatureKind kind : {CreatureKind::kDragon, CreatureKind::kWillow, CreatureKind::kCentipede}) {
         const Character character = compiled(*make_creature(creature_settings(kind)), {});
         const std::string name = "creature " + std::to_string(static_cast<int>(kind));
@@ -188,7 +188,7 @@ TEST_F(NativeDraw, Creatures) {
     }
 }
 
-TEST_F(NativeDraw, Lines) {
+TEST_F(NativeDraw, LinesMatchTheDevice) {
     const Character character = creature();
     for (const bool culls : {false, true}) {
         Crowd crowd = placed_crowd(
@@ -200,7 +200,7 @@ TEST_F(NativeDraw, Lines) {
     }
 }
 
-TEST_F(NativeDraw, EveryWayOfSkinning) {
+TEST_F(NativeDraw, EveryWayOfSkinningMatchesTheDevice) {
     for (const uint32_t influences : {4u, 8u}) {
         const Character ball = compiled(make_ball({.influence_count = influences}), kExact);
         for (const SkinFormat format : {SkinFormat::kAffine, SkinFormat::kHalfAffine, SkinFormat::kSimilarity})
@@ -219,7 +219,7 @@ TEST_F(NativeDraw, EveryWayOfSkinning) {
     }
 }
 
-TEST_F(NativeDraw, AnyRig) {
+TEST_F(NativeDraw, AnyRigMatchesTheDevice) {
     for (const double spread : {0.0, 0.3}) {
         const Character character = make_character(
             {.scale_spread = spread, .vertex_count = 300, .morph_count = spread > 0 ? 3u : 0u});
@@ -230,7 +230,7 @@ TEST_F(NativeDraw, AnyRig) {
     }
 }
 
-TEST_F(NativeDraw, Morphs) {
+TEST_F(NativeDraw, MorphsMatchTheDevice) {
     const Character ball = compiled(make_ball({.has_morphs = true}), kExact);
     for (const SkinBlend blend : {SkinBlend::kLinear, SkinBlend::kDualQuaternion})
         for (const bool once : {false, true}) {
@@ -239,7 +239,7 @@ TEST_F(NativeDraw, Morphs) {
         }
 }
 
-TEST_F(NativeDraw, Materials) {
+TEST_F(NativeDraw, MaterialsMatchTheDevice) {
     for (const AlphaMode mode : {AlphaMode::kOpaque, AlphaMode::kMask, AlphaMode::kBlend})
         for (const bool is_double_sided : {false, true}) {
             Asset asset = make_ball({.is_open = true});
@@ -261,7 +261,7 @@ TEST_F(NativeDraw, Materials) {
         }
 }
 
-TEST_F(NativeDraw, Samplers) {
+TEST_F(NativeDraw, SamplersMatchTheDevice) {
     for (const TextureFilter filter : {TextureFilter::kLinear, TextureFilter::kNearest})
         for (const auto& [u, v] : {std::pair(TextureWrap::kRepeat, TextureWrap::kMirror),
                                    {TextureWrap::kMirror, TextureWrap::kClamp},
@@ -283,7 +283,7 @@ TEST_F(NativeDraw, Samplers) {
         }
 }
 
-TEST_F(NativeDraw, MirroredAndStretched) {
+TEST_F(NativeDraw, MirroredAndStretchedInstancesMatchTheDevice) {
     for (const bool is_double_sided : {false, true}) {
         Asset asset = make_ball({.is_open = true, .has_morphs = true});
         add_maps(asset);
@@ -297,7 +297,7 @@ TEST_F(NativeDraw, MirroredAndStretched) {
     }
 }
 
-TEST_F(NativeDraw, Groups) {
+TEST_F(NativeDraw, GroupsMatchTheDevice) {
     Asset textured = make_ball({.has_morphs = true});
     add_maps(textured);
     textured.materials[0].alpha_mode = AlphaMode::kMask;
@@ -313,7 +313,7 @@ TEST_F(NativeDraw, Groups) {
     expect_alike("groups, all lines", crowd, {.skeletons = true, .bounds = true});
 }
 
-TEST_F(NativeDraw, Options) {
+TEST_F(NativeDraw, OptionsMatchTheDevice) {
     const Character character = creature();
     Crowd crowd = placed_crowd(character, 20, {.culling = Culling{}});
     expect_alike("no shadows", crowd, {.shadows = false});
@@ -326,7 +326,7 @@ TEST_F(NativeDraw, Options) {
 }
 
 // One of very many instances stands so high that the shadow map does not include it. Its shadow must still be visible.
-TEST_F(NativeDraw, AStrayHighAbove) {
+TEST_F(NativeDraw, AnOutlierHighAboveMatchesTheDevice) {
     const Character ball = compiled(make_ball({}), kExact);
     constexpr uint32_t kMany = 110;
     Crowd crowd = placed_crowd(ball, kMany);
@@ -337,7 +337,7 @@ TEST_F(NativeDraw, AStrayHighAbove) {
 }
 
 // With these cameras, triangles cross the near plane, are seen through the ground, or are smaller than pixels.
-TEST_F(NativeDraw, Cameras) {
+TEST_F(NativeDraw, CamerasMatchTheDevice) {
     const Character character = creature();
     for (const bool culls : {false, true}) {
         Crowd crowd = placed_crowd(
@@ -363,7 +363,7 @@ TEST_F(NativeDraw, Cameras) {
 }
 
 // The tiles at the right and bottom edges are smaller than the others. The larger picture has more than sixteen tiles.
-TEST_F(NativeDraw, LargePictures) {
+TEST_F(NativeDraw, LargePicturesMatchTheDevice) {
     const Character character = creature();
     Crowd crowd = placed_crowd(character, 40, {.culling = Culling{}});
     for (const auto& [width, height] : {std::pair(1000u, 600u), {2003u, 1111u}}) {
@@ -400,7 +400,7 @@ private:
 };
 
 // Two frames per command buffer, and more of both than can be in flight.
-TEST_F(NativeDraw, RecordedDrawingIsThatOfTheCall) {
+TEST_F(NativeDraw, RecordedDrawingEqualsRender) {
     const Character character = creature();
     Crowd crowd = placed_crowd(character, 9, {.culling = Culling{}});
     const Camera camera = whole(crowd);
@@ -423,7 +423,7 @@ TEST_F(NativeDraw, RecordedDrawingIsThatOfTheCall) {
 }
 
 // Displays take blue first, with either renderer. A picture that is returned always has red first.
-TEST_F(NativeDraw, ARecordedPictureMayHaveBlueFirst) {
+TEST_F(NativeDraw, RecordedPicturesCanHaveBlueFirst) {
     const Character character = creature();
     Crowd crowd = placed_crowd(character, 9, {.culling = Culling{}});
     const Camera camera = whole(crowd);
@@ -527,7 +527,7 @@ TEST_F(NativeDraw, OcclusionChangesNothing) {
 }
 
 // Larger and smaller than before; drawn at once, by recorded commands, and by the device.
-TEST_F(NativeDraw, Resizes) {
+TEST_F(NativeDraw, ResizedRenderersEqualNewOnes) {
     const Character character = creature();
     Crowd crowd = placed_crowd(character, 9, {.culling = Culling{}}),
           updated_by_device = placed_crowd(character, 9, {.path = UpdatePath::kDevice, .culling = Culling{}});

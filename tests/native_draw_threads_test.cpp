@@ -51,7 +51,7 @@ std::vector<std::byte> pictures_of(const DrawnKind& kind, const Device& device) 
     return bits.all;
 }
 
-TEST(NativeDrawThreads, EachDrawsACrowdOfItsOwnOnOneDevice) {
+TEST(NativeDrawThreads, ThreadsCanDrawSeparateCrowdsOnOneDevice) {
     std::vector<DrawnKind> kinds;
     for (const AlphaMode mode : {AlphaMode::kOpaque, AlphaMode::kMask}) {
         Asset asset = make_ball({.columns = 12, .rows = 8, .is_open = true, .has_morphs = true});

@@ -96,8 +96,8 @@ void expect_alike(UpdatePath path) {
                 path == UpdatePath::kFused ? "fused" : "staged", worst, static_cast<size_t>(event_count));
 }
 
-TEST(Native, ACrowdIsAsTheTestDeviceHasItFused) { expect_alike(UpdatePath::kFused); }
-TEST(Native, ACrowdIsAsTheTestDeviceHasItStaged) { expect_alike(UpdatePath::kStaged); }
+TEST(Native, ACrowdMatchesTheTestDeviceFused) { expect_alike(UpdatePath::kFused); }
+TEST(Native, ACrowdMatchesTheTestDeviceStaged) { expect_alike(UpdatePath::kStaged); }
 
 TEST(Native, ThreadsChangeNothing) {
     LivelyCrowd lively(150, 70, 200);
@@ -115,7 +115,7 @@ TEST(Native, ThreadsChangeNothing) {
 }
 
 // A few large meshes are split among several threads.
-TEST(Native, EachInstanceMayBeSkinnedByAThreadOfItsOwn) {
+TEST(Native, InstancesCanBeSkinnedOnSeparateThreads) {
     class WideJobs : public JobSystem {
     public:
         uint32_t concurrency() const override { return 4; }
@@ -140,7 +140,7 @@ void expect_refused(const Result<Value>& result, ErrorCode code, const std::stri
     EXPECT_NE(result.error().text().find(says), std::string::npos) << result.error().text();
 }
 
-TEST(Native, WhatNeedsVulkanIsRefused) {
+TEST(Native, FeaturesThatNeedVulkanAreRefused) {
     const Character character = small_character();
     const Device device = native_device();
     for (const UpdatePath path : {UpdatePath::kAuto, UpdatePath::kFused, UpdatePath::kStaged})
@@ -158,12 +158,13 @@ TEST(Native, WhatNeedsVulkanIsRefused) {
     expect_refused(crowd.record_disoccluded(VK_NULL_HANDLE, {}), ErrorCode::kUnsupported,
                    "a native device has no depths to test");
     const auto some_commands = reinterpret_cast<VkCommandBuffer>(uintptr_t{64});
-    expect_refused(crowd.record(some_commands, 0.1f), ErrorCode::kInvalidArgument, "a native device has none");
+    expect_refused(crowd.record(some_commands, 0.1f), ErrorCode::kInvalidArgument,
+                   "it must be VK_NULL_HANDLE on a native device; or call update()");
     Renderer renderer = *Renderer::create(device, {.width = 16, .height = 16});
     expect_refused(renderer.record(some_commands, crowd, 0.1f, {}), ErrorCode::kUnsupported,
-                   "a native device has none");
+                   "a native device has no command buffers");
     expect_refused(renderer.record_drawing(some_commands, crowd, {}), ErrorCode::kUnsupported,
-                   "a native device has none");
+                   "a native device has no command buffers");
     expect_refused(crowd.discard_last_record(), ErrorCode::kInvalidArgument,
                    "an update() has run or groups have changed since");
     EXPECT_TRUE(same_bits(skins_of(crowd), before)) << "time has gone on";
@@ -182,7 +183,7 @@ uint64_t needed_mib(const CrowdSettings& settings, uint64_t memory_bytes) {
     return std::stoull(crowd.error().message);
 }
 
-TEST(Native, MemoryOfStatesAndPosesIsCountedBeforeItIsTaken) {
+TEST(Native, StateAndPoseMemoryIsCountedBeforeAllocation) {
     constexpr uint32_t kCount = 4000;
     const Character character = creature();
     const Controller dragon = example("dragon");
@@ -196,11 +197,12 @@ TEST(Native, MemoryOfStatesAndPosesIsCountedBeforeItIsTaken) {
     EXPECT_GE(needed_mib(posed, pose_bytes(posed)), (skin_bytes + pose_bytes(posed) + pose_bytes_natively) >> 20);
 }
 
-TEST(Native, UpdatesNeedACommandBufferElsewhere) {
+TEST(Native, RecordNeedsACommandBufferOnOtherDevices) {
     if (test_gpu()->is_native()) GTEST_SKIP() << "the test device is native";
     const Character character = small_character();
     Crowd crowd = create({.groups = {{&character, 2}}});
-    expect_refused(crowd.record(VK_NULL_HANDLE, 0), ErrorCode::kInvalidArgument, "command buffer: there is none");
+    expect_refused(crowd.record(VK_NULL_HANDLE, 0), ErrorCode::kInvalidArgument,
+                   "command buffer: it is VK_NULL_HANDLE");
 }
 
 }  // namespace

@@ -135,7 +135,7 @@ std::vector<std::byte> run_sampler(const JointSampler& sampler, uint32_t joint_c
     return bits.all;
 }
 
-TEST(NativeThreads, EachUpdatesACrowdOfItsOwnOnOneDevice) {
+TEST(NativeThreads, ThreadsCanUpdateSeparateCrowdsOnOneDevice) {
     LivelyCrowd lively(12, 8, 20);
     lively.settings.culling.emplace();
     lively.settings.skins_once = true;

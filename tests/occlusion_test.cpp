@@ -67,7 +67,7 @@ std::vector<float> random_depths(Random& random, uint32_t width, uint32_t height
     return depths;
 }
 
-TEST(Occlusion, WhatTheReferenceSeesIsDrawn) {
+TEST(Occlusion, EverythingTheReferenceSeesIsDrawn) {
     const Character character = small_character();
     constexpr uint32_t kCount = 400;
     uint32_t hidden = 0, hidden_by_reference = 0, shown = 0;
@@ -128,7 +128,7 @@ TEST(Occlusion, WhatTheReferenceSeesIsDrawn) {
 
 // A waiting instance is animated as soon as nothing hides it. One that becomes hidden is drawn once more, since it may
 // hide others, and then no longer.
-TEST(Occlusion, WhatAppearsIsAnimatedAtOnce) {
+TEST(Occlusion, AppearingInstancesAreAnimatedAtOnce) {
     const Character character = small_character();
     constexpr uint32_t kCount = 20, kSize = 64;
     Crowd crowd = create({.groups = {{&character, kCount}},
@@ -187,7 +187,7 @@ TEST(Occlusion, PicturesMayBeLargeAndChangeInSize) {
     EXPECT_EQ(instances_drawn(crowd).size(), 2u);
 }
 
-TEST(Occlusion, NothingIsSavedOrRestoredBetweenTheHalves) {
+TEST(Occlusion, SaveAndRestoreBetweenTheHalvesAreRefused) {
     const Character character = small_character();
     Crowd crowd = create({.groups = {{&character, 2}}, .culling = Culling{}});
     CrowdView view = *view_of({.eye = {0, 0, 0}, .target = {0, 0, -1}}, 64, 64, {});
@@ -198,9 +198,8 @@ TEST(Occlusion, NothingIsSavedOrRestoredBetweenTheHalves) {
         ASSERT_TRUE(crowd.record(commands, 0.01f, &view));
         const auto saved = crowd.save_state();
         ASSERT_FALSE(saved);
-        EXPECT_EQ(
-            saved.error().text(),
-            "crowd state: the last record() was for a view with occlusion, and its record_disoccluded() is to come");
+        EXPECT_EQ(saved.error().text(),
+                  "crowd state: the last record() was for a view with occlusion: call record_disoccluded() first");
         EXPECT_EQ(refusal(crowd.restore_state(before)), saved.error().text());
         ASSERT_TRUE(crowd.record_disoccluded(commands, {depths.handle(), VK_IMAGE_ASPECT_COLOR_BIT, 8, 8}));
     });
@@ -209,7 +208,7 @@ TEST(Occlusion, NothingIsSavedOrRestoredBetweenTheHalves) {
 
 // A gap of one column in a wall, at every position in turn. What comes within a texel of the gap is drawn, since the
 // wall was drawn with different rounding.
-TEST(Occlusion, ATexelAroundABoxCountsToo) {
+TEST(Occlusion, OneTexelAroundABoxIsTestedToo) {
     const Character character = small_character();
     constexpr uint32_t kCount = 12, kSize = 48;
     Crowd crowd = create({.groups = {{&character, kCount}}, .path = UpdatePath::kFused, .culling = Culling{}});
@@ -247,7 +246,7 @@ TEST(Occlusion, ATexelAroundABoxCountsToo) {
     EXPECT_GT(hidden, kCount * kSize / 2);
 }
 
-TEST(Occlusion, WhatThereIsNoRoomForLeavesTheCrowdAsItWas) {
+TEST(Occlusion, RunningOutOfMemoryLeavesTheCrowdUnchanged) {
     const Device device = another_device();
     const Character character = creature(20, 8);
     Crowd crowd =
@@ -362,9 +361,9 @@ void expect_nothing_lost(uint32_t view_count, const Kept& kept) {
                 static_cast<unsigned long long>(drawn));
 }
 
-TEST(Occlusion, AThousandRandomViewsLoseNothing) { expect_nothing_lost(1000, {}); }
-TEST(Occlusion, NorDoViewsOfVerticesThatAreSkinnedOnce) { expect_nothing_lost(60, {.skins_once = true}); }
-TEST(Occlusion, NorDoViewsWithASkinPool) { expect_nothing_lost(100, {.pools = true}); }
+TEST(Occlusion, RandomViewsHideNothingVisible) { expect_nothing_lost(1000, {}); }
+TEST(Occlusion, RandomViewsWithSkinsOnceHideNothingVisible) { expect_nothing_lost(60, {.skins_once = true}); }
+TEST(Occlusion, RandomViewsWithASkinPoolHideNothingVisible) { expect_nothing_lost(100, {.pools = true}); }
 
 TEST(Occlusion, WrongUseIsRefused) {
     const Character character = small_character();

@@ -30,7 +30,7 @@ SharedKernels::Shared made_up() {
 
 SharedKernels::Key key(uint32_t setting) { return {.code = {}, .settings = {setting}}; }
 
-TEST(SharedKernels, AreFoundWhileTheyAreUsedAndTheLastOnesLonger) {
+TEST(SharedKernels, AreKeptWhileUsedAndTheLastOnesLonger) {
     SharedKernels kernels(2);
     EXPECT_EQ(kernels.find(key(1)), nullptr);
     SharedKernels::Shared first = made_up();
@@ -70,7 +70,7 @@ TEST(SharedKernels, CodeIsComparedByItsWords) {
     EXPECT_EQ(kernels.find({std::span(code).first(2), {7}}), nullptr);
 }
 
-TEST(Pipelines, AreMadeOnceForWhatIsTheSame) {
+TEST(Pipelines, EqualKernelsShareAPipeline) {
     const Device device = another_device();
     const std::shared_ptr<Gpu>& gpu = device.gpu();
     gpu->processor.reset();  // like hardware, which creates pipelines with the kernels
@@ -99,7 +99,7 @@ TEST(Pipelines, AreMadeOnceForWhatIsTheSame) {
     EXPECT_EQ(made, before) << "the last ones stay";
 }
 
-TEST(Pipelines, ACrowdThatIsMadeAgainCompilesNothing) {
+TEST(Pipelines, AnEqualCrowdCompilesNothing) {
     const Device device = another_device();
     const Character character = make_character({});
     const auto updated = [&] {
@@ -116,7 +116,7 @@ TEST(Pipelines, ACrowdThatIsMadeAgainCompilesNothing) {
     EXPECT_EQ(std::memcmp(first.data(), second.data(), first.size() * sizeof(Affine)), 0);
 }
 
-TEST(Pipelines, OfASoftwareDeviceAreMadeForWhatIsRecorded) {
+TEST(Pipelines, SoftwareDevicesCompileOnlyForRecordedUpdates) {
     const Device device = another_device();
     if (!device.gpu()->processor) GTEST_SKIP() << "the test device is no software device";
     const std::atomic<uint64_t>& made = device.gpu()->counts.pipelines;
@@ -137,7 +137,7 @@ TEST(Pipelines, OfASoftwareDeviceAreMadeForWhatIsRecorded) {
 }
 
 // Spawning needs kernels that the first update, of an empty crowd, does not.
-TEST(Pipelines, OfASoftwareDeviceAreMadeBeforeTheyAreNeededWhereAsked) {
+TEST(Pipelines, WarmUpCompilesAheadOnSoftwareDevices) {
     const Character character = make_character({});
     const CrowdSettings settings{
         .groups = {{.character = &character, .capacity = 4}}, .path = UpdatePath::kDevice, .culling = Culling{}};
@@ -242,7 +242,7 @@ protected:
     std::filesystem::path file_ = folder_.path() / "throng" / "pipelines.bin";
 };
 
-TEST_F(PipelineCacheFile, IsThereAtTheSecondStart) {
+TEST_F(PipelineCacheFile, IsReadAtTheSecondStart) {
     open_and_close();
     EXPECT_EQ(told_bytes, 0u);
     EXPECT_TRUE(std::filesystem::exists(file_)) << "and its folder was made";
@@ -255,7 +255,7 @@ TEST_F(PipelineCacheFile, IsThereAtTheSecondStart) {
     EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder), {}), 1) << "nothing unfinished is left";
 }
 
-TEST_F(PipelineCacheFile, IsWrittenOnlyWhereSomethingWasAdded) {
+TEST_F(PipelineCacheFile, IsWrittenOnlyIfSomethingWasAdded) {
     open_and_close();
     const auto long_ago = std::filesystem::last_write_time(file_) - std::chrono::hours(1);
     std::filesystem::last_write_time(file_, long_ago);
@@ -266,13 +266,13 @@ TEST_F(PipelineCacheFile, IsWrittenOnlyWhereSomethingWasAdded) {
     EXPECT_NE(std::filesystem::last_write_time(file_), long_ago);
 }
 
-TEST_F(PipelineCacheFile, OfADriverThatRemembersElsewhereIsNone) {
+TEST_F(PipelineCacheFile, IsNotWrittenIfTheDriverReturnsNoData) {
     remembered_bytes = 0;
     open_and_close();
     EXPECT_FALSE(std::filesystem::exists(file_));
 }
 
-TEST_F(PipelineCacheFile, ThatIsDamagedIsBegunAnew) {
+TEST_F(PipelineCacheFile, IsReplacedIfDamaged) {
     std::filesystem::create_directories(file_.parent_path());
     std::ofstream(file_) << "nonsense";
     open_and_close();
@@ -282,7 +282,7 @@ TEST_F(PipelineCacheFile, ThatIsDamagedIsBegunAnew) {
 }
 
 // No folder can be created below /dev/null, not even by root.
-TEST_F(PipelineCacheFile, WithoutAFolderThatCanBeWrittenIsNoFailure) {
+TEST_F(PipelineCacheFile, AnUnwritableFolderIsNoError) {
     testing::internal::CaptureStderr();
     PipelineCache(*device_.gpu(), "/dev/null/throng/pipelines.bin");
     PipelineCache(*device_.gpu(), folder_.path());  // exists, but is not a file
@@ -323,7 +323,7 @@ TEST(PipelineCache, LiesInTheUsersCacheFolder) {
     EXPECT_TRUE(Device::create({.select = test_device().info().name}));
 }
 
-TEST(PipelineCache, IsOfDevicesThatWantOne) {
+TEST(PipelineCache, ExistsOnlyIfDeviceSettingsEnableIt) {
     const TemporaryFolder folder;
     const Variable cache("XDG_CACHE_HOME", folder.path().c_str());
     const std::filesystem::path file = pipeline_cache_file(test_gpu()->properties);

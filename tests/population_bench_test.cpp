@@ -24,7 +24,7 @@ std::vector<Json> measure_coming_and_going(const SkinReference& reference = skin
         2, [](const std::string&) {}, reference);
 }
 
-TEST(PopulationBench, ChangedInstancesPlayWhatTheyShould) {
+TEST(PopulationBench, PosesAreRightAfterSpawnsAndDespawns) {
     size_t of_turnovers = 0;
     for (const Json& record : measure_coming_and_going()) {
         EXPECT_LE(record["max_error"], kSkinErrorBound) << record;

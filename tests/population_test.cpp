@@ -16,17 +16,17 @@ namespace throng::test {
 namespace {
 
 const InSubset kPopulationInSubsets({Subset::kGpuAssisted},
-                                    {"Population.MayBeEmpty", "Population.EventsAreOfWhoeverWasThere"});
+                                    {"Population.MayBeEmpty", "Population.EventsBelongToTheInstanceOfTheirUpdate"});
 const InSubset kPopulationOnOtherDrivers({Subset::kOtherDriver}, {"-Population.*"});
-const InSubset kPopulationNatively({Subset::kNative}, {"Population.*", "-Population.DiscardedBirthsAndDeaths*"});
+const InSubset kPopulationNatively({Subset::kNative}, {"Population.*", "-Population.DiscardedSpawnsAndDespawns*"});
 
 // A crowd, and for each cohort of instances spawned at the same time another crowd, created then, with no other
 // instances.
-class Lives {
+class CrowdWithCohorts {
 public:
-    explicit Lives(UpdatePath path) : path_(path) {
+    explicit CrowdWithCohorts(UpdatePath path) : path_(path) {
         CrowdSettings settings = kinds_.settings(path);
-        for (CrowdGroup& group : settings.groups) group.capacity = kRoom;
+        for (CrowdGroup& group : settings.groups) group.capacity = kGroupCapacity;
         crowd_ = create(settings);
     }
 
@@ -35,7 +35,8 @@ public:
         Cohort cohort{Crowd(nullptr), {}};
         std::vector<Affine> places;
         for (uint32_t group = 0; group < settings.groups.size(); ++group) {
-            const uint32_t room = kRoom - *crowd_.alive_count(group), count = std::min(room, 1 + random.below(8));
+            const uint32_t room = kGroupCapacity - *crowd_.alive_count(group),
+                           count = std::min(room, 1 + random.below(8));
             std::vector<Affine> of_group;
             for (uint32_t i = 0; i < count; ++i) of_group.push_back(plot(plot_count_++));
             const Result<std::vector<InstanceHandle>> handles = crowd_.spawn(group, of_group);
@@ -57,60 +58,60 @@ public:
     }
 
     void despawn(Random& random) {
-        std::vector<InstanceHandle> gone;
+        std::vector<InstanceHandle> despawned;
         for (Cohort& cohort : cohorts_)
             for (Member& member : cohort.members)
-                if (member.is_there && random.chance(0.3)) {
-                    member.is_there = false;
-                    gone.push_back(member.handle);
+                if (member.is_alive && random.chance(0.3)) {
+                    member.is_alive = false;
+                    despawned.push_back(member.handle);
                 }
-        const Result<void> done = crowd_.despawn(gone);
+        const Result<void> done = crowd_.despawn(despawned);
         ASSERT_TRUE(done) << refusal(done);
-        for (const InstanceHandle& handle : gone) EXPECT_FALSE(crowd_.is_alive(handle));
+        for (const InstanceHandle& handle : despawned) EXPECT_FALSE(crowd_.is_alive(handle));
     }
 
     void change(Random& random) {
         for (Cohort& cohort : cohorts_)
             for (uint32_t i = 0; i < cohort.members.size(); ++i)
-                if (cohort.members[i].is_there && random.chance(0.3)) change(random, cohort, i);
+                if (cohort.members[i].is_alive && random.chance(0.3)) change(random, cohort, i);
     }
 
     void update(float step_s) {
         watch();
         const Result<void> updated = crowd_.update(step_s);
         ASSERT_TRUE(updated) << refusal(updated);
-        const Feedback told = feedback_of(crowd_);
+        const Feedback feedback = feedback_of(crowd_);
         std::map<uint32_t, const WatchedInstance*> watched;
-        for (const WatchedInstance& one : told.watched) watched[one.instance.instance] = &one;
+        for (const WatchedInstance& one : feedback.watched) watched[one.instance.instance] = &one;
         std::multiset<std::array<uint32_t, 5>> events, wanted_events;
-        for (const CharacterEvent& event : told.events)
+        for (const CharacterEvent& event : feedback.events)
             events.insert({event.instance.instance, event.instance.generation, event.event, event.layer,
                            std::bit_cast<uint32_t>(event.time_s)});
-        std::set<uint32_t> there;
+        std::set<uint32_t> alive;
         for (Cohort& cohort : cohorts_) {
             ASSERT_TRUE(cohort.crowd.update(step_s));
             const Feedback wanted = feedback_of(cohort.crowd);
             for (const CharacterEvent& event : wanted.events) {
                 const Member& member = cohort.members[event.instance.instance];
-                if (member.is_there)
+                if (member.is_alive)
                     wanted_events.insert({member.handle.instance, member.handle.generation, event.event, event.layer,
                                           std::bit_cast<uint32_t>(event.time_s)});
             }
             for (uint32_t i = 0; i < cohort.members.size(); ++i) {
-                if (!cohort.members[i].is_there) continue;
-                there.insert(cohort.members[i].handle.instance);
+                if (!cohort.members[i].is_alive) continue;
+                alive.insert(cohort.members[i].handle.instance);
                 expect_same(cohort, i);
             }
             for (const WatchedInstance& one : wanted.watched) {
                 const Member& member = cohort.members[one.instance.instance];
-                if (member.is_there) expect_same(*watched.at(member.handle.instance), one, member);
+                if (member.is_alive) expect_same(*watched.at(member.handle.instance), one, member);
             }
         }
         EXPECT_EQ(events, wanted_events);
         event_count += events.size();
         std::set<uint32_t> drawn;
         for (const DrawnInstance& one : drawn_of(crowd_)) drawn.insert(one.instance);
-        EXPECT_EQ(drawn, there);
+        EXPECT_EQ(drawn, alive);
     }
 
     size_t event_count = 0, compared_count = 0, watched_count = 0, reused_count = 0;
@@ -119,7 +120,7 @@ private:
     struct Member {
         uint32_t group = 0;
         InstanceHandle handle;
-        bool is_there = true;
+        bool is_alive = true;
     };
     struct Cohort {
         Crowd crowd;
@@ -130,7 +131,7 @@ private:
         std::vector<InstanceHandle> some;
         for (Cohort& cohort : cohorts_) {
             for (const Member& member : cohort.members)
-                if (member.is_there) some.push_back(member.handle);
+                if (member.is_alive) some.push_back(member.handle);
             EXPECT_TRUE(cohort.crowd.watch(cohort.crowd.instances()));
         }
         EXPECT_TRUE(crowd_.watch(some));
@@ -198,20 +199,20 @@ private:
 
 class PopulationOnPath : public testing::TestWithParam<UpdatePath> {};
 
-TEST_P(PopulationOnPath, NewbornsAreAsNew) {
-    Lives lives(GetParam());
+TEST_P(PopulationOnPath, SpawnedInstancesMatchThoseOfANewCrowd) {
+    CrowdWithCohorts crowds(GetParam());
     Random random(3);
     for (int update = 0; update < 24; ++update) {
-        if (update % 4 == 1 || update == 14) lives.despawn(random);  // some despawn and spawn between two updates
-        if (update % 4 < 2 && update < 18) lives.spawn(random);
-        lives.change(random);
-        lives.update(update % 7 == 3 ? 0 : static_cast<float>(random.between(0, 0.1)));
+        if (update % 4 == 1 || update == 14) crowds.despawn(random);  // some despawn and spawn between two updates
+        if (update % 4 < 2 && update < 18) crowds.spawn(random);
+        crowds.change(random);
+        crowds.update(update % 7 == 3 ? 0 : static_cast<float>(random.between(0, 0.1)));
         if (HasFatalFailure()) return;
     }
-    EXPECT_GT(lives.event_count, 5u);
-    EXPECT_GT(lives.compared_count, 500u);
-    EXPECT_GT(lives.watched_count, 300u);
-    EXPECT_GT(lives.reused_count, 30u);
+    EXPECT_GT(crowds.event_count, 5u);
+    EXPECT_GT(crowds.compared_count, 500u);
+    EXPECT_GT(crowds.watched_count, 300u);
+    EXPECT_GT(crowds.reused_count, 30u);
 }
 
 INSTANTIATE_TEST_SUITE_P(Population, PopulationOnPath,
@@ -232,7 +233,7 @@ struct Few {
     }
 };
 
-TEST(Population, HandlesTellOneFromTheNext) {
+TEST(Population, HandlesDistinguishReusedNumbers) {
     Few few;
     Crowd& crowd = few.crowd;
     EXPECT_EQ(crowd.instance_count(), 2u + 4 + 3);
@@ -254,15 +255,16 @@ TEST(Population, HandlesTellOneFromTheNext) {
     EXPECT_FALSE(crowd.is_alive({.instance = 0, .generation = 1}));
 }
 
-TEST(Population, RefusesWhatIsNotThere) {
+TEST(Population, RefusesInvalidSpawnsAndHandles) {
     Few few;
     Crowd& crowd = few.crowd;
     const std::vector<InstanceHandle> all = few.spawn(1, 3);
     EXPECT_EQ(refusal(crowd.spawn(1, std::array{Affine{}})),
-              "creature: spawn: 1 instances, where CrowdGroup::capacity leaves room for 0");
+              "creature: spawn: 1 instances, but CrowdGroup::capacity leaves room for 0");
     EXPECT_EQ(crowd.spawn(1, std::array{Affine{}}).error().code, ErrorCode::kLimit);
     EXPECT_EQ(refusal(crowd.spawn(0, std::array{Affine{}})), "creature: spawn: CrowdGroup::capacity is not set");
-    EXPECT_EQ(refusal(crowd.spawn(3, std::array{Affine{}})), "crowd: group 3 of a crowd of 3");
+    EXPECT_EQ(refusal(crowd.spawn(3, std::array{Affine{}})),
+              "crowd: group 3 is out of range: this crowd's group numbers are below 3");
     Affine bad;
     bad.row[1][3] = std::numeric_limits<float>::quiet_NaN();
     EXPECT_EQ(refusal(crowd.spawn(2, std::array{Affine{}, bad})), "spawn: placement 1: a number is not finite");
@@ -270,24 +272,24 @@ TEST(Population, RefusesWhatIsNotThere) {
 
     EXPECT_EQ(refusal(crowd.despawn(std::array{all[0], all[1], all[0]})), "despawn: instance 3 is given twice");
     EXPECT_EQ(refusal(crowd.despawn(std::array{all[0], *crowd.handle(0)})),
-              "despawn: instance 0 of generation 0: its group has no capacity");
+              "despawn: instance 0 of generation 0 cannot be despawned: its group has no CrowdGroup::capacity");
     EXPECT_EQ(*crowd.alive_count(1), 4u) << "nothing has happened";
     ASSERT_TRUE(crowd.despawn({all.data(), 1}));
-    EXPECT_EQ(refusal(crowd.despawn({all.data(), 1})), "despawn: instance 3 of generation 0 is not there");
+    EXPECT_EQ(refusal(crowd.despawn({all.data(), 1})), "despawn: instance 3 of generation 0 is not alive");
 
-    const std::string none = "instance 3 is not there: it has not been spawned, or has gone";
+    const std::string none = "instance 3 is not alive: it has not been spawned, or it has been despawned";
     EXPECT_EQ(refusal(crowd.handle(3)), "handle: " + none);
     EXPECT_EQ(refusal(crowd.set_playback(Instances::numbered(2, 2), Playback())), "playback: " + none);
-    EXPECT_EQ(refusal(crowd.set_placement(all[0], Affine{})), "placement: instance 3 of generation 0 is not there");
+    EXPECT_EQ(refusal(crowd.set_placement(all[0], Affine{})), "placement: instance 3 of generation 0 is not alive");
     EXPECT_EQ(refusal(crowd.watch(Instances::numbered(3))), "watch: " + none);
-    EXPECT_EQ(refusal(crowd.read_skin_matrices(all[0])), "read-back: instance 3 of generation 0 is not there");
+    EXPECT_EQ(refusal(crowd.read_skin_matrices(all[0])), "read-back: instance 3 of generation 0 is not alive");
     EXPECT_EQ(refusal(crowd.set_parameter(InstanceHandle{6}, 0, 1.0f)),
-              "parameter: instance 6 of generation 0 is not there");
+              "parameter: instance 6 of generation 0 is not alive");
 
     CrowdSettings settings = few.settings;
     settings.groups[1].instance_count = 5;
     EXPECT_EQ(refusal(Crowd::create(test_device(), settings)),
-              "crowd: capacity: 4, but the group begins with 5 instances");
+              "crowd: capacity: 4 is below the group's instance_count of 5");
     settings = few.settings;
     settings.keep_previous_matrices = true;
     settings.groups[1].sockets = {1};
@@ -320,7 +322,7 @@ TEST(Population, MayBeEmpty) {
 
 // A new instance in the slot of another that was drawn has no motion from it: its previous matrices equal its current
 // ones.
-TEST(Population, PreviousMatricesOfNewbornsAreTheirOwn) {
+TEST(Population, PreviousMatricesOfSpawnedInstancesAreTheirOwn) {
     const Device device = native_device();
     const Character character = creature(20, 8);
     Crowd crowd = std::move(
@@ -344,7 +346,7 @@ TEST(Population, PreviousMatricesOfNewbornsAreTheirOwn) {
 }
 
 // feedback() may report an update after its instances have been despawned and others spawned.
-TEST(Population, EventsAreOfWhoeverWasThere) {
+TEST(Population, EventsBelongToTheInstanceOfTheirUpdate) {
     const Character character = creature(20, 8);
     const Controller controller = example("dragon");
     Crowd crowd = create({.groups = {{.character = &character, .controller = &controller, .capacity = 2}}});
@@ -359,8 +361,8 @@ TEST(Population, EventsAreOfWhoeverWasThere) {
         const InstanceHandle unseen = (*crowd.spawn(0, std::array{Affine{}}))[0];  // never in an update
         ASSERT_TRUE(crowd.despawn({&unseen, 1}));
         const std::vector<Feedback> all = *crowd.feedback();
-        for (const Feedback& told : all)
-            for (const CharacterEvent& event : told.events) {
+        for (const Feedback& feedback : all)
+            for (const CharacterEvent& event : feedback.events) {
                 EXPECT_EQ(event.instance.generation, 2 * round);
                 ++event_count;
             }
@@ -368,20 +370,20 @@ TEST(Population, EventsAreOfWhoeverWasThere) {
     EXPECT_GT(event_count, 3u);
 }
 
-TEST(Population, WhoHasGoneIsNoLongerWatched) {
+TEST(Population, DespawnedInstancesAreNoLongerWatched) {
     const Character character = creature(20, 8);
     Crowd crowd = create({.groups = {{.character = &character, .instance_count = 2, .sockets = {1}, .capacity = 2}}});
     ASSERT_TRUE(crowd.watch(Instances::numbered(0, 2)));
     ASSERT_TRUE(crowd.despawn(std::array{*crowd.handle(0)}));
     ASSERT_TRUE(crowd.spawn(0, std::array{Affine{}}));
     ASSERT_TRUE(crowd.update(0.1f));
-    const Feedback told = feedback_of(crowd);
-    ASSERT_EQ(told.watched.size(), 1u);
-    EXPECT_EQ(told.watched[0].instance, InstanceHandle{1});
+    const Feedback feedback = feedback_of(crowd);
+    ASSERT_EQ(feedback.watched.size(), 1u);
+    EXPECT_EQ(feedback.watched[0].instance, InstanceHandle{1});
 }
 
 // In a view that sees no instance, groups with sockets are still animated, and none of their instances is listed.
-TEST(Population, WhoIsNotSeenIsAnimatedWhereItsSocketsAreNeeded) {
+TEST(Population, UnseenInstancesWithSocketsAreAnimated) {
     const Character character = creature(30, 10);
     const CrowdGroup group{.character = &character, .sockets = {3}};
     CrowdSettings settings{.groups = {group}, .culling = Culling{}};
@@ -390,15 +392,15 @@ TEST(Population, WhoIsNotSeenIsAnimatedWhereItsSocketsAreNeeded) {
     settings.groups[0].instance_count = 0;
     settings.groups[0].capacity = 8;
     Crowd varying = create(settings);
-    std::vector<InstanceHandle> there = *varying.spawn(0, std::vector<Affine>(6));
-    ASSERT_TRUE(varying.despawn(std::array{there[0], there[3]}));
-    there = {there[1], there[2], there[4], there[5]};
+    std::vector<InstanceHandle> alive = *varying.spawn(0, std::vector<Affine>(6));
+    ASSERT_TRUE(varying.despawn(std::array{alive[0], alive[3]}));
+    alive = {alive[1], alive[2], alive[4], alive[5]};
     Random random(4);
     const std::vector<Playback> playbacks = random_playbacks(random, character, 4);
     ASSERT_TRUE(lasting.set_playback(lasting.instances(), playbacks));
-    ASSERT_TRUE(varying.set_playback(there, playbacks));
+    ASSERT_TRUE(varying.set_playback(alive, playbacks));
     ASSERT_TRUE(lasting.watch(lasting.instances()));
-    ASSERT_TRUE(varying.watch(there));
+    ASSERT_TRUE(varying.watch(alive));
     const CrowdView elsewhere = view_of_box({1e5f, 0, 0}, 6);
     for (int update = 0; update < 3; ++update) {
         ASSERT_TRUE(lasting.update(0.1f, &elsewhere));
@@ -406,14 +408,14 @@ TEST(Population, WhoIsNotSeenIsAnimatedWhereItsSocketsAreNeeded) {
         EXPECT_EQ(drawn_of(varying).size(), 0u);
         const Feedback wanted = feedback_of(lasting), got = feedback_of(varying);
         for (uint32_t i = 0; i < 4; ++i) {
-            EXPECT_TRUE(same_bits(*varying.read_skin_matrices(there[i]), *lasting.read_skin_matrices({i})));
+            EXPECT_TRUE(same_bits(*varying.read_skin_matrices(alive[i]), *lasting.read_skin_matrices({i})));
             EXPECT_TRUE(same_bits(got.watched.at(i).sockets, wanted.watched.at(i).sockets));
         }
     }
 }
 
 // Skin pool rows go to the current instances, nearest first, and shared poses do not change.
-TEST(Population, WhoIsThereHasRowsOfASkinPool) {
+TEST(Population, SkinPoolRowsGoToLivingInstances) {
     const Character character = creature(30, 10);
     CrowdGroup group{.character = &character, .instance_count = 20, .skin_pool = SkinPool{.capacity = 12}};
     Crowd lasting = create({.groups = {group}, .culling = Culling{}});
@@ -421,17 +423,17 @@ TEST(Population, WhoIsThereHasRowsOfASkinPool) {
     group.capacity = 40;
     Crowd varying = create({.groups = {group}});
     const std::vector<InstanceHandle> all = *varying.spawn(0, std::vector<Affine>(40));
-    std::vector<InstanceHandle> there, gone;
-    for (const InstanceHandle& one : all) (one.instance % 2 == 0 ? there : gone).push_back(one);
-    ASSERT_TRUE(varying.despawn(gone));
+    std::vector<InstanceHandle> alive, despawned;
+    for (const InstanceHandle& one : all) (one.instance % 2 == 0 ? alive : despawned).push_back(one);
+    ASSERT_TRUE(varying.despawn(despawned));
     Random random(8);
     const std::vector<Playback> playbacks = random_playbacks(random, character, 20);
     for (uint32_t i = 0; i < 20; ++i) {
         const Affine place = to_affine(Trs<float>{.translation = {0, 0, static_cast<float>(i)}});
         ASSERT_TRUE(lasting.set_placement(InstanceHandle{i}, place));
-        ASSERT_TRUE(varying.set_placement(there[i], place));
+        ASSERT_TRUE(varying.set_placement(alive[i], place));
         ASSERT_TRUE(lasting.set_playback(InstanceHandle{i}, playbacks[i]));
-        ASSERT_TRUE(varying.set_playback(there[i], playbacks[i]));
+        ASSERT_TRUE(varying.set_playback(alive[i], playbacks[i]));
     }
     const CrowdView view = view_of_box({0, 0, 9}, 8);
     for (int update = 0; update < 3; ++update) {
@@ -441,7 +443,7 @@ TEST(Population, WhoIsThereHasRowsOfASkinPool) {
         ASSERT_EQ(got.size(), wanted.size());
         EXPECT_GT(got.size(), 12u) << "more than there are rows";
         for (size_t i = 0; i < got.size(); ++i) {
-            EXPECT_EQ(got[i].instance, there[wanted[i].instance].instance);
+            EXPECT_EQ(got[i].instance, alive[wanted[i].instance].instance);
             EXPECT_EQ(got[i].skin_row, wanted[i].skin_row);
             EXPECT_TRUE(same_bits(*varying.read_skin_matrices({got[i].instance}),
                                   *lasting.read_skin_matrices({wanted[i].instance})));
@@ -449,7 +451,7 @@ TEST(Population, WhoIsThereHasRowsOfASkinPool) {
     }
 }
 
-TEST(Population, WhoHasGoneIsInNobodysWay) {
+TEST(Population, DespawnedAgentsDoNotBlock) {
     const Character character = creature(20, 8);
     const auto walk = [&](bool meets_another, bool it_goes) {
         Crowd crowd = create(
@@ -476,7 +478,7 @@ TEST(Population, WhoHasGoneIsInNobodysWay) {
 
 // A new agent starts at rest: it does not take over the step of the agent that had its slot before. The same holds if
 // it is spawned in an update with a time step of 0.
-TEST(Population, ANewAgentSetsOutFromRest) {
+TEST(Population, SpawnedAgentsStartAtRest) {
     const Character character = creature(20, 8);
     const std::array ahead{Vec3<float>{0, 0, 500}};
     const auto walk = [&](bool has_predecessor, float born_in_s) {
@@ -501,7 +503,7 @@ TEST(Population, ANewAgentSetsOutFromRest) {
 
 // Commands for an instance that is despawned before the next update leave nothing behind, and commands for other
 // instances are kept.
-TEST(Population, CommandsForWhoHasGoneAreDropped) {
+TEST(Population, CommandsForDespawnedInstancesAreDropped) {
     const Character character = creature(20, 8);
     const Controller controller = example("dragon");
     const uint32_t forward = parameter_of(controller, "forward");
@@ -519,13 +521,13 @@ TEST(Population, CommandsForWhoHasGoneAreDropped) {
     EXPECT_LT(crowd.save_state()->size(), once_bytes + 1000);
     ASSERT_TRUE(crowd.watch(std::array{stays, come(4)}));
     ASSERT_TRUE(crowd.update(0));
-    const Feedback told = feedback_of(crowd);
-    EXPECT_EQ(told.watched.at(0).parameters[forward], 1);
-    EXPECT_EQ(told.watched.at(1).parameters[forward], 4);
+    const Feedback feedback = feedback_of(crowd);
+    EXPECT_EQ(feedback.watched.at(0).parameters[forward], 1);
+    EXPECT_EQ(feedback.watched.at(1).parameters[forward], 4);
 }
 
 // Instances spawned and despawned in a dropped frame take effect in the next one, whether before or after the record.
-TEST(Population, DiscardedBirthsAndDeathsComeLater) {
+TEST(Population, DiscardedSpawnsAndDespawnsTakeEffectLater) {
     const Character character = creature(20, 8);
     const Controller controller = example("dragon");
     const CrowdSettings settings{.groups = {{.character = &character, .controller = &controller, .capacity = 8},
@@ -534,13 +536,13 @@ TEST(Population, DiscardedBirthsAndDeathsComeLater) {
     std::array crowds{create(settings), create(settings)};
     Recorder recorder;
     Random random(9);
-    std::vector<InstanceHandle> there;
+    std::vector<InstanceHandle> alive;
     const uint32_t forward = parameter_of(controller, "forward");
     const auto change = [&] {
-        if (there.size() > 4 && random.chance(0.6)) {
-            std::swap(there[random.below(static_cast<uint32_t>(there.size()))], there.back());
-            for (Crowd& crowd : crowds) ASSERT_TRUE(crowd.despawn({&there.back(), 1}));
-            there.pop_back();
+        if (alive.size() > 4 && random.chance(0.6)) {
+            std::swap(alive[random.below(static_cast<uint32_t>(alive.size()))], alive.back());
+            for (Crowd& crowd : crowds) ASSERT_TRUE(crowd.despawn({&alive.back(), 1}));
+            alive.pop_back();
         }
         const std::array place{plot(random.below(100))};
         const uint32_t group = random.below(2);
@@ -549,8 +551,8 @@ TEST(Population, DiscardedBirthsAndDeathsComeLater) {
         ASSERT_EQ(refusal(come[0]), refusal(come[1]));
         if (!come[0]) return;
         EXPECT_EQ(*come[0], *come[1]);
-        there.push_back((*come[0])[0]);
-        for (Crowd& crowd : crowds) EXPECT_TRUE(group != 0 || crowd.set_parameter(there.back(), forward, 1.0f));
+        alive.push_back((*come[0])[0]);
+        for (Crowd& crowd : crowds) EXPECT_TRUE(group != 0 || crowd.set_parameter(alive.back(), forward, 1.0f));
     };
     size_t event_count = 0;
     for (int update = 0; update < 60; ++update) {

@@ -198,7 +198,7 @@ TEST(PoseOverride, TwoClipsFollowTheReference) {
 }
 
 // The same pose gives the same bits, whatever is animated below it.
-TEST(PoseOverride, FullWeightIsThePoseAndNoneIsTheAnimation) {
+TEST(PoseOverride, WeightOneShowsThePoseAndZeroTheAnimation) {
     const Character character = creature(60);
     const Controller controller = example("walker");
     Random random(3);
@@ -238,7 +238,7 @@ TEST(PoseOverride, FullWeightIsThePoseAndNoneIsTheAnimation) {
     }
 }
 
-TEST(PoseOverride, FadesAreEasedAndTurnBackWhereTheyAre) {
+TEST(PoseOverride, FadesAreEasedAndReverseFromTheirWeight) {
     PoseFade fade;
     fade.advance(1);
     EXPECT_EQ(fade.weight(), 0);
@@ -268,7 +268,7 @@ TEST(PoseOverride, FadesAreEasedAndTurnBackWhereTheyAre) {
     EXPECT_EQ(fade.weight(), 0);
 }
 
-TEST(PoseOverride, RoomForPosesIsFreeWhenTheyHaveFadedOut) {
+TEST(PoseOverride, PoseSlotsAreFreedAfterFadingOut) {
     const Character character = creature(20);
     Crowd crowd = create({.groups = {{.character = &character, .instance_count = 5},
                                      {.character = &character, .instance_count = 5, .pose_capacity = 2}}});
@@ -277,7 +277,8 @@ TEST(PoseOverride, RoomForPosesIsFreeWhenTheyHaveFadedOut) {
         const Result<void> refused = crowd.set_pose(InstanceHandle{instance}, pose);
         ASSERT_FALSE(refused);
         EXPECT_EQ(refused.error().code, ErrorCode::kLimit);
-        EXPECT_NE(refused.error().text().find(std::string("all ") + capacity + " poses of CrowdGroup::pose_capacity"),
+        EXPECT_NE(refused.error().text().find(std::string("all ") + capacity +
+                                              " poses of creature (CrowdGroup::pose_capacity)"),
                   std::string::npos)
             << refused.error().text();
     };

@@ -17,9 +17,9 @@ namespace {
 
 const InSubset kProceduralInSubsets({Subset::kGpuAssisted},
                                     {"Procedural.LimbsWithoutLengthAndTargetsWithoutWeightChangeNothing",
-                                     "Procedural.WorksBelowAController"});
+                                     "Procedural.WorksTogetherWithAController"});
 const InSubset kProceduralNatively({Subset::kNative},
-                                   {"Procedural.*", "-Procedural.ChainsBeyondTheDevicesLoopsAreRefused"});
+                                   {"Procedural.*", "-Procedural.ChainsTooLongForTheDevicesLoopsAreRefused"});
 
 TEST(Procedural, WrongRulesAreRefusedWithTheirNumber) {
     Character character = chain(6);
@@ -46,7 +46,7 @@ TEST(Procedural, WrongRulesAreRefusedWithTheirNumber) {
         {ReachRule{.joint = "joint 1", .target = "prey"}, "grandparent"},
         {ReachRule{.joint = "joint 3", .target = "prey", .pole = {0, 0, 0}}, "pole"},
         {ReachRule{.joint = "joint 3", .target = "prey", .weight = -1}, "weight"},
-        {LookAtRule{.joint = "twice", .target = "prey"}, "there are several joints 'twice'"},
+        {LookAtRule{.joint = "twice", .target = "prey"}, "several joints are named 'twice'"},
     };
     for (const auto& [rule, what] : wrong) {
         const ProceduralRules rules{.targets = {"prey"}, .rules = {WindRule{.joint = "joint 0"}, rule}};
@@ -186,7 +186,7 @@ TEST(Procedural, MovesSimilaritiesAsTheReferenceDoes) {
 }
 
 // A spring chain with so many joints and colliders that a software device's loops cannot process it.
-TEST(Procedural, ChainsBeyondTheDevicesLoopsAreRefused) {
+TEST(Procedural, ChainsTooLongForTheDevicesLoopsAreRefused) {
     const Character character = make_character(
         {.joint_count = 4000, .shape = RigShape::kChain, .clip_count = 1, .key_count = 2});
     const ProceduralRules rules{
@@ -232,7 +232,7 @@ TEST(Procedural, LimbsWithoutLengthAndTargetsWithoutWeightChangeNothing) {
 
 // Exporters write tiny lengths in place of 0: 1e-9 of the size in a knight's toes. Such bones do not swing, and what is
 // attached to them behaves as if they had no length.
-TEST(Procedural, BonesThatAreAllButNoneAreNotMoved) {
+TEST(Procedural, BonesOfNegligibleLengthAreNotMoved) {
     const auto swung = [](float part) {
         Character character = chain(6);
         for (const uint32_t joint : {3u, 5u}) character.rig.rest[joint].translation.y = part * character.size;
@@ -264,7 +264,7 @@ TEST(Procedural, BonesThatAreAllButNoneAreNotMoved) {
 }
 
 // Target values as an application's shaders could write them; here the processor writes them.
-TEST(Procedural, TargetsThatAreNoPlacesHaveNoEffect) {
+TEST(Procedural, InvalidTargetValuesHaveNoEffect) {
     const Character character = chain(6);
     const ProceduralRules rules{
         .targets = {"prey"},
@@ -317,7 +317,7 @@ TEST(Procedural, BatchesAndManyChainsChangeNothing) {
 }
 
 // Layers, a pose override, wind and targets together. The reference computes all of it.
-TEST(Procedural, WorksBelowAController) {
+TEST(Procedural, WorksTogetherWithAController) {
     const Character character = make_character({.joint_count = 30, .shape = RigShape::kChain, .seed = 2});
     const ProceduralRules rules{.targets = {"prey"},
                                 .rules = {WindRule{.joint = character.rig.names[1]},
@@ -386,7 +386,7 @@ TEST(Procedural, WrongTargetsAndPathsAreRefused) {
     settings = {.groups = {{.character = &character, .instance_count = 2, .procedural = &twice}}};
     const Result<Crowd> two = Crowd::create(test_device(), settings);
     ASSERT_FALSE(two);
-    EXPECT_NE(two.error().text().find("two targets 'prey'"), std::string::npos) << two.error().text();
+    EXPECT_NE(two.error().text().find("two targets are named 'prey'"), std::string::npos) << two.error().text();
 }
 
 }  // namespace

@@ -20,7 +20,7 @@ namespace {
 using namespace test;
 
 // Under GPU-assisted validation the excluded test takes too long.
-const InSubset kRendererInSubsets({Subset::kGpuAssisted}, {"Renderer.*", "-Renderer.FramesFollowEachOther"}),
+const InSubset kRendererInSubsets({Subset::kGpuAssisted}, {"Renderer.*", "-Renderer.ConsecutiveFramesAreSynchronized"}),
     kRendererNatively({Subset::kNative}, {"Renderer.*"});
 
 Renderer renderer_of(RendererSettings settings = {.width = kDrawWidth, .height = kDrawHeight}) {
@@ -38,7 +38,7 @@ TEST(Renderer, IsMadeWithoutASubmission) {
 }
 
 // Whatever the memory for its matrices contains.
-TEST(Renderer, ShowsNobodyBeforeTheFirstUpdate) {
+TEST(Renderer, ShowsNoInstanceBeforeTheFirstUpdate) {
     const Character character = compile_character(square()).value();
     for (const DrawPath path : {DrawPath::kNative, DrawPath::kDevice}) {
         if (!undrawable_reason(path).empty()) continue;
@@ -66,7 +66,8 @@ TEST(Renderer, RefusesWhatTheDeviceCannotDo) {
     const Result<Renderer> huge = Renderer::create(test_device(), {.width = 1u << 20, .height = 5, .path = path});
     ASSERT_FALSE(huge);
     EXPECT_EQ(huge.error().code, ErrorCode::kLimit);
-    const char* const limit = path == DrawPath::kNative ? "exceeds the 16384 pixels" : "exceeds the device's";
+    const char* const limit = path == DrawPath::kNative ? "exceeds the native renderer's limit of 16384 pixels"
+                                                        : "exceeds the device's";
     EXPECT_NE(huge.error().text().find(limit), std::string::npos) << huge.error().text();
 }
 
@@ -88,7 +89,7 @@ TEST(Renderer, RefusesACameraThatSeesNothing) {
 }
 // Two frames in one command buffer, so that only barriers separate them, for crowds that cull and keep two sets of
 // matrices, and for crowds that do neither.
-TEST(Renderer, FramesFollowEachOther) {
+TEST(Renderer, ConsecutiveFramesAreSynchronized) {
     const Result<Character> character = compile_character(square(), kExact);
     ASSERT_TRUE(character);
     Renderer one = renderer_of();
@@ -130,7 +131,7 @@ TEST(Renderer, FramesFollowEachOther) {
     }
 }
 
-TEST(Renderer, KnowsAnotherCrowdAtTheSamePlace) {
+TEST(Renderer, DetectsAnotherCrowdAtTheSameAddress) {
     Asset green = square();
     green.materials[0].base_color = {0.02f, 0.8f, 0.02f, 1};
     const Result<Character> first = compile_character(square(), kExact), second = compile_character(green, kExact);
@@ -144,7 +145,7 @@ TEST(Renderer, KnowsAnotherCrowdAtTheSamePlace) {
     EXPECT_TRUE(is_red(at(renderer.render_frame(kept, 0, kFront)->picture, -1.5, 0.5)));
 }
 
-TEST(Renderer, TakesAnotherSize) {
+TEST(Renderer, CanBeResized) {
     const Result<Character> character = compile_character(square(), kExact);
     ASSERT_TRUE(character);
     Crowd crowd = crowd_of(*character);

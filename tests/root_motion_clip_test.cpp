@@ -157,7 +157,7 @@ void expect_put_together(const Walker& walker, double between) {
     }
 }
 
-TEST(RootMotionOfClips, WhatIsTakenAndWhatIsLeftMakeTheOriginal) {
+TEST(RootMotionOfClips, RootMotionAndRemainderGiveTheOriginalClip) {
     for (const bool armature_is_joint : {false, true}) {
         Walker walker(armature_is_joint);
         for (const double rate : {30.0, 24.0, 60.0, 7.0})
@@ -169,7 +169,7 @@ TEST(RootMotionOfClips, WhatIsTakenAndWhatIsLeftMakeTheOriginal) {
     }
 }
 
-TEST(RootMotionOfClips, RowsAreEvenAndExactAtBothEnds) {
+TEST(RootMotionOfClips, RowsAreEvenlySpacedAndExactAtBothEnds) {
     Walker walker(true);
     for (const double duration_s : {2.0, 31.0 / 30, 0.5, 0.01}) walker.move("walk", times(duration_s, 30), walk);
     const Character taken = compiled(walker.asset, kTaken);
@@ -194,7 +194,7 @@ TEST(RootMotionOfClips, RowsAreEvenAndExactAtBothEnds) {
     EXPECT_EQ(taken.root_rows.size(), first);
 }
 
-TEST(RootMotionOfClips, WhatIsLeftStaysWhereTheClipBegins) {
+TEST(RootMotionOfClips, TheRemainingClipStaysAtItsStart) {
     Walker walker(false);
     walker.move("walk", times(2, 30), walk);
     const Character taken = compiled(walker.asset, kTaken);
@@ -217,7 +217,7 @@ TEST(RootMotionOfClips, WhatIsLeftStaysWhereTheClipBegins) {
     }
 }
 
-TEST(RootMotionOfClips, TwoCyclesWalkOn) {
+TEST(RootMotionOfClips, ASecondCycleContinuesFromTheFirst) {
     Walker walker(true);
     walker.move("walk", times(2, 30), walk);  // whole periods of everything that sways
     const Character taken = compiled(walker.asset, kTaken);
@@ -232,7 +232,7 @@ TEST(RootMotionOfClips, TwoCyclesWalkOn) {
     }
 }
 
-TEST(RootMotionOfClips, AClipThatStaysHasNoRows) {
+TEST(RootMotionOfClips, AClipWithoutRootMotionHasNoRows) {
     Walker walker(true);
     const auto nod = [](double time_s) {
         return ModelPose{axis_angle(Vec3<double>{1, 0, 0}, 0.2 * std::sin(6 * time_s)),
@@ -244,7 +244,7 @@ TEST(RootMotionOfClips, AClipThatStaysHasNoRows) {
     EXPECT_EQ(taken.keys, whole.keys);
     EXPECT_TRUE(taken.root_rows.empty());
     ASSERT_EQ(taken.warnings.size(), 1u);
-    EXPECT_NE(taken.warnings[0].find("'hips' moves over the ground in no clip"), std::string::npos);
+    EXPECT_NE(taken.warnings[0].find("'hips' does not move over the ground in any clip"), std::string::npos);
 
     walker.move("walk", times(1, 30), walk);
     walker.clip("nothing", 0);
@@ -263,7 +263,7 @@ TEST(RootMotionOfClips, AClipThatStaysHasNoRows) {
 }
 
 // If the root jumps, the remaining clip must not keep a part of the jump.
-TEST(RootMotionOfClips, StepsAreTakenWhole) {
+TEST(RootMotionOfClips, StepKeysAreTakenEntirely) {
     Walker walker(true);
     walker.move(
         "steps", {0, 0.255f, 0.71f, 1},
@@ -310,7 +310,7 @@ TEST(RootMotionOfClips, TurnsOfAnySizeAreFollowed) {
 }
 
 // The root turns over forward and lands on its feet, which is no rotation about +y.
-TEST(RootMotionOfClips, ASomersaultIsNoTurn) {
+TEST(RootMotionOfClips, ASomersaultIsNoRotationAboutTheUpAxis) {
     Walker walker(false);
     walker.move("somersault", times(1, 30), [](double time_s) {
         return ModelPose{axis_angle(Vec3<double>{1, 0, 0}, 2 * pi * time_s),
@@ -321,7 +321,7 @@ TEST(RootMotionOfClips, ASomersaultIsNoTurn) {
     for (const auto& row : taken.root_rows) EXPECT_NEAR(row[2], 1, 1e-4);
 }
 
-TEST(RootMotionOfClips, MistakesAreNamed) {
+TEST(RootMotionOfClips, ErrorsNameTheWrongJoint) {
     const auto expect_error = [](const Asset& asset, const char* joint, ErrorCode code,
                                  const std::vector<std::string>& named) {
         const Result<Character> refused = compile_character(asset, {.error = 0, .root_motion_joint = joint});
@@ -371,7 +371,7 @@ TEST(RootMotionOfClips, PackedClipsKeepTheirBound) {
     }
 }
 
-TEST(RootMotionOfClips, AFileKeepsIt) {
+TEST(RootMotionOfClips, IsSavedInCharacterFiles) {
     Walker walker(true);
     walker.move("walk", times(2, 30), walk);
     walker.move("again", times(1, 30), walk);
@@ -513,7 +513,7 @@ TEST(RootMotionOnTheGpu, PlacementsFollowTheClips) {
         }
 }
 
-TEST(RootMotionOnTheGpu, AStateThatPlaysNothingStands) {
+TEST(RootMotionOnTheGpu, AStateWithoutClipsDoesNotMove) {
     const Character character = walkers(0);
     Controller controller{.name = "stop and go"};
     controller.layers = {{.name = "body",
@@ -530,7 +530,7 @@ TEST(RootMotionOnTheGpu, AStateThatPlaysNothingStands) {
 
 // Each step is rounded to the float precision at such a distance. Those errors alone would add up to fifteen times the
 // bound.
-TEST(RootMotionOnTheGpu, ManyShortStepsAddUp) {
+TEST(RootMotionOnTheGpu, ManyShortStepsAddUpPrecisely) {
     constexpr float kStep_s = 1 / 30.0f, kSpeed = 1.5f;
     constexpr int kSteps = 3000;
     Walker walker(true);
@@ -553,7 +553,7 @@ TEST(RootMotionOnTheGpu, ManyShortStepsAddUp) {
     }
 }
 
-TEST(RootMotionOnTheGpu, ItIsOnlyReportedWhereThatIsAsked) {
+TEST(RootMotionOnTheGpu, IsOnlyReportedWithoutMovesPlacements) {
     const Character character = walkers(0);
     Walking walking(character, 2, false);
     walking.play(0, {.clip = {.clip = 0}});
@@ -563,7 +563,7 @@ TEST(RootMotionOnTheGpu, ItIsOnlyReportedWhereThatIsAsked) {
     EXPECT_GT(walking.distance_m(1), 5);
 }
 
-TEST(RootMotionOnTheGpu, APlacementThatIsSetIsWalkedOnFrom) {
+TEST(RootMotionOnTheGpu, MovementContinuesFromASetPlacement) {
     const Character character = walkers(0);
     Walking walking(character, 2, true);
     walking.play(0, {.clip = {.clip = 0}});
@@ -575,7 +575,7 @@ TEST(RootMotionOnTheGpu, APlacementThatIsSetIsWalkedOnFrom) {
     walking.steps(50, 5);
 }
 
-TEST(RootMotionOnTheGpu, BackwardsAndToAnEnd) {
+TEST(RootMotionOnTheGpu, FollowsBackwardAndNonLoopingClips) {
     const Character character = walkers(0);
     Walking walking(character, 2, true);
     walking.play(0, {.clip = {.clip = 0, .time_s = 0.3, .speed = -0.7f}});
@@ -585,7 +585,7 @@ TEST(RootMotionOnTheGpu, BackwardsAndToAnEnd) {
     EXPECT_LT(walking.distance_m(1), 5);
 }
 
-TEST(RootMotionOnTheGpu, ClipsThatCrossFadeMoveTogether) {
+TEST(RootMotionOnTheGpu, CrossFadingClipsBlendTheirMovement) {
     const Character character = walkers(0);
     Walking walking(character, 2, true);
     Random random(7);

@@ -117,7 +117,7 @@ TEST(Sample, SkipsClipsWithoutWeight) {
 }
 
 // One clip of two rows. Each joint turns by its own angle, from zero to half a turn.
-TEST(Sample, ArcsOfEverySize) {
+TEST(Sample, RotationsOfEveryAngleFollowTheReference) {
     std::vector<double> angles_rad{0, std::numbers::pi};
     for (double angle = 1e-9; angle < std::numbers::pi; angle *= 1.1) angles_rad.push_back(angle);
     for (const double distance : {1e-6, 1e-5, 1e-4, 1e-3, 1e-2}) angles_rad.push_back(std::numbers::pi - distance);
@@ -179,7 +179,7 @@ TEST(Sample, ArcsOfEverySize) {
 }
 
 // A stepped track holds its earlier row until the last moment, beside a linear track and a constant one.
-TEST(Sample, StepLinearAndConstant) {
+TEST(Sample, StepLinearAndConstantTracksCombine) {
     Character character;
     character.rig.parents = {kNone};
     character.clips.push_back({.duration_s = 1, .row_count = 3, .row_stride = 2});

@@ -11,11 +11,11 @@ namespace {
 
 const InSubset kSavedStateNatively({Subset::kNative}, {"SavedState.*"});
 
-std::vector<InstanceHandle> there_in(const Crowd& crowd) {
-    std::vector<InstanceHandle> there;
+std::vector<InstanceHandle> alive_in(const Crowd& crowd) {
+    std::vector<InstanceHandle> alive;
     for (uint32_t i = 0; i < crowd.instance_count(); ++i)
-        if (const Result<InstanceHandle> handle = crowd.handle(i)) there.push_back(*handle);
-    return there;
+        if (const Result<InstanceHandle> handle = crowd.handle(i)) alive.push_back(*handle);
+    return alive;
 }
 
 // Makes random calls as an application does: the same calls for crowds in the same state.
@@ -26,7 +26,7 @@ public:
         settings_.pose_request_capacity = 4;
         for (CrowdGroup& group : settings_.groups) {
             group.instance_count = 6;
-            group.capacity = kRoom;
+            group.capacity = kGroupCapacity;
         }
         settings_.groups.push_back({.character = &kinds_.character, .instance_count = 5, .pose_capacity = 3});
         settings_.groups.push_back(
@@ -37,27 +37,27 @@ public:
         Crowd crowd = create(settings_);
         std::vector<Affine> places;
         for (uint32_t i = 0; i < crowd.instance_count(); ++i) places.push_back(plot(i));
-        for (const InstanceHandle& one : there_in(crowd)) EXPECT_TRUE(crowd.set_placement(one, places[one.instance]));
+        for (const InstanceHandle& one : alive_in(crowd)) EXPECT_TRUE(crowd.set_placement(one, places[one.instance]));
         return crowd;
     }
 
     void play(Crowd& crowd, uint32_t update) const {
         Random random(update);
-        const std::vector<InstanceHandle> there = there_in(crowd);
-        std::vector<InstanceHandle> gone;
-        EXPECT_TRUE(crowd.watch(std::vector(there.begin(), there.begin() + 20)));
-        for (const InstanceHandle& one : there) {
+        const std::vector<InstanceHandle> alive = alive_in(crowd);
+        std::vector<InstanceHandle> despawned;
+        EXPECT_TRUE(crowd.watch(std::vector(alive.begin(), alive.begin() + 20)));
+        for (const InstanceHandle& one : alive) {
             if (random.chance(0.3)) change(crowd, one, random);
-            if (one.instance < kKinds * kRoom && random.chance(0.1)) gone.push_back(one);
+            if (one.instance < kKinds * kGroupCapacity && random.chance(0.1)) despawned.push_back(one);
         }
-        EXPECT_TRUE(crowd.despawn(gone));
+        EXPECT_TRUE(crowd.despawn(despawned));
         for (uint32_t group = 0; group < kKinds; ++group) {
-            if (*crowd.alive_count(group) + 2 > kRoom) continue;
+            if (*crowd.alive_count(group) + 2 > kGroupCapacity) continue;
             EXPECT_TRUE(crowd.spawn(group, std::array{plot(random.below(900)), plot(random.below(900))}));
         }
-        hang(crowd, random);
+        attach_at_random(crowd, random);
         EXPECT_TRUE(crowd.set_wind({.velocity = random.vector(3).as<float>()}));
-        EXPECT_TRUE(crowd.request_poses(*crowd.handle(kKinds * kRoom)));
+        EXPECT_TRUE(crowd.request_poses(*crowd.handle(kKinds * kGroupCapacity)));
     }
 
     // All outputs and feedback of the updates from `first` up to, but not including, `end`.
@@ -84,7 +84,7 @@ private:
     static constexpr uint32_t kKinds = 5, kCarriers = 2, kCarried = 6;
 
     // Attaches some carried instances to others that have sockets, or to another carried instance.
-    static void hang(Crowd& crowd, Random& random) {
+    static void attach_at_random(Crowd& crowd, Random& random) {
         const Instances carried = *crowd.instances(kCarried), carriers = *crowd.instances(kCarriers);
         for (uint32_t i = 0; i < carried.size(); ++i) {
             if (random.chance(0.5)) continue;
@@ -99,7 +99,7 @@ private:
     }
 
     void change(Crowd& crowd, const InstanceHandle& one, Random& random) const {
-        const uint32_t group = one.instance / kRoom;
+        const uint32_t group = one.instance / kGroupCapacity;
         const float x = plot(one.instance).row[0][3] + static_cast<float>(random.between(-20, 20));
         const std::vector<Trs<float>> pose(kinds_.character.rig.rest);
         const float fade_s = static_cast<float>(random.between(0, 0.3f));
@@ -131,28 +131,28 @@ class SavedStateOnPath : public testing::TestWithParam<Case> {};
 
 // Saved while changes wait for the next update, between two updates for views, so that some instances are interpolating
 // toward a later pose.
-TEST_P(SavedStateOnPath, GoesOnBitForBit) {
-    const Application player(GetParam().path, GetParam().culling);
-    Crowd crowd = player.make();
+TEST_P(SavedStateOnPath, ARestoredCrowdContinuesBitForBit) {
+    const Application application(GetParam().path, GetParam().culling);
+    Crowd crowd = application.make();
     constexpr uint32_t kSaved = 8, kEnd = 15;
-    player.go_on(crowd, 0, kSaved);
-    player.play(crowd, kSaved);
+    application.go_on(crowd, 0, kSaved);
+    application.play(crowd, kSaved);
     const Result<std::vector<std::byte>> saved = crowd.save_state();
     ASSERT_TRUE(saved) << refusal(saved);
-    const std::string wanted = player.go_on(crowd, kSaved, kEnd);
+    const std::string wanted = application.go_on(crowd, kSaved, kEnd);
     EXPECT_GT(wanted.size(), 100'000u);
 
     EXPECT_TRUE(crowd.restore_state(*saved));
     EXPECT_TRUE(*crowd.save_state() == *saved);
-    EXPECT_TRUE(player.go_on(crowd, kSaved, kEnd) == wanted) << "the crowd itself";
+    EXPECT_TRUE(application.go_on(crowd, kSaved, kEnd) == wanted) << "the crowd itself";
 
-    Crowd other = player.make();
+    Crowd other = application.make();
     for (uint32_t updates = 0; updates < 3; ++updates) {
         EXPECT_TRUE(other.restore_state(*saved));
         EXPECT_TRUE(*other.save_state() == *saved);
-        EXPECT_TRUE(player.go_on(other, kSaved, kEnd) == wanted) << "another crowd";
-        other = player.make();
-        player.go_on(other, 50, 52 + updates);
+        EXPECT_TRUE(application.go_on(other, kSaved, kEnd) == wanted) << "another crowd";
+        other = application.make();
+        application.go_on(other, 50, 52 + updates);
     }
 }
 
@@ -173,7 +173,7 @@ protected:
 };
 
 // With previous matrices, in slots of frames in flight.
-TEST_F(SavedState, KeepsWhatThePreviousUpdateShowed) {
+TEST_F(SavedState, KeepsThePreviousUpdatesMatrices) {
     CrowdSettings of = settings();
     of.keep_previous_matrices = true;
     for (const uint32_t in_flight : {1u, 3u}) {
@@ -193,7 +193,7 @@ TEST_F(SavedState, KeepsWhatThePreviousUpdateShowed) {
 
 // A budget that no update meets lowers the rate further and further, until every instance is animated only in every
 // eighth update.
-TEST_F(SavedState, KeepsHowFarABudgetHasLoweredTheRate) {
+TEST_F(SavedState, KeepsTheRateLoweredByABudget) {
     CrowdSettings of = settings(16);
     of.culling = Culling{.skips_updates = true};
     of.groups[0].pose_capacity = 0;
@@ -217,7 +217,7 @@ TEST_F(SavedState, KeepsHowFarABudgetHasLoweredTheRate) {
     }
 }
 
-TEST_F(SavedState, OfACrowdThatHasNotBeenUpdated) {
+TEST_F(SavedState, CanBeSavedBeforeTheFirstUpdate) {
     Crowd crowd = create(settings()), other = create(settings());
     ASSERT_TRUE(crowd.set_playback(InstanceHandle{2}, {.first = {.clip = 0, .time_s = 0.3}}));
     ASSERT_TRUE(other.update(1));
@@ -226,7 +226,7 @@ TEST_F(SavedState, OfACrowdThatHasNotBeenUpdated) {
     expect_same(contents_of(crowd.outputs()), contents_of(other.outputs()), "");
 }
 
-TEST_F(SavedState, WatchedOnesComeInTheOrderThatWasAskedFor) {
+TEST_F(SavedState, KeepsTheOrderOfWatchedInstances) {
     CrowdSettings of = settings();
     of.groups[0].sockets = {3};
     Crowd crowd = create(of), other = create(of);
@@ -241,7 +241,7 @@ TEST_F(SavedState, WatchedOnesComeInTheOrderThatWasAskedFor) {
 }
 
 // A refused state leaves the crowd as it was.
-TEST_F(SavedState, RefusesWhatIsNotIts) {
+TEST_F(SavedState, RefusesDamagedAndForeignStates) {
     Crowd crowd = create(settings()), same = create(settings());
     const std::vector<Trs<float>> pose(character_.rig.rest);
     for (Crowd* const one : {&crowd, &same}) {
@@ -258,17 +258,17 @@ TEST_F(SavedState, RefusesWhatIsNotIts) {
         const auto shorter = std::span(saved).first(random.below(static_cast<uint32_t>(saved.size())));
         EXPECT_EQ(crowd.restore_state(shorter).error().code, ErrorCode::kInvalidFile);
     }
-    const std::string fits_not = "crowd state: it does not fit this crowd: ";
-    const std::string of_group = fits_not + "a group has another character, controller or CrowdGroup setting there";
+    const std::string mismatch = "crowd state: it does not fit this crowd: ";
+    const std::string of_group = mismatch + "a group's character, controller or another CrowdGroup setting differs";
     EXPECT_EQ(refusal(create(settings(5)).restore_state(saved)),
-              fits_not + "a group has another instance_count or capacity there");
+              mismatch + "a group's instance_count or capacity differs");
     CrowdSettings other = settings();
     other.groups[0].pose_capacity = 3;
     EXPECT_EQ(refusal(create(other).restore_state(saved)), of_group);
     other = settings();
     other.skin_format = SkinFormat::kHalfAffine;
     EXPECT_EQ(refusal(create(other).restore_state(saved)),
-              fits_not + "CrowdSettings::skin_format, keep_previous_matrices or culling is another one there");
+              mismatch + "CrowdSettings::skin_format, keep_previous_matrices or culling differs");
     other = settings();
     other.groups[0].pose_margin = 3;
     EXPECT_EQ(refusal(create(other).restore_state(saved)), of_group);
@@ -280,9 +280,7 @@ TEST_F(SavedState, RefusesWhatIsNotIts) {
     Crowd staged = create(other);
     ASSERT_NE(staged.path(0)->is_fused, crowd.path(0)->is_fused);
     EXPECT_EQ(refusal(staged.restore_state(saved)),
-              fits_not +
-                  "that one is updated in another way: natively or on a device, by another CrowdSettings::path "
-                  "or scan");
+              mismatch + "groups are updated in another way (natively or on a device, CrowdSettings::path, scan)");
     EXPECT_EQ(refusal(crowd.restore_state({})), "crowd state: it ends too early");
     EXPECT_FALSE(Crowd().save_state());
     EXPECT_FALSE(Crowd().restore_state(saved));
@@ -292,7 +290,7 @@ TEST_F(SavedState, RefusesWhatIsNotIts) {
 
 // All counts are equal, but a group's socket is on another joint, or the state has more watched instances than
 // watch_capacity.
-TEST_F(SavedState, RefusesThatOfOtherSocketsAndOfMoreWhoAreWatched) {
+TEST_F(SavedState, RefusesOtherSocketsAndTooManyWatchedInstances) {
     const auto with = [&](uint32_t socket, uint32_t watch_capacity) {
         CrowdSettings made = settings();
         made.groups[0].sockets = {socket};
@@ -303,16 +301,16 @@ TEST_F(SavedState, RefusesThatOfOtherSocketsAndOfMoreWhoAreWatched) {
     ASSERT_TRUE(crowd.watch(std::array{InstanceHandle{0}, InstanceHandle{1}}));
     ASSERT_TRUE(crowd.update(0.1f));
     const std::vector<std::byte> saved = *crowd.save_state();
-    const std::string fits_not = "crowd state: it does not fit this crowd: ";
+    const std::string mismatch = "crowd state: it does not fit this crowd: ";
     EXPECT_EQ(refusal(other.restore_state(saved)),
-              fits_not + "a group has another character, controller or CrowdGroup setting there");
+              mismatch + "a group's character, controller or another CrowdGroup setting differs");
     const Result<void> refused = narrow.restore_state(saved);
-    EXPECT_EQ(refusal(refused), fits_not + "2 instances are watched there, and CrowdSettings::watch_capacity is 1");
+    EXPECT_EQ(refusal(refused), mismatch + "it has 2 watched instances, but CrowdSettings::watch_capacity is 1");
     ASSERT_FALSE(refused);
     EXPECT_EQ(refused.error().code, ErrorCode::kInvalidArgument);
 }
 
-TEST_F(SavedState, RefusesThatOfMorePosesThanCanBeRequested) {
+TEST_F(SavedState, RefusesTooManyPoseRequests) {
     const auto with = [&](uint32_t pose_request_capacity) {
         CrowdSettings made = settings();
         made.pose_request_capacity = pose_request_capacity;
@@ -322,7 +320,7 @@ TEST_F(SavedState, RefusesThatOfMorePosesThanCanBeRequested) {
     ASSERT_TRUE(crowd.request_poses(Instances::numbered(0, 3)));
     const Result<void> refused = narrow.restore_state(*crowd.save_state());
     EXPECT_EQ(refusal(refused),
-              "crowd state: it does not fit this crowd: 3 poses are requested there, and "
+              "crowd state: it does not fit this crowd: it has 3 requested poses, but "
               "CrowdSettings::pose_request_capacity is 1");
     ASSERT_FALSE(refused);
     EXPECT_EQ(refused.error().code, ErrorCode::kInvalidArgument);
@@ -331,7 +329,7 @@ TEST_F(SavedState, RefusesThatOfMorePosesThanCanBeRequested) {
 }
 
 // Another clip of the same length or another joint would go unnoticed until the result is seen.
-TEST_F(SavedState, RefusesThatOfOtherNames) {
+TEST_F(SavedState, RefusesOtherClipAndJointNames) {
     Crowd crowd = create(settings());
     ASSERT_TRUE(crowd.update(0.1f));
     const std::vector<std::byte> saved = *crowd.save_state();
@@ -342,14 +340,14 @@ TEST_F(SavedState, RefusesThatOfOtherNames) {
         CrowdSettings of = settings();
         of.groups[0].character = other;
         EXPECT_EQ(refusal(create(of).restore_state(saved)),
-                  "crowd state: it does not fit this crowd: a group has another character, controller or CrowdGroup "
-                  "setting there");
+                  "crowd state: it does not fit this crowd: a group's character, controller or another CrowdGroup "
+                  "setting differs");
     }
 }
 
 // After a restore, the next pose takes the same slot as in the original crowd, whatever the order in which slots were
 // freed.
-TEST_F(SavedState, PosesGoToTheSameRoomAfterIt) {
+TEST_F(SavedState, PosesTakeTheSameSlotsAfterARestore) {
     CrowdSettings of = settings();
     of.groups[0].pose_capacity = 3;
     Crowd crowd = create(of), other = create(of);
@@ -365,7 +363,7 @@ TEST_F(SavedState, PosesGoToTheSameRoomAfterIt) {
     EXPECT_TRUE(*crowd.save_state() == *other.save_state());
 }
 
-TEST_F(SavedState, GoesIntoMemoryThatIsThere) {
+TEST_F(SavedState, IsSavedIntoExistingMemory) {
     Crowd crowd = create(settings());
     ASSERT_TRUE(crowd.update(0.1f));
     std::vector<std::byte> out(1'000'000, std::byte{7});
@@ -377,7 +375,7 @@ TEST_F(SavedState, GoesIntoMemoryThatIsThere) {
     EXPECT_TRUE(out == *crowd.save_state()) << "refused before anything was written";
 }
 
-TEST_F(SavedState, RefusesThatOfOtherRules) {
+TEST_F(SavedState, RefusesOtherRulesAndControllers) {
     const auto rules = [&](float frequency_hz, const char* target) {
         return ProceduralRules{.targets = {target},
                                .rules = {SpringRule{.joint = character_.rig.names[2], .frequency_hz = frequency_hz}}};
@@ -403,12 +401,12 @@ TEST_F(SavedState, RefusesThatOfOtherRules) {
     for (Crowd& other : others) {
         const Result<void> refused = other.restore_state(saved);
         ASSERT_FALSE(refused);
-        EXPECT_NE(refused.error().text().find("controller or CrowdGroup setting"), std::string::npos);
+        EXPECT_NE(refused.error().text().find("controller or another CrowdGroup setting differs"), std::string::npos);
     }
 }
 
 // Games compare states to find where two machines have parted.
-TEST_F(SavedState, IsTheSameOfCrowdsThatWereDrivenAlike) {
+TEST_F(SavedState, IsEqualForCrowdsDrivenAlike) {
     const auto state = [&](const char* name, size_t clip) {
         return ControllerState{.name = name, .points = {{.clip = character_.clips[clip].name}}};
     };
@@ -448,7 +446,7 @@ TEST_F(SavedState, IsTheSameOfCrowdsThatWereDrivenAlike) {
 }
 
 // Submitted updates are in the state, discarded ones are not.
-TEST_F(SavedState, BetweenRecordedUpdates) {
+TEST_F(SavedState, ContainsSubmittedButNotDiscardedUpdates) {
     if (test_gpu()->is_native()) GTEST_SKIP() << "it has no command buffers";
     CrowdSettings of = settings();
     of.path = UpdatePath::kDevice;

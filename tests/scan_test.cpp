@@ -24,7 +24,7 @@ namespace {
 // Tests that cover each method, not the whole grid: GPU-assisted validation instruments every pipeline, and scans
 // create one per skeleton.
 const test::InSubset kScanUnderValidation({test::Subset::kGpuAssisted},
-                                          {"Scan/OnChip.*/random", "Scan.EveryMethodIsExactWithNarrowWords"});
+                                          {"Scan/OnChip.*/random", "Scan.EveryMethodIsExactWithout64BitWords"});
 const test::InSubset kScanWithOtherSubgroups({test::Subset::kSubgroups}, {"Scan.EveryNumberOfThreadsIsExact"});
 const test::InSubset kScanInBoth({test::Subset::kSubgroups, test::Subset::kWideSubgroups},
                                  {"Scan.EveryMethodRoundsLittle"});
@@ -332,7 +332,7 @@ TEST(Scan, EveryMethodIsExactForTheLargestRigs) {
 }
 
 // With limits lower than the device's: covers every fallback that methods have for such devices.
-TEST(Scan, EveryMethodIsExactWithinLowerLimits) {
+TEST(Scan, EveryMethodIsExactWithLowerDeviceLimits) {
     const ScanLimits device = device_limits();
     std::map<std::string, ScanLimits> lowered;
     const auto lower = [&](const std::string& name) -> ScanLimits& {
@@ -374,7 +374,7 @@ TEST(Scan, EveryMethodIsExactWithinLowerLimits) {
 }
 
 // Without 64-bit words, as on GPUs.
-TEST(Scan, EveryMethodIsExactWithNarrowWords) {
+TEST(Scan, EveryMethodIsExactWithout64BitWords) {
     struct WithoutInt64 {
         bool had = std::exchange(test_gpu()->has_int64, false);
         ~WithoutInt64() { test_gpu()->has_int64 = had; }

@@ -9,7 +9,8 @@
 namespace throng::test {
 namespace {
 
-const InSubset kSeveralCrowdsInSubsets({Subset::kGpuAssisted}, {"*SeveralCrowds.LookAsOneCrowdOfAllGroups/ByShaders"}),
+const InSubset kSeveralCrowdsInSubsets({Subset::kGpuAssisted},
+                                       {"*SeveralCrowds.DrawLikeOneCrowdWithAllGroups/ByShaders"}),
     kSeveralCrowdsNatively({Subset::kNative}, {"*SeveralCrowds.*"});
 
 constexpr uint32_t kSeveralCrowdsCount = 6, kSeveralCrowdsWidth = 200, kSeveralCrowdsHeight = 120;
@@ -45,7 +46,7 @@ protected:
     Renderer renderer_;
 };
 
-TEST_P(SeveralCrowds, LookAsOneCrowdOfAllGroups) {
+TEST_P(SeveralCrowds, DrawLikeOneCrowdWithAllGroups) {
     const bool on_device = GetParam() == DrawPath::kDevice;
     for (const DrawOptions options : {DrawOptions(), DrawOptions{.skeletons = true, .bounds = true},
                                       DrawOptions{.shadows = false, .occlusion = on_device}}) {
@@ -64,7 +65,7 @@ TEST_P(SeveralCrowds, LookAsOneCrowdOfAllGroups) {
 }
 
 // One crowd culls and one does not, so each has its own pipelines.
-TEST_P(SeveralCrowds, MayBeOfDifferentKinds) {
+TEST_P(SeveralCrowds, MayHaveDifferentSettings) {
     const bool on_device = GetParam() == DrawPath::kDevice;
     ASSERT_TRUE(renderer_.set_options({.occlusion = on_device}));
     Crowd front = crowd_of({&walker_}, 0, false), back = crowd_of({&worm_}, 1),
@@ -74,7 +75,7 @@ TEST_P(SeveralCrowds, MayBeOfDifferentKinds) {
                   renderer_.render_frame(std::array{&front, &back}, 0.1f, camera_).value().picture.rgba);
 }
 
-TEST_P(SeveralCrowds, AreRecordedTogether) {
+TEST_P(SeveralCrowds, CanBeRecordedTogether) {
     if (test_gpu()->is_native()) GTEST_SKIP() << "it has no command buffers";
     const Gpu& gpu = *test_gpu();
     Crowd front = crowd_of({&walker_}, 0), back = crowd_of({&worm_}, 1), whole = crowd_of({&walker_, &worm_}, 0);
@@ -108,16 +109,16 @@ TEST_P(SeveralCrowds, AreRecordedTogether) {
     EXPECT_NE(of_whole, drawn(together));
 }
 
-TEST_P(SeveralCrowds, MistakesAreNamed) {
+TEST_P(SeveralCrowds, InvalidListsOfCrowdsAreRefused) {
     Crowd crowd = crowd_of({&walker_}, 0), none;
     const auto message = [&](std::vector<Crowd*> crowds) {
         return refusal(renderer_.render_frame(crowds, 0.1f, camera_)) +
                refusal(renderer_.update(crowds, 0.1f, camera_));
     };
-    EXPECT_NE(message({}).find("there is no crowd"), std::string::npos);
-    EXPECT_NE(message({&crowd, &crowd}).find("a crowd is there twice"), std::string::npos);
+    EXPECT_NE(message({}).find("the list of crowds is empty"), std::string::npos);
+    EXPECT_NE(message({&crowd, &crowd}).find("a crowd is listed twice"), std::string::npos);
     EXPECT_NE(message({&crowd, nullptr}).find("a crowd is null"), std::string::npos);
-    EXPECT_NE(message({&crowd, &none}).find("there is none"), std::string::npos);
+    EXPECT_NE(message({&crowd, &none}).find("the Crowd was not made by Crowd::create()"), std::string::npos);
 }
 
 INSTANTIATE_TEST_SUITE_P(Both, SeveralCrowds, kBothDrawPaths, name_of_path);

@@ -15,12 +15,12 @@
 namespace throng::test {
 namespace {
 
-const InSubset kShaderCommandsInSubsets({Subset::kGpuAssisted},
-                                        {"ShaderCommands.RandomBitsDoNoHarm", "ShaderCommands/*.DoWhatCallsDo/Device"}),
+const InSubset kShaderCommandsInSubsets({Subset::kGpuAssisted}, {"ShaderCommands.RandomBitsDoNoHarm",
+                                                                 "ShaderCommands/*.HaveTheEffectOfCalls/Device"}),
     kShaderCommandsOnOtherDrivers({Subset::kOtherDriver}, {"-ShaderCommands/*"}),
     kShaderCommandsNatively({Subset::kNative}, {"*ShaderCommands*"});
 
-constexpr uint32_t kGroups = 6, kDirect = 5, kGroupCapacity = 200;
+constexpr uint32_t kGroups = 6, kDirect = 5, kCommandCapacity = 200;
 constexpr uint32_t kHeadWords = sizeof(CommandHead) / sizeof(uint32_t);
 
 // Commands per block, as shaders would write them.
@@ -55,17 +55,17 @@ CommandHead head_of(const Crowd& crowd, uint32_t block) {
 }
 
 // Two crowds with groups of all kinds: the CPU calls one, and shaders command the other.
-class Both {
+class CommandedPair {
 public:
-    explicit Both(UpdatePath path) {
+    explicit CommandedPair(UpdatePath path) {
         CrowdSettings settings = kinds_.settings(path);
         settings.groups[0].pose_capacity = 0;
         settings.groups[0].outfits = {{}, {}, {}};
         settings.groups.push_back({.character = &kinds_.character, .controller = &direct_});
-        for (CrowdGroup& group : settings.groups) group.capacity = kRoom;
+        for (CrowdGroup& group : settings.groups) group.capacity = kGroupCapacity;
         called = create(settings);
         for (CrowdGroup& group : settings.groups) {
-            group.command_capacity = kGroupCapacity;
+            group.command_capacity = kCommandCapacity;
             group.shaders_populate = true;
         }
         commanded = create(settings);
@@ -74,9 +74,9 @@ public:
 
     void live(Random& random) {
         despawn(random);
-        for (const InstanceHandle& one : there_) lead(random, one);
+        for (const InstanceHandle& one : alive_) lead(random, one);
         spawn(random);
-        for (const InstanceHandle& one : there_) change(random, one);
+        for (const InstanceHandle& one : alive_) change(random, one);
     }
 
     void update(float step_s) {
@@ -104,40 +104,40 @@ public:
 
 private:
     static std::string group_of(uint32_t group) { return group == kDirect ? "direct layers" : group_name(group); }
-    uint32_t in_block(const InstanceHandle& of) const { return of.instance % kRoom; }
+    uint32_t in_block(const InstanceHandle& of) const { return of.instance % kGroupCapacity; }
     void ask(const InstanceHandle& of, const InstanceCommand& command) {
-        commands[of.instance / kRoom].push_back(command);
+        commands[of.instance / kGroupCapacity].push_back(command);
     }
 
     void spawn(Random& random) {
         for (uint32_t group = 0; group < kGroups; ++group) {
-            const uint32_t room = kRoom - *called.alive_count(group), count = std::min(room, random.below(8));
+            const uint32_t room = kGroupCapacity - *called.alive_count(group), count = std::min(room, random.below(8));
             std::vector<Affine> places;
             for (uint32_t i = 0; i < count; ++i) places.push_back(plot(plot_count_++));
-            const auto born = called.spawn(group, places);
-            ASSERT_TRUE(born) << refusal(born);
+            const auto spawned = called.spawn(group, places);
+            ASSERT_TRUE(spawned) << refusal(spawned);
             for (uint32_t i = 0; i < count; ++i) {
-                ask((*born)[i], InstanceCommand::spawn(in_block((*born)[i]), places[i]));
-                there_.push_back((*born)[i]);
+                ask((*spawned)[i], InstanceCommand::spawn(in_block((*spawned)[i]), places[i]));
+                alive_.push_back((*spawned)[i]);
             }
         }
     }
 
     // Some of these slots are reused at once: the last command counts.
     void despawn(Random& random) {
-        std::vector<InstanceHandle> gone;
-        std::erase_if(there_, [&](const InstanceHandle& one) {
+        std::vector<InstanceHandle> despawned;
+        std::erase_if(alive_, [&](const InstanceHandle& one) {
             const bool goes = random.chance(0.2);
-            if (goes) gone.push_back(one);
+            if (goes) despawned.push_back(one);
             return goes;
         });
-        ASSERT_TRUE(called.despawn(gone));
-        for (const InstanceHandle& one : gone) ask(one, InstanceCommand::despawn(in_block(one)));
+        ASSERT_TRUE(called.despawn(despawned));
+        for (const InstanceHandle& one : despawned) ask(one, InstanceCommand::despawn(in_block(one)));
     }
 
     // Sets agents' destinations and targets, but not for instances spawned in this update, which begin without.
     void lead(Random& random, const InstanceHandle& one) {
-        const uint32_t group = one.instance / kRoom;
+        const uint32_t group = one.instance / kGroupCapacity;
         const Vec3<float> place = random.vector(50).as<float>();
         const std::array<float, 4> row{place.x, place.y, place.z, 1};
         if (group == 4) {
@@ -161,61 +161,62 @@ private:
     static float fade(Random& random) { return std::array{0.0f, 0.125f, 0.5f}[random.below(3)]; }
 
     void change(Random& random, const InstanceHandle& one) {
-        const uint32_t group = one.instance / kRoom, i = in_block(one);
+        const uint32_t group = one.instance / kGroupCapacity, i = in_block(one);
         Result<void> done;
-        const auto both = [&](Result<void> result, const InstanceCommand& command) {
+        const auto call_and_command = [&](Result<void> result, const InstanceCommand& command) {
             EXPECT_TRUE(result) << refusal(result);
             ask(one, command);
         };
         if (random.chance(0.2)) {
             const Affine place = plot(plot_count_++);
-            both(called.set_placement(one, place), InstanceCommand::set_placement(i, place));
+            call_and_command(called.set_placement(one, place), InstanceCommand::set_placement(i, place));
         }
         if (random.chance(0.5)) return;
         if (group == 0) {
             const InstanceLook look{.tint = {0.5f, 0.25f, static_cast<float>(random.unit())},
                                     .outfit = random.below(3)};
-            both(called.set_look(one, look), InstanceCommand::set_look(i, look));
+            call_and_command(called.set_look(one, look), InstanceCommand::set_look(i, look));
         }
         if (group == 1 || group == 2) {
             const auto [parameter, value] = random_change(random, group == 1 ? kinds_.walker : kinds_.dragon);
-            both(called.set_parameter(one, parameter, value), InstanceCommand::set_parameter(i, parameter, value));
+            call_and_command(called.set_parameter(one, parameter, value),
+                             InstanceCommand::set_parameter(i, parameter, value));
         } else if (group == kDirect) {
             const uint32_t layer = random.below(2);
             const LayerPlayback play{.clip = clip(random),
                                      .fade_s = fade(random),
                                      .fade = layer == 1 && random.chance(0.5) ? FadeKind::kInertial : FadeKind::kCross};
-            both(called.play(one, layer, play), InstanceCommand::play(i, layer, play));
+            call_and_command(called.play(one, layer, play), InstanceCommand::play(i, layer, play));
             const LayerBlend blend{.weight = static_cast<float>(random.unit()),
                                    .fade_s = fade(random),
                                    .mode = random.chance(0.5) ? LayerMode::kAdditive : LayerMode::kOverride,
                                    .mask = random.chance(0.5) ? kNone : 0};
-            both(called.set_layer(one, layer, blend), InstanceCommand::set_layer(i, layer, blend));
+            call_and_command(called.set_layer(one, layer, blend), InstanceCommand::set_layer(i, layer, blend));
         } else {
             const Playback playback{
                 .first = clip(random), .second = clip(random), .weight = static_cast<float>(random.unit())};
-            both(called.set_playback(one, playback), InstanceCommand::set_playback(i, playback));
+            call_and_command(called.set_playback(one, playback), InstanceCommand::set_playback(i, playback));
         }
     }
 
     Kinds kinds_;
     Controller direct_ = direct_layers(2, {{.name = "tail", .items = {{.joint = kinds_.character.rig.names[1]}}}},
                                        true);
-    std::vector<InstanceHandle> there_;
+    std::vector<InstanceHandle> alive_;
     uint32_t plot_count_ = 0;
 };
 
 class ShaderCommandsOnPath : public testing::TestWithParam<UpdatePath> {};
 
-TEST_P(ShaderCommandsOnPath, DoWhatCallsDo) {
-    Both both(GetParam());
+TEST_P(ShaderCommandsOnPath, HaveTheEffectOfCalls) {
+    CommandedPair pair(GetParam());
     Random random(3);
     for (int update = 0; update < 12; ++update) {
-        both.live(random);
-        both.update(static_cast<float>(random.between(0, 0.1)));
+        pair.live(random);
+        pair.update(static_cast<float>(random.between(0, 0.1)));
     }
-    EXPECT_GT(both.command_count, 1000u);
-    EXPECT_GT(both.compared_bytes, 1'000'000u);
+    EXPECT_GT(pair.command_count, 1000u);
+    EXPECT_GT(pair.compared_bytes, 1'000'000u);
 }
 
 INSTANTIATE_TEST_SUITE_P(ShaderCommands, ShaderCommandsOnPath,
@@ -232,7 +233,7 @@ protected:
         return settings;
     }
     static Affine at(float x) { return to_affine(Trs<float>{.translation = {x, 0, 0}}); }
-    static std::vector<uint32_t> there(Crowd& crowd) {
+    static std::vector<uint32_t> alive_instances(Crowd& crowd) {
         std::vector<uint32_t> numbers;
         for (const DrawnInstance& one : drawn_of(crowd)) numbers.push_back(one.instance);
         return numbers;
@@ -244,50 +245,50 @@ protected:
     const Character character_ = creature(20, 8);
 };
 
-TEST_F(ShaderCommands, OfTheSameThingTheLastCounts) {
+TEST_F(ShaderCommands, TheLastCommandOfAKindWins) {
     Crowd crowd = create(settings());
     write(crowd, 0,
           std::array{InstanceCommand::set_placement(3, at(5)), InstanceCommand::spawn(3, at(1)),
                      InstanceCommand::spawn(4, at(2)), InstanceCommand::despawn(4),
                      InstanceCommand::set_placement(3, at(6)), InstanceCommand::despawn(5)});
     ASSERT_TRUE(crowd.update(0.1f));
-    EXPECT_EQ(there(crowd), std::vector{3u});
+    EXPECT_EQ(alive_instances(crowd), std::vector{3u});
     EXPECT_EQ(placement(crowd, 3), at(6));
     EXPECT_EQ(head_of(crowd, 0).ignored, 0u);
     // Nothing is left over from that.
     write(crowd, 0, std::array{InstanceCommand::spawn(4, at(7)), InstanceCommand::set_placement(3, at(8))});
     ASSERT_TRUE(crowd.update(0.1f));
-    EXPECT_EQ(there(crowd), (std::vector{3u, 4u}));
+    EXPECT_EQ(alive_instances(crowd), (std::vector{3u, 4u}));
     EXPECT_EQ(placement(crowd, 3), at(8));
     EXPECT_EQ(placement(crowd, 4), at(7));
     ASSERT_TRUE(crowd.update(0.1f));
-    EXPECT_EQ(there(crowd), (std::vector{3u, 4u}));
+    EXPECT_EQ(alive_instances(crowd), (std::vector{3u, 4u}));
 }
 
-TEST_F(ShaderCommands, WhoIsNotThereObeysNothing) {
+TEST_F(ShaderCommands, CommandsForInstancesNotAliveAreIgnored) {
     Crowd crowd = create(settings());
     write(crowd, 0, std::array{InstanceCommand::set_placement(2, at(9)), InstanceCommand::set_playback(2, {})});
     ASSERT_TRUE(crowd.update(0.1f));
-    EXPECT_TRUE(there(crowd).empty());
+    EXPECT_TRUE(alive_instances(crowd).empty());
     write(crowd, 0, std::array{InstanceCommand::spawn(2, at(1))});
     ASSERT_TRUE(crowd.update(0.1f));
     EXPECT_EQ(placement(crowd, 2), at(1));
 }
 
-TEST_F(ShaderCommands, WhatFindsNoRoomIsCounted) {
+TEST_F(ShaderCommands, CommandsBeyondTheCapacityAreCounted) {
     Crowd crowd = create(settings());
     std::vector<InstanceCommand> many;
     for (uint32_t i = 0; i < 8; ++i) many.push_back(InstanceCommand::spawn(i, at(0)));
     write(crowd, 0, many);
     ASSERT_TRUE(crowd.update(0.1f));
     EXPECT_EQ(head_of(crowd, 0).lost, 2u);
-    EXPECT_EQ(there(crowd).size(), 6u);
+    EXPECT_EQ(alive_instances(crowd).size(), 6u);
     ASSERT_TRUE(crowd.update(0.1f));
     EXPECT_EQ(head_of(crowd, 0).lost, 0u);
 }
 
 // Each impossible command is ignored and counted.
-TEST_F(ShaderCommands, WhatIsImpossibleIsIgnored) {
+TEST_F(ShaderCommands, ImpossibleCommandsAreIgnoredAndCounted) {
     const float infinite = std::numeric_limits<float>::infinity();
     const Controller direct = direct_layers(2), walker = example("walker");
     CrowdSettings of = settings();
@@ -341,7 +342,7 @@ TEST_F(ShaderCommands, RandomBitsDoNoHarm) {
     for (CrowdGroup& group : of.groups) {
         group.pose_capacity = 0;
         group.capacity = 8;
-        group.command_capacity = kGroupCapacity;
+        group.command_capacity = kCommandCapacity;
         group.shaders_populate = true;
         group.outfits = {{}};
     }
@@ -350,7 +351,7 @@ TEST_F(ShaderCommands, RandomBitsDoNoHarm) {
     uint64_t ignored = 0;
     for (int update = 0; update < 20; ++update) {
         for (uint32_t block = 0; block < crowd.outputs().size(); ++block) {
-            std::vector<InstanceCommand> commands(kGroupCapacity);
+            std::vector<InstanceCommand> commands(kCommandCapacity);
             for (InstanceCommand& command : commands) {
                 command.instance = random.below(10);
                 command.kind = static_cast<CommandKind>(random.below(10));
@@ -364,18 +365,18 @@ TEST_F(ShaderCommands, RandomBitsDoNoHarm) {
         for (uint32_t block = 0; block < crowd.outputs().size(); ++block) ignored += head_of(crowd, block).ignored;
     }
     EXPECT_GT(ignored, 1000u);
-    EXPECT_LT(ignored, 20u * 5 * kGroupCapacity);
+    EXPECT_LT(ignored, 20u * 5 * kCommandCapacity);
 }
 
 // Instances whose population the CPU controls may be commanded, but not spawned or despawned.
-TEST_F(ShaderCommands, OfTheCpusPopulation) {
+TEST_F(ShaderCommands, CanCommandInstancesThatTheCpuSpawned) {
     Crowd crowd = create(settings(false));
     write(crowd, 0,
           std::array{InstanceCommand::set_placement(1, at(3)), InstanceCommand::spawn(6, at(1)),
                      InstanceCommand::despawn(2)});
     ASSERT_TRUE(crowd.update(0.1f));
     EXPECT_EQ(head_of(crowd, 0).ignored, 2u);
-    EXPECT_EQ(there(crowd), (std::vector{0u, 1u, 2u, 3u}));
+    EXPECT_EQ(alive_instances(crowd), (std::vector{0u, 1u, 2u, 3u}));
     EXPECT_EQ(placement(crowd, 1), at(3));
     ASSERT_TRUE(crowd.set_placement(InstanceHandle{2}, at(4)));
     ASSERT_TRUE(crowd.update(0.1f));
@@ -389,7 +390,7 @@ TEST_F(ShaderCommands, OfTheCpusPopulation) {
     EXPECT_TRUE(same_bits(*crowd.read_skin_matrices(*crowd.handle(4)), *crowd.read_skin_matrices(InstanceHandle{3})));
 }
 
-TEST_F(ShaderCommands, CallsOfTheCpuAreRefused) {
+TEST_F(ShaderCommands, CpuCallsAreRefusedIfShadersPopulate) {
     Crowd crowd = create(settings());
     write(crowd, 0, std::array{InstanceCommand::spawn(2, at(1))});
     ASSERT_TRUE(crowd.update(0.1f));
@@ -399,12 +400,12 @@ TEST_F(ShaderCommands, CallsOfTheCpuAreRefused) {
          {refusal(crowd.spawn(0, std::array{at(0)})), refusal(crowd.despawn(std::array{one})),
           refusal(crowd.set_placement(one, at(0))), refusal(crowd.set_playback(crowd.instances(), Playback())),
           refusal(crowd.handle(2)), refusal(crowd.alive_count(0))})
-        EXPECT_NE(message.find("shaders say who is there"), std::string::npos) << message;
+        EXPECT_NE(message.find("only shaders spawn, despawn and control its instances"), std::string::npos) << message;
     EXPECT_TRUE(crowd.read_skin_matrices(one));
     EXPECT_FALSE(crowd.read_skin_matrices(InstanceHandle{8}));
 }
 
-TEST_F(ShaderCommands, SettingsThatDoNotGoTogether) {
+TEST_F(ShaderCommands, IncompatibleSettingsAreRefused) {
     const auto message = [&](auto change) {
         CrowdSettings of = settings();
         change(of.groups[0]);
@@ -413,7 +414,8 @@ TEST_F(ShaderCommands, SettingsThatDoNotGoTogether) {
     EXPECT_NE(message([](CrowdGroup& group) { group.capacity = 0; }).find("needs command_capacity"), std::string::npos);
     EXPECT_NE(message([](CrowdGroup& group) { group.command_capacity = 0; }).find("needs command_capacity"),
               std::string::npos);
-    EXPECT_NE(message([](CrowdGroup& group) { group.instance_count = 1; }).find("none is there"), std::string::npos);
+    EXPECT_NE(message([](CrowdGroup& group) { group.instance_count = 1; }).find("instance_count must be 0"),
+              std::string::npos);
     EXPECT_NE(message([](CrowdGroup& group) { group.pose_capacity = 1; }).find("pose_capacity"), std::string::npos);
     EXPECT_NE(message([](CrowdGroup& group) { group.is_carried = true; }).find("is_carried"), std::string::npos);
     EXPECT_NE(message([](CrowdGroup& group) { group.command_capacity = (1u << 20) + 1; }).find("1048576"),
@@ -422,7 +424,7 @@ TEST_F(ShaderCommands, SettingsThatDoNotGoTogether) {
 }
 
 // A saved state also contains commands that no update has applied yet.
-TEST_F(ShaderCommands, AreInASavedState) {
+TEST_F(ShaderCommands, PendingCommandsAreSaved) {
     Crowd crowd = create(settings()), other = create(settings());
     write(crowd, 0,
           std::array{InstanceCommand::spawn(5, at(1)), InstanceCommand::set_playback(5, {.first = {.clip = 0}})});
@@ -432,12 +434,12 @@ TEST_F(ShaderCommands, AreInASavedState) {
     ASSERT_TRUE(other.update(0.3f));
     ASSERT_TRUE(other.restore_state(*crowd.save_state()));
     for (Crowd* const one : {&crowd, &other}) ASSERT_TRUE(one->update(0.1f));
-    EXPECT_EQ(there(other), (std::vector{1u, 5u}));
+    EXPECT_EQ(alive_instances(other), (std::vector{1u, 5u}));
     expect_same(contents_of(crowd.outputs()), contents_of(other.outputs()), "");
 }
 
 // Pictures are fitted to the current instances.
-TEST_F(ShaderCommands, PicturesFollowThem) {
+TEST_F(ShaderCommands, PicturesAreFittedToCurrentInstances) {
     if (const std::string reason = undrawable_reason(DrawPath::kAuto); !reason.empty()) GTEST_SKIP() << reason;
     Crowd crowd = create(settings());
     Renderer renderer = Renderer::create(test_device(), {.width = 64, .height = 64}).value();

@@ -38,7 +38,7 @@ protected:
     const Character character_ = creature();
 };
 
-TEST_F(SharedRigs, CrowdsOfADeviceHaveTheSame) {
+TEST_F(SharedRigs, CrowdsOfADeviceShareEqualRigs) {
     const Crowd first = crowd_of(character_);
     ASSERT_TRUE(made(first).native || made(first).rows);
     const Character same = character_;
@@ -51,7 +51,7 @@ TEST_F(SharedRigs, CrowdsOfADeviceHaveTheSame) {
     EXPECT_EQ(two.state().groups[0].rows, two.state().groups[1].rows);
 }
 
-TEST_F(SharedRigs, WhatDiffersHasItsOwn) {
+TEST_F(SharedRigs, DifferentRigsAreNotShared) {
     const Crowd first = crowd_of(character_);
     const auto differs = [&](const auto& change) {
         Character other = character_;
@@ -72,7 +72,7 @@ TEST_F(SharedRigs, WhatDiffersHasItsOwn) {
 }
 
 // A crowd must not use tables that another crowd has not uploaded yet.
-TEST_F(SharedRigs, AreThereBeforeTheFirstUpdateOfWhoMadeThem) {
+TEST_F(SharedRigs, WorkBeforeTheFirstUpdateOfTheirFirstCrowd) {
     const Crowd first = crowd_of(character_);  // never updated
     Crowd second = crowd_of(character_);
     const Device device = another_device();
@@ -100,7 +100,7 @@ TEST_F(SharedRigs, GoWithTheirLastCrowd) {
 }
 
 // Groups with a skin pool use theirs only during creation.
-TEST_F(SharedRigs, AreKeptUntilAllGroupsOfACrowdAreMade) {
+TEST_F(SharedRigs, AreKeptUntilAllGroupsAreCreated) {
     throng::SharedRigs rigs(test_gpu());
     const std::weak_ptr<const NativeRig> first = rigs.native(character_, {});
     EXPECT_FALSE(first.expired());

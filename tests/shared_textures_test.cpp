@@ -50,7 +50,7 @@ protected:
     Character ball_;
 };
 
-TEST_P(SharedTextures, GroupsOfTheSameImagesHaveTheSame) {
+TEST_P(SharedTextures, GroupsWithTheSameImagesShareTextures) {
     std::vector<std::string> warnings;
     uint64_t room_bytes = kTexturesLimit_bytes;
     const Crowd crowd = create({.groups = {{.character = &ball_, .instance_count = 1}}});
@@ -80,7 +80,7 @@ TEST_P(SharedTextures, GroupsOfTheSameImagesHaveTheSame) {
     EXPECT_TRUE(warnings.empty());
 }
 
-TEST_P(SharedTextures, OfTwoGroupsDrawAsThoseOfOne) {
+TEST_P(SharedTextures, TwoGroupsDrawLikeOne) {
     Renderer one = renderer(), both = renderer();
     const Crowd alone = crowd_of(ball_);
     const Picture wanted = drawn(one, alone).picture;
@@ -114,7 +114,7 @@ TEST_P(SharedTextures, ImagesMayBeDecodedAhead) {
     EXPECT_EQ(has_texture(), is_native());
 }
 
-TEST_P(SharedTextures, OfACrowdThatHasGoneAreFoundByTheNext) {
+TEST_P(SharedTextures, AreReusedAfterTheirCrowdIsDestroyed) {
     if (!is_native()) GTEST_SKIP() << "the device's renderers do not tell";
     SharedValues::Key key = image_key(SharedValue::kNativeTexture, asset_.images[0]);
     key.push_back(1);
@@ -129,7 +129,7 @@ TEST_P(SharedTextures, OfACrowdThatHasGoneAreFoundByTheNext) {
 }
 
 // Nothing is kept for groups that the renderer already has, either.
-TEST_P(SharedTextures, WhatIsDecodedTooLateGoesWithTheNextPicture) {
+TEST_P(SharedTextures, ImagesDecodedTooLateAreFreedAtTheNextPicture) {
     Renderer drawer = renderer();
     const Crowd crowd = crowd_of(ball_);
     drawn(drawer, crowd);
@@ -139,7 +139,7 @@ TEST_P(SharedTextures, WhatIsDecodedTooLateGoesWithTheNextPicture) {
     EXPECT_FALSE(has_picture());
 }
 
-TEST_P(SharedTextures, WhatCannotBeDecodedIsWarnedOfWhenItIsDrawn) {
+TEST_P(SharedTextures, UndecodableImagesGiveWarningsWhenDrawn) {
     Asset broken = asset_;
     for (AssetImage& image : broken.images) image.encoded.resize(40);
     const Character ball = ball_of(broken);

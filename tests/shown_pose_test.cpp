@@ -44,7 +44,7 @@ void expect_poses_come_back(const Character& character, CrowdSettings settings, 
     EXPECT_GT(moved, 1e-3) << character.name;
 }
 
-TEST(ShownPose, SetElsewhereItShowsTheSame) {
+TEST(ShownPose, SetOnAnotherInstanceLooksTheSame) {
     const Character character = creature(60, 15);
     for (const UpdatePath path : {UpdatePath::kAuto, UpdatePath::kStaged})
         for (const SkinFormat format : {SkinFormat::kAffine, SkinFormat::kSimilarity})
@@ -55,18 +55,18 @@ TEST(ShownPose, SetElsewhereItShowsTheSame) {
                            kPoseBound);
 }
 
-TEST(ShownPose, OfCharactersThatWeDidNotMake) {
+TEST(ShownPose, SetOnAnotherInstanceLooksTheSameForGoldens) {
     THRONG_SKIP_WITHOUT(shared_folder("goldens"));
     for (const Golden& golden : load_goldens())
         if (!golden.character.clips.empty()) expect_poses_come_back(golden.character, {}, 2e-5);
 }
 
-TEST(ShownPose, ComesOnceAndOfWhoWasAskedAbout) {
+TEST(ShownPose, IsReportedOnceForRequestedInstances) {
     const Character character = creature(20, 5);
     Crowd crowd = create({.groups = {{.character = &character, .instance_count = 2},
                                      {.character = &character, .pose_capacity = 3, .capacity = 3}},
                           .pose_request_capacity = 2});
-    const std::vector<InstanceHandle> there = *crowd.spawn(1, std::array{Affine{}, Affine{}, Affine{}});
+    const std::vector<InstanceHandle> spawned = *crowd.spawn(1, std::array{Affine{}, Affine{}, Affine{}});
     const auto asked = [&] {
         std::vector<InstanceHandle> instances;
         for (const ShownPose& pose : feedback_of(crowd).poses) {
@@ -75,23 +75,23 @@ TEST(ShownPose, ComesOnceAndOfWhoWasAskedAbout) {
         }
         return instances;
     };
-    ASSERT_TRUE(crowd.request_poses(there[2]) && crowd.request_poses(there[0]));
-    EXPECT_EQ(refusal(crowd.request_poses(there[1])),
+    ASSERT_TRUE(crowd.request_poses(spawned[2]) && crowd.request_poses(spawned[0]));
+    EXPECT_EQ(refusal(crowd.request_poses(spawned[1])),
               "pose request: 3 poses of one update; CrowdSettings::pose_request_capacity is 2");
     ASSERT_TRUE(crowd.update(0));
-    EXPECT_EQ(asked(), (std::vector{there[2], there[0]}));
+    EXPECT_EQ(asked(), (std::vector{spawned[2], spawned[0]}));
     ASSERT_TRUE(crowd.update(0));
     EXPECT_EQ(asked(), std::vector<InstanceHandle>());
 
     // An instance despawned before the update reports no pose. One despawned after it is reported under its old handle.
-    ASSERT_TRUE(crowd.request_poses(std::span(there).first(2)) && crowd.despawn(std::array{there[0]}));
-    ASSERT_TRUE(crowd.update(0) && crowd.despawn(std::array{there[1]}));
+    ASSERT_TRUE(crowd.request_poses(std::span(spawned).first(2)) && crowd.despawn(std::array{spawned[0]}));
+    ASSERT_TRUE(crowd.update(0) && crowd.despawn(std::array{spawned[1]}));
     const std::vector<InstanceHandle> reborn = *crowd.spawn(1, std::array{Affine{}, Affine{}});
-    EXPECT_EQ(asked(), std::vector{there[1]});
+    EXPECT_EQ(asked(), std::vector{spawned[1]});
 
     EXPECT_EQ(refusal(crowd.request_poses(InstanceHandle{0})),
               "pose request: creature has no CrowdGroup::pose_capacity");
-    EXPECT_EQ(refusal(crowd.request_poses(there[1])), "pose request: instance 3 of generation 0 is not there");
+    EXPECT_EQ(refusal(crowd.request_poses(spawned[1])), "pose request: instance 3 of generation 0 is not alive");
     ASSERT_TRUE(crowd.update(0));
     EXPECT_EQ(asked(), std::vector<InstanceHandle>()) << "what was refused is not asked";
     Crowd without = create({.groups = {{.character = &character, .instance_count = 1, .pose_capacity = 1}}});

@@ -19,9 +19,9 @@
 namespace throng::test {
 namespace {
 
-const InSubset kSkinPoolInSubsets({Subset::kGpuAssisted}, {"SkinPool.WhatHasNoRowSharesAPose"}),
+const InSubset kSkinPoolInSubsets({Subset::kGpuAssisted}, {"SkinPool.InstancesWithoutARowShareAPose"}),
     kSkinPoolOnOtherDrivers({Subset::kOtherDriver}, {"-SkinPool.*"}),
-    kSkinPoolWithOtherSubgroups({Subset::kSubgroups}, {"SkinPool.OnTheDeviceToo"});
+    kSkinPoolWithOtherSubgroups({Subset::kSubgroups}, {"SkinPool.OnTheDeviceOwnPosesAreExactAndSharedOnesNear"});
 const InSubset kSkinPoolNatively({Subset::kNative}, {"SkinPool.*"});
 
 constexpr uint32_t kSkinPoolWidth = 320, kSkinPoolHeight = 240;
@@ -125,7 +125,7 @@ void expect_exact_or_near(UpdatePath path) {
 }
 
 TEST(SkinPool, OwnPosesAreExactAndSharedOnesNear) { expect_exact_or_near(UpdatePath::kAuto); }
-TEST(SkinPool, OnTheDeviceToo) { expect_exact_or_near(UpdatePath::kDevice); }
+TEST(SkinPool, OnTheDeviceOwnPosesAreExactAndSharedOnesNear) { expect_exact_or_near(UpdatePath::kDevice); }
 
 void expect_shared_where_full(UpdatePath path) {
     const Character character = creature_with_lods();
@@ -169,11 +169,11 @@ void expect_shared_where_full(UpdatePath path) {
     }
 }
 
-TEST(SkinPool, WhatHasNoRowSharesAPose) {
+TEST(SkinPool, InstancesWithoutARowShareAPose) {
     for (const UpdatePath path : {UpdatePath::kAuto, UpdatePath::kDevice}) expect_shared_where_full(path);
 }
 
-TEST(SkinPool, OfControllersTheLowestClipIsShared) {
+TEST(SkinPool, ControllersShareThePoseOfTheLowestClip) {
     const Character character = creature_with_lods();
     constexpr uint32_t kCount = 90;
     Controller controller;
@@ -214,7 +214,7 @@ TEST(SkinPool, WithoutAViewAllAreAnimated) {
     EXPECT_EQ(drawn_of(crowd).size(), 70u);
 }
 
-TEST(SkinPool, PicturesAreThoseOfEverything) {
+TEST(SkinPool, PicturesEqualThoseWithoutAPool) {
     const Character character = creature_with_lods();
     constexpr uint32_t kCount = 120;
     const std::vector<Affine> placements = places(kCount, 25);
@@ -279,7 +279,7 @@ TEST(SkinPool, EachBatchHasAPool) {
 }
 
 // The kernels produce the same lists as their native versions, which are tested against the reference.
-TEST(SkinPool, OfManyAWorkgroupTakesSeveralCells) {
+TEST(SkinPool, LargeCrowdsUseSeveralCellsPerWorkgroup) {
     const Character character = small_character();
     constexpr uint32_t kCount = 140'000;
     ASSERT_EQ(cells_of_workgroup(kCount), 3u);
@@ -303,7 +303,7 @@ TEST(SkinPool, OfManyAWorkgroupTakesSeveralCells) {
     for (size_t i = 1; i < lists.size(); ++i) EXPECT_TRUE(std::ranges::equal(lists[0], lists[i], {}, key, key)) << i;
 }
 
-TEST(SkinPool, WhatIsNotDrawnHasNoMatrices) {
+TEST(SkinPool, InstancesNotDrawnHaveNoMatrices) {
     const Character character = small_character();
     Crowd crowd = create(
         {.groups = {{.character = &character, .instance_count = 2, .skin_pool = SkinPool{.capacity = 1}}},
@@ -318,11 +318,12 @@ TEST(SkinPool, WhatIsNotDrawnHasNoMatrices) {
     const Result<std::vector<Affine>> matrices = crowd.read_skin_matrices({1});
     ASSERT_FALSE(matrices);
     EXPECT_EQ(matrices.error().code, ErrorCode::kInvalidArgument);
-    EXPECT_NE(matrices.error().text().find("instance 1 is not drawn"), std::string::npos) << matrices.error().text();
+    EXPECT_NE(matrices.error().text().find("instance 1 was not drawn in the last update"), std::string::npos)
+        << matrices.error().text();
     EXPECT_FALSE(crowd.read_positions({1}));
 }
 
-TEST(SkinPool, MemoryGoesByWhatIsDrawn) {
+TEST(SkinPool, MemoryDependsOnDrawnInstances) {
     const Character character = creature_with_lods();
     const auto bytes = [&](std::optional<SkinPool> pool, uint32_t count) {
         return create({.groups = {{.character = &character, .instance_count = count, .skin_pool = pool}},
@@ -336,7 +337,7 @@ TEST(SkinPool, MemoryGoesByWhatIsDrawn) {
 }
 
 // At 30 poses per second the three clips and the rest pose need 2^64 + 18 poses, which overflows 64 bits to 18.
-TEST(SkinPool, ClipsThatLastForAeonsAreRefused) {
+TEST(SkinPool, ClipsOfExcessiveDurationAreRefused) {
     Character character = make_character({.name = "endless", .joint_count = 4, .clip_count = 3});
     ASSERT_EQ(character.clips.size(), 3u);
     character.clips[0].duration_s = 614'891'432'473'264'128.0f;
@@ -350,7 +351,7 @@ TEST(SkinPool, ClipsThatLastForAeonsAreRefused) {
     EXPECT_EQ(crowd.error().code, ErrorCode::kLimit) << crowd.error().text();
 }
 
-TEST(SkinPool, WhatDoesNotGoTogetherIsRefused) {
+TEST(SkinPool, IncompatibleSettingsAreRefused) {
     const Character character = small_character();
     const auto message = [&](CrowdGroup group, CrowdSettings settings) {
         group.character = &character;

@@ -16,7 +16,7 @@
 namespace throng::test {
 namespace {
 
-const InSubset kSkinStageInSubsets({Subset::kGpuAssisted}, {"SkinStage.WithAViewWhatItListsIsSkinned",
+const InSubset kSkinStageInSubsets({Subset::kGpuAssisted}, {"SkinStage.OnlyListedInstancesAreSkinnedWithAView",
                                                             "SkinStage.DualQuaternionsFollowTheReference"});
 const InSubset kSkinStageOnOtherDrivers({Subset::kOtherDriver}, {"-SkinStage.*"});
 const InSubset kSkinStageNatively({Subset::kNative}, {"SkinStage.*"});
@@ -39,7 +39,7 @@ std::vector<Vec3<double>> wanted_positions(const Character& character, const Pla
     return skin_reference(character, pose.model_from_bind, {}, blend);
 }
 
-TEST(SkinStage, WithoutAViewAllIsSkinned) {
+TEST(SkinStage, AllInstancesAreSkinnedWithoutAView) {
     const Character first = small_character(), second = creature(40, 12);
     for (const UpdatePath path : {UpdatePath::kFused, UpdatePath::kStaged}) {
         Random random(3);
@@ -69,7 +69,7 @@ TEST(SkinStage, WithoutAViewAllIsSkinned) {
 }
 
 // Listed instances have the vertices of their level; others are left unchanged.
-TEST(SkinStage, WithAViewWhatItListsIsSkinned) {
+TEST(SkinStage, OnlyListedInstancesAreSkinnedWithAView) {
     const Character character = *compile_character(
         *make_creature({.joint_count = 40, .level_count = 12, .face_count = 800}));
     ASSERT_GE(character.lods.size(), 2u);
@@ -140,7 +140,7 @@ void expect_like(const Picture& picture, const Picture& other) {
     EXPECT_LE(differ, picture.rgba.size() / 1000) << "largest difference " << most;
 }
 
-TEST(SkinStage, PicturesAreThoseThatTheDrawSkins) {
+TEST(SkinStage, PicturesEqualSkinningWhileDrawing) {
     const Character character = creature(40, 12);
     Random random(6);
     std::vector<Affine> places;

@@ -242,7 +242,7 @@ TEST(Skin, DualQuaternionsFollowTheReference) {
     }
 }
 
-TEST(Skin, TheReferenceWeighsPositions) {
+TEST(Skin, TheReferenceBlendsPositionsByWeight) {
     Character character;
     character.vertices = {{.position = {1, 2, 3}}};
     character.influences = {{.weights = {0.25f, 0.75f, 0, 0}, .entries = {1, 0, 9, 9}}};
@@ -262,7 +262,7 @@ AffineT<double> blended(SkinBlend blend, const AffineT<double>& a, const AffineT
 
 // Kavan's example: halfway along a forearm twisted by 170 degrees, linear blending keeps a twelfth of the girth, dual
 // quaternions all of it.
-TEST(Skin, ATwistedLimbKeepsItsGirth) {
+TEST(Skin, DualQuaternionsKeepTheGirthOfATwistedLimb) {
     constexpr double kTwist = 170 * 3.14159265358979 / 180;
     const AffineT<double> twisted = to_affine(Trs<double>{axis_angle(Vec3<double>{1, 0, 0}, kTwist), {}, {1, 1, 1}});
     const Vec3<double> skin{0.7, 0.6, 0.8};
@@ -277,7 +277,7 @@ TEST(Skin, ATwistedLimbKeepsItsGirth) {
 
 // A bend about an elbow far from the origin stays a bend about the elbow. A single transform is applied unchanged, for
 // either sign of the quaternions.
-TEST(Skin, DualQuaternionsKnowNoOrigin) {
+TEST(Skin, DualQuaternionsDoNotDependOnTheOrigin) {
     Random random(4);
     for (int round = 0; round < 50; ++round) {
         Trs<double> parts = random.trs(5, 0.5);

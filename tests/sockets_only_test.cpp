@@ -13,7 +13,7 @@
 namespace throng::test {
 namespace {
 
-const InSubset kSocketsOnlyNatively({Subset::kNative}, {"SocketsOnly.*", "-SocketsOnly.OnTheDeviceIsRefused"});
+const InSubset kSocketsOnlyNatively({Subset::kNative}, {"SocketsOnly.*", "-SocketsOnly.DeviceUpdatesAreRefused"});
 
 // Each of the two is this close to the exact pose. They differ in bits, since clips have other rows for fewer joints.
 constexpr double kAlike = 2 * kPoseBound;
@@ -81,7 +81,7 @@ protected:
     const Controller dragon_ = example("dragon"), walker_ = example("walker");
 };
 
-TEST_F(SocketsOnly, AreThoseOfAnyOtherGroup) {
+TEST_F(SocketsOnly, EqualTheSocketsOfFullGroups) {
     Crowd whole = create(settings(false)), only = create(settings(true));
     for (uint32_t group = 0; group < 3; ++group) EXPECT_TRUE(whole.path(group)->is_native);
     for (uint32_t update = 0; update < 5; ++update) {
@@ -108,7 +108,7 @@ TEST_F(SocketsOnly, AreThoseOfAnyOtherGroup) {
     EXPECT_LE(matrix_error(socket, world_from_model.as<double>() * joint.as<double>(), character_.size), kAlike);
 }
 
-TEST_F(SocketsOnly, ThereIsNothingElse) {
+TEST_F(SocketsOnly, HaveNoOtherOutputs) {
     Crowd whole = create(settings(false)), only = create(settings(true));
     for (Crowd* const crowd : {&whole, &only}) ASSERT_TRUE(crowd->update(0.1f));
     const OutputBlock& block = only.outputs()[0];
@@ -117,20 +117,22 @@ TEST_F(SocketsOnly, ThereIsNothingElse) {
     EXPECT_TRUE(!block.skinned && block.host.skinned.empty());
     EXPECT_LT(only.size_bytes(), whole.size_bytes());
     const std::string& name = character_.name;
-    const std::string no_read = "read-back: " + name + " has sockets only";
+    const std::string no_read = "read-back: " + name + " has CrowdGroup::sockets_only";
     EXPECT_EQ(refusal(only.read_skin_matrices({0})), no_read);
     EXPECT_EQ(refusal(only.read_model_matrices({0})), no_read);
     EXPECT_EQ(refusal(only.read_positions({0})), no_read);
     EXPECT_TRUE(whole.request_poses(InstanceHandle{0}));
-    EXPECT_EQ(refusal(only.request_poses(InstanceHandle{0})), "pose request: " + name + " has sockets only");
+    EXPECT_EQ(refusal(only.request_poses(InstanceHandle{0})),
+              "pose request: " + name + " has CrowdGroup::sockets_only");
     Renderer renderer = Renderer::create(test_device(), {.width = 16, .height = 16}).value();
     EXPECT_EQ(refusal(renderer.render(only, {.eye = {0, 1, 9}})),
-              "render: " + name + " has sockets only, and nothing to draw");
+              "render: " + name + " has CrowdGroup::sockets_only and cannot be drawn");
 }
 
-TEST_F(SocketsOnly, WhereTheyCannotBeComputedAloneIsRefused) {
+TEST_F(SocketsOnly, UnsupportedSettingsAreRefused) {
     const std::string place = character_.name + ": sockets only: ",
-                      not_alone = place + "only a native update in one pass computes them alone, and this is ";
+                      not_alone = place +
+                                  "only a native update in one pass can compute sockets alone, but this one is ";
     const auto expect_refused = [](const CrowdSettings& of, ErrorCode code, const std::string& begin) {
         const Result<Crowd> refused = Crowd::create(test_device(), of);
         ASSERT_FALSE(refused) << begin;
@@ -139,7 +141,7 @@ TEST_F(SocketsOnly, WhereTheyCannotBeComputedAloneIsRefused) {
     };
     CrowdSettings without = of_one();
     without.groups[0].sockets.clear();
-    expect_refused(without, ErrorCode::kInvalidArgument, place + "there are no sockets");
+    expect_refused(without, ErrorCode::kInvalidArgument, place + "CrowdGroup::sockets is empty");
     const ProceduralRules rules{.rules = {SpringRule{.joint = character_.rig.names[1]}}};
     CrowdSettings with_rules = of_one(), staged = of_one();
     with_rules.groups[0].procedural = &rules;
@@ -149,7 +151,7 @@ TEST_F(SocketsOnly, WhereTheyCannotBeComputedAloneIsRefused) {
 }
 
 // Also if another group is the one that cannot be updated natively.
-TEST_F(SocketsOnly, OnTheDeviceIsRefused) {
+TEST_F(SocketsOnly, DeviceUpdatesAreRefused) {
     if (test_gpu()->is_native()) GTEST_SKIP() << "there is nothing but the processor";
     const std::string place = character_.name + ": sockets only: ";
     CrowdSettings of = of_one();
@@ -163,11 +165,11 @@ TEST_F(SocketsOnly, OnTheDeviceIsRefused) {
     EXPECT_TRUE(refused.error().text().starts_with(place + "only a native update")) << refused.error().text();
     on_device.groups[0].sockets_only = false;
     Crowd host = create(on_device);
-    EXPECT_EQ(
-        refusal(host.add_groups(create(of))),
-        "add groups: " + character_.name + " has sockets only, which are computed natively, and the crowd is not");
+    EXPECT_EQ(refusal(host.add_groups(create(of))),
+              "add groups: " + character_.name +
+                  " has CrowdGroup::sockets_only, which needs native updates, and this crowd's are not native");
 
-    const std::string natively_alone = place + "they are computed natively alone: by update(), and without occlusion";
+    const std::string natively_alone = place + "they are computed only natively: by update(), and without occlusion";
     ASSERT_TRUE(crowd.set_playback(crowd.instances(), Playback{.first = {.clip = 0}}));
     ASSERT_TRUE(same.set_playback(same.instances(), Playback{.first = {.clip = 0}}));
     Recorder recorder;

@@ -17,7 +17,7 @@
 namespace throng::test {
 namespace {
 
-const InSubset kSteerInSubsets({Subset::kGpuAssisted, Subset::kSubgroups}, {"Steer.CrowdsThatCrossGetThrough"});
+const InSubset kSteerInSubsets({Subset::kGpuAssisted, Subset::kSubgroups}, {"Steer.CrossingCrowdsPassEachOther"});
 const InSubset kSteerNatively({Subset::kNative}, {"Steer.*"});
 
 constexpr float kWalk = 1.3f;  // units a second, of the clip
@@ -244,7 +244,7 @@ TEST(Steer, FollowsTheReference) { follow_steering(0, 0, 1); }
 TEST(Steer, FollowsTheReferenceFarFromTheOrigin) { follow_steering(400, -1000, 2); }
 
 // With a few large agents near and far, the small ones avoid each other as without them.
-TEST(Steer, LargeAgentsDoNotBlindSmallOnes) {
+TEST(Steer, SmallAgentsAvoidEachOtherBesideLargeOnes) {
     constexpr uint32_t kSmall = 400, kLarge = 3;
     constexpr float kRadius = 0.1f;
     const Character character = body(false);
@@ -278,7 +278,7 @@ TEST(Steer, LargeAgentsDoNotBlindSmallOnes) {
     EXPECT_GT(nearest, 0.74);
 }
 
-TEST(Steer, GridsAreForAgentsOfAboutOneSize) {
+TEST(Steer, EachGridHoldsAgentsOfSimilarSize) {
     const std::vector<AgentGrid> grids = agent_grids({0.3f, 4, 0.2f, 0.3f, 2.1f, 2, 0.15f});
     std::vector<float> largest;
     for (const AgentGrid& grid : grids) largest.push_back(grid.largest);
@@ -294,7 +294,7 @@ TEST(Steer, GridsAreForAgentsOfAboutOneSize) {
     EXPECT_EQ(grid_of(of_many, many.back()), io::kAgentGridLimit - 1) << "with all that are smaller";
 }
 
-TEST(Steer, TheFastArriveToo) {
+TEST(Steer, FastAgentsArrive) {
     const Character character = body(false);
     for (const float speed : {1.4f, 8.0f, 60.0f, 1000.0f}) {
         Crowd crowd = create({.groups = {{.character = &character,
@@ -307,7 +307,7 @@ TEST(Steer, TheFastArriveToo) {
     }
 }
 
-TEST(Steer, RunsAndBatchesGiveTheSameBytes) {
+TEST(Steer, EveryRunAndBatchSizeGivesTheSameBytes) {
     const Mixture mixture(-3, 7, 3);
     Crowd whole = create(mixture.settings), again = create(mixture.settings);
     Result<Crowd> parts = Crowd::create(device_of_workgroups(13), mixture.settings);
@@ -323,7 +323,7 @@ TEST(Steer, RunsAndBatchesGiveTheSameBytes) {
 }
 
 // Agents of a bucket are visited in another order. Numbers matter only between agents at the same place.
-TEST(Steer, NumbersChangeNoByte) {
+TEST(Steer, InstanceOrderDoesNotChangeResults) {
     constexpr uint32_t kCount = 100;
     const Character character = body(false);
     Random random(6);
@@ -369,7 +369,7 @@ double walk_home(Crowd& crowd, std::span<const Vec3<float>> destinations, float 
     return worst;
 }
 
-TEST(Steer, CrowdsThatCrossGetThrough) {
+TEST(Steer, CrossingCrowdsPassEachOther) {
     const Character character = body(false);
     constexpr float kRadius = 0.3f;
     std::vector<Affine> places;
@@ -392,7 +392,7 @@ TEST(Steer, CrowdsThatCrossGetThrough) {
     EXPECT_LE(walk_home(crowd, destinations, kRadius, 60), 0.25 + 1e-4);
 }
 
-TEST(Steer, EveryoneAtOnePlacePartsAndArrives) {
+TEST(Steer, AgentsAtOnePlaceSeparateAndArrive) {
     const Character character = body(false);
     constexpr uint32_t kCount = 24;
     constexpr float kRadius = 0.3f;
@@ -408,7 +408,7 @@ TEST(Steer, EveryoneAtOnePlacePartsAndArrives) {
         for (uint32_t k = 0; k < i; ++k) EXPECT_GT(apart(places[i], places[k]), 0.75 * 2 * kRadius);
 }
 
-TEST(Steer, ClipsCarryThoseThatHaveRootMotion) {
+TEST(Steer, RootMotionMovesAgentsThatHaveIt) {
     const Character character = body(true);
     const Controller controller = walker(character);
     const std::vector<Affine> places{turned_at(0, 0, 3), turned_at(5, 0, 1, 2)};
@@ -435,7 +435,7 @@ TEST(Steer, ClipsCarryThoseThatHaveRootMotion) {
     EXPECT_EQ(all_of<float>(crowd, &OutputBlock::parameter, 2)[kSpeed], 0);
 }
 
-TEST(Steer, NobodyMovesWithoutADestinationOrTime) {
+TEST(Steer, AgentsWithoutDestinationOrTimeStepDoNotMove) {
     const Mixture mixture(0, 0, 5);
     Crowd crowd = create(mixture.settings);
     ASSERT_TRUE(crowd.set_placement(crowd.instances(), mixture.places));
@@ -448,7 +448,7 @@ TEST(Steer, NobodyMovesWithoutADestinationOrTime) {
     EXPECT_FALSE(same_bits(placements_of(crowd), mixture.places));
 }
 
-TEST(Steer, ADestinationIsTakenAwayOrWrittenOnTheGpu) {
+TEST(Steer, DestinationsCanBeClearedOrWrittenOnTheGpu) {
     const Character character = body(true);
     const Controller controller = walker(character);
     Crowd crowd = create({.groups = {{.character = &character,
@@ -472,10 +472,10 @@ TEST(Steer, ADestinationIsTakenAwayOrWrittenOnTheGpu) {
     EXPECT_EQ(walk(), (std::array{0.0, 0.0}));
     EXPECT_EQ(all_of<float>(crowd, &OutputBlock::parameter, 2)[kSpeed], 0);
     run_on_gpu([&](VkCommandBuffer commands) {
-        const std::array there{io::vec4{9, 0, 9, 1}};
+        const std::array destination{io::vec4{9, 0, 9, 1}};
         record_update(*test_gpu(), commands,
-                      output_range(crowd.outputs()[0], &OutputBlock::destination, 0, 2 * sizeof there), sizeof there,
-                      std::as_bytes(std::span(there)));
+                      output_range(crowd.outputs()[0], &OutputBlock::destination, 0, 2 * sizeof destination),
+                      sizeof destination, std::as_bytes(std::span(destination)));
         memory_barrier(*test_gpu(), commands, kTransferWrite, kShaderRead);
     });
     const std::array moved = walk();
@@ -484,7 +484,7 @@ TEST(Steer, ADestinationIsTakenAwayOrWrittenOnTheGpu) {
 }
 
 // Otherwise root motion would carry it away.
-TEST(Steer, WhoHasNoDestinationIsToldToStand) {
+TEST(Steer, TheSpeedParameterIsZeroWithoutADestination) {
     const Character character = body(true);
     const Controller controller = walker(character);
     Crowd crowd = create({.groups = {{.character = &character,
@@ -499,7 +499,7 @@ TEST(Steer, WhoHasNoDestinationIsToldToStand) {
 }
 
 // Agents that walk into view are drawn, and those that leave it are not.
-TEST(Steer, WhatAViewSeesIsWhereTheyStandNow) {
+TEST(Steer, CullingUsesCurrentPlacements) {
     const Character character = body(false);
     Crowd crowd = create(
         {.groups = {{.character = &character, .instance_count = 2, .steering = Steering{.radius = 2, .speed = 100}}},
@@ -519,7 +519,7 @@ TEST(Steer, WhatAViewSeesIsWhereTheyStandNow) {
     EXPECT_EQ(drawn(), std::vector{0u});
 }
 
-TEST(Steer, MistakesAreNamed) {
+TEST(Steer, ErrorsNameWhatIsWrong) {
     const Character character = body(false);
     const auto refused = [&](const Steering& steering) {
         return refusal(Crowd::create(
@@ -529,18 +529,21 @@ TEST(Steer, MistakesAreNamed) {
     EXPECT_NE(refused({.radius = kNan}).find("radius"), std::string::npos);
     EXPECT_NE(refused({.speed = -1}).find("speed -1"), std::string::npos);
     EXPECT_NE(refused({.turn = std::numeric_limits<float>::infinity()}).find("turn"), std::string::npos);
-    EXPECT_NE(refused({.speed_parameter = 0}).find("parameter 0 of a group that has 0"), std::string::npos);
+    EXPECT_NE(refused({.speed_parameter = 0}).find("speed_parameter 0 is out of range: the group has 0 parameters"),
+              std::string::npos);
     Crowd crowd = create({.groups = {{.character = &character, .instance_count = 2, .steering = Steering{}},
                                      {.character = &character, .instance_count = 1}}});
     EXPECT_NE(refusal(crowd.set_destination(Instances::numbered(1, 2), Vec3<float>())).find("instance 2"),
               std::string::npos);
-    EXPECT_NE(refusal(crowd.set_destination(Instances::numbered(2, 2), Vec3<float>())).find("of a crowd of 3"),
+    EXPECT_NE(refusal(crowd.set_destination(Instances::numbered(2, 2), Vec3<float>()))
+                  .find("out of range: this crowd's instance numbers are below 3"),
               std::string::npos);
     EXPECT_NE(refusal(crowd.set_destination(InstanceHandle{1}, Vec3<float>{0, kNan, 0}))
                   .find("instance 1: a number is not finite"),
               std::string::npos);
     EXPECT_NE(refusal(crowd.clear_destination(Instances::numbered(0, 3))).find("has no steering"), std::string::npos);
-    EXPECT_NE(refusal(crowd.clear_destination(Instances::numbered(1, 0xFFFFFFFF))).find("of a crowd of 3"),
+    EXPECT_NE(refusal(crowd.clear_destination(Instances::numbered(1, 0xFFFFFFFF)))
+                  .find("out of range: this crowd's instance numbers are below 3"),
               std::string::npos);
 }
 

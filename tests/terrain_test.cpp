@@ -38,7 +38,7 @@ Terrain make_terrain(uint32_t columns, uint32_t rows, Random& random) {
     return terrain;
 }
 
-TEST(Terrain, InstancesStandOnIt) {
+TEST(Terrain, InstancesStandOnTheTerrain) {
     const Character character = make_character({.joint_count = 5});
     Random random(7);
     const auto expect_standing = [&](uint32_t columns, uint32_t rows, UpdatePath path) {
@@ -70,7 +70,7 @@ TEST(Terrain, InstancesStandOnIt) {
         for (const UpdatePath path : {UpdatePath::kAuto, UpdatePath::kDevice}) expect_standing(columns, rows, path);
 }
 
-TEST(Terrain, WrongOnesAreRefused) {
+TEST(Terrain, InvalidTerrainsAreRefused) {
     const Character character = make_character({.joint_count = 2});
     CrowdSettings settings{.groups = {{.character = &character, .instance_count = 1, .on_terrain = true}}};
     const auto message = [&] {
@@ -79,7 +79,7 @@ TEST(Terrain, WrongOnesAreRefused) {
     };
     EXPECT_NE(message().find("CrowdSettings::terrain is not set"), std::string::npos) << message();
     settings.terrain = Terrain{.columns = 2, .rows = 2, .heights = {1, 2, 3}};
-    EXPECT_NE(message().find("3 heights of 2 columns and 2 rows"), std::string::npos) << message();
+    EXPECT_NE(message().find("3 heights for 2 columns and 2 rows"), std::string::npos) << message();
     settings.terrain->heights.push_back(4);
     EXPECT_EQ(message(), "");
     for (const float spacing : {0.0f, -1.0f, NAN, INFINITY, 1e-40f}) {
@@ -90,9 +90,9 @@ TEST(Terrain, WrongOnesAreRefused) {
     settings.terrain->heights[2] = NAN;
     EXPECT_NE(message().find("a height is not finite"), std::string::npos) << message();
     settings.terrain = Terrain{.columns = 5, .rows = 0};
-    EXPECT_NE(message().find("0 heights of 5 columns and 0 rows"), std::string::npos) << message();
+    EXPECT_NE(message().find("0 heights for 5 columns and 0 rows"), std::string::npos) << message();
     settings.terrain = Terrain{};
-    EXPECT_NE(message().find("0 heights of 0 columns"), std::string::npos) << message();
+    EXPECT_NE(message().find("0 heights for 0 columns"), std::string::npos) << message();
 }
 
 }  // namespace

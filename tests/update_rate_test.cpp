@@ -21,7 +21,7 @@ namespace throng::test {
 namespace {
 
 const InSubset kUpdateRateUnderValidation({Subset::kGpuAssisted}, {"UpdateRate.AFinerLevelIsAnimatedAtOnce"});
-const InSubset kUpdateRateInSubsets({Subset::kNative}, {"UpdateRate.*", "-UpdateRate.TimesComeLateAndOnce"});
+const InSubset kUpdateRateInSubsets({Subset::kNative}, {"UpdateRate.*", "-UpdateRate.StageTimesAreReportedOnce"});
 
 constexpr uint32_t kUpdateRateWidth = 160, kUpdateRateHeight = 120;
 
@@ -151,7 +151,7 @@ void expect_interpolated(const CrowdGroup& group, SkinFormat format, bool keeps_
     EXPECT_GT(between, 100u);
 }
 
-TEST(UpdateRate, MatricesGoEvenlyToThePoseAhead) {
+TEST(UpdateRate, MatricesAreInterpolatedToTheNextPose) {
     const Character character = small_character();
     const Controller direct = direct_layers(2);
     expect_interpolated({.character = &character}, SkinFormat::kAffine, false, 1e-5);
@@ -166,7 +166,7 @@ TEST(UpdateRate, SimilaritiesTurnOnTheShortestPath) {
     expect_interpolated({.character = &character}, SkinFormat::kSimilarity, false, 0.05);
 }
 
-TEST(UpdateRate, TheCostIsEven) {
+TEST(UpdateRate, TheCostIsSpreadEvenly) {
     constexpr uint32_t kCount = 4000;
     const Character character = small_character();
     Crowd crowd = create(
@@ -187,7 +187,7 @@ TEST(UpdateRate, TheCostIsEven) {
 }
 
 // Every update exceeds a tiny budget, and none exceeds an infinite one.
-TEST(UpdateRate, ABudgetLetsMoreAndMoreWait) {
+TEST(UpdateRate, AnExceededBudgetLowersTheRate) {
     constexpr uint32_t kCount = 640;
     const Character character = small_character();
     Crowd crowd = create(
@@ -299,7 +299,7 @@ TEST(UpdateRate, AFinerLevelIsAnimatedAtOnce) {
 
 // At coarser levels, the matrices of the level's joints are interpolated and reach their target, wherever they are in
 // the palette.
-TEST(UpdateRate, FewerJointsGoOnToo) {
+TEST(UpdateRate, CoarserLevelsAreInterpolatedToo) {
     const Character character = *compile_character(
         *make_creature({.joint_count = 60, .level_count = 15, .face_count = 1500}), {.error = 0});
     constexpr uint32_t kCount = 8;
@@ -351,7 +351,7 @@ TEST(UpdateRate, FewerJointsGoOnToo) {
 }
 
 // While updates are pending, the reported times are those of the newest finished one, and each is reported once.
-TEST(UpdateRate, TimesComeLateAndOnce) {
+TEST(UpdateRate, StageTimesAreReportedOnce) {
     if (!test_gpu()->has_timestamps()) GTEST_SKIP() << "the queue has no timestamps";
     StageTimer timer(test_gpu(), 2);
     EXPECT_FALSE(timer.take_newest());

@@ -88,7 +88,7 @@ TEST(ViewBench, AWrongResultIsNotTimed) {
         EXPECT_TRUE(records.at(variant).contains("ms")) << "fewer triangles of all joints";
 }
 
-TEST(ViewBench, WhatSeesNobodyIsNotTimed) {
+TEST(ViewBench, AViewWithoutInstancesIsNotTimed) {
     const std::map<std::string, Json> records = measure(1, {0, 1, -0.01f});
     for (const char* variant : {"culled", "and fewer joints", "and fewer updates"}) {
         EXPECT_NE(records.at(variant)["unsupported_reason"].get<std::string>().find("sees none"), std::string::npos);

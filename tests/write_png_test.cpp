@@ -28,7 +28,7 @@ TEST(WritePng, RoundTrips) {
     EXPECT_EQ(std::distance(fs::directory_iterator(folder.path()), {}), 1) << "the temporary file is gone";
 }
 
-TEST(WritePng, FailsWithoutLeavingAnything) {
+TEST(WritePng, FailuresLeaveNoFile) {
     const TemporaryFolder temporary;
     const fs::path& folder = temporary.path();
     const Result<void> absent = write_png(folder / "absent" / "picture.png", gradient(2, 2));

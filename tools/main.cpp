@@ -22,7 +22,7 @@ void add_commands(Command app) {
 
 void run(int argc, char** argv) {
     for (const OwnProgram& program : kOwnPrograms)
-        if (argc > 1 && argv[1] == std::string_view(program.command)) become(program, argv);
+        if (argc > 1 && argv[1] == std::string_view(program.command)) exec_program(program, argv);
     run_command_line(argc, argv, add_commands);
 }
 

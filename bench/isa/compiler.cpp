@@ -50,12 +50,13 @@ std::shared_ptr<Gpu> open_compiler(const std::string& family) {
     if (!std::getenv("VK_DRIVER_FILES") && !std::getenv("VK_ICD_FILENAMES")) {
         const std::string files = driver_files();
         if (files.empty())
-            throw Failure(ErrorCode::kNoDevice, place, "it is not installed (Debian's package is mesa-vulkan-drivers)");
+            throw Failure(ErrorCode::kNoDevice, place, "not installed (Debian: apt-get install mesa-vulkan-drivers)");
         driver.emplace("VK_DRIVER_FILES", files);
     }
     std::shared_ptr<Gpu> gpu = Gpu::create_compiler();
     if (!gpu)
-        throw Failure(ErrorCode::kNoDevice, place, "not among those that VK_DRIVER_FILES and VK_ICD_FILENAMES name");
+        throw Failure(ErrorCode::kNoDevice, place,
+                      "not among the drivers that VK_DRIVER_FILES and VK_ICD_FILENAMES name");
     return gpu;
 }
 

@@ -41,14 +41,14 @@ std::string assembly_of(const Gpu& gpu, const VkPipelineExecutableInfoKHR& which
     ask(count, texts.data());
     for (uint32_t i = 0; i < count; ++i)
         if (texts[i].name == std::string_view(kAssembly)) return bytes[i].c_str();
-    throw Failure(ErrorCode::kUnsupported, gpu.info.driver, "it does not hand out machine code");
+    throw Failure(ErrorCode::kUnsupported, gpu.info.driver, "the driver does not report machine code");
 }
 
 uint32_t statistic(const std::map<std::string, uint64_t>& values, const char* name) {
     const auto found = values.find(name);
     if (found == values.end())
         throw Failure(ErrorCode::kUnsupported, "statistics of a pipeline",
-                      std::string("'") + name + "' is not among them: another driver than Mesa's radv 22?");
+                      std::string("'") + name + "' is missing: is this another driver than Mesa's radv 22?");
     return static_cast<uint32_t>(found->second);
 }
 

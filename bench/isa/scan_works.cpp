@@ -57,8 +57,9 @@ void visit_scan_works(const Compiler& compiler, const ScanRig& rig, ScanPlace pl
             const auto trips = trips_of(work.kernel.code, loops_of(work.plan.counts, place), work.kernel.subgroup_size);
             if (!trips)
                 throw Failure(ErrorCode::kUnsupported, "machine code of scan " + name_of(work.choice),
-                              "it has other loops than the " + std::to_string(work.plan.counts.loops.size()) +
-                                  " that its plan counts: " + std::to_string(work.kernel.code.loops.size()));
+                              "its loops (" + std::to_string(work.kernel.code.loops.size()) +
+                                  ") do not match those that the plan counts (" +
+                                  std::to_string(work.plan.counts.loops.size()) + ")");
             work.trips = *trips;
             visit(work);
         }

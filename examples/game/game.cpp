@@ -66,21 +66,21 @@ public:
           crowd_(make_crowd(device, body, mind, thing)) {}
 
     // Returns how long its calls took.
-    Taken play(uint32_t frame) {
+    Elapsed play(uint32_t frame) {
         const Stopwatch stopwatch;
         if (frame % kWaveEvery == 0) send_wave(frame / kWaveEvery);
-        hear(world.updates + 1 - std::min<uint64_t>(Frames::kInFlight, world.updates + 1));
+        take_feedback(world.updates + 1 - std::min<uint64_t>(Frames::kInFlight, world.updates + 1));
         fight(frame * double{kFrame_s});
         fall();
         watch();
-        return stopwatch.taken();
+        return stopwatch.elapsed();
     }
     // Records the next update, which may still be dropped. Returns how long that took.
-    Taken record(VkCommandBuffer commands) {
+    Elapsed record(VkCommandBuffer commands) {
         const Stopwatch stopwatch;
         crowd_->record(commands, kFrame_s).expect();
         ++world.updates;
-        return stopwatch.taken();
+        return stopwatch.elapsed();
     }
     void drop() {
         crowd_->discard_last_record().expect();
@@ -93,19 +93,19 @@ public:
     };
     // All frames must have finished.
     Saved save() {
-        hear(world.updates);
+        take_feedback(world.updates);
         const Stopwatch stopwatch;
         std::vector<std::byte> bytes = (*crowd_).save_state().expect();
-        saving.push_back(stopwatch.taken());
+        saving.push_back(stopwatch.elapsed());
         return {std::move(bytes), world};
     }
     void restore(const Saved& saved) {
         const Stopwatch stopwatch;
         (*crowd_).restore_state(saved.crowd).expect();
-        restoring.push_back(stopwatch.taken());
+        restoring.push_back(stopwatch.elapsed());
         world = saved.world;
     }
-    std::vector<Taken> saving, restoring;
+    std::vector<Elapsed> saving, restoring;
 
     TimedCrowd& crowd() { return crowd_; }
     World world;
@@ -178,10 +178,10 @@ private:
     // Takes in where the attackers are, and the sound of their feet, up to this update. It lies some frames back, since
     // nothing waits for the GPU. Feedback of later updates is kept, so that a restored game hears the same at the same
     // time.
-    void hear(uint64_t update) {
-        for (Feedback& feedback : crowd_->feedback().expect()) unheard_.push_back(std::move(feedback));
-        for (; !unheard_.empty() && unheard_.front().update <= update; unheard_.pop_front()) {
-            const Feedback& feedback = unheard_.front();
+    void take_feedback(uint64_t update) {
+        for (Feedback& feedback : crowd_->feedback().expect()) pending_.push_back(std::move(feedback));
+        for (; !pending_.empty() && pending_.front().update <= update; pending_.pop_front()) {
+            const Feedback& feedback = pending_.front();
             for (const CharacterEvent& event : feedback.events)
                 ++((*crowd_).is_alive(event.instance) ? world.steps : world.steps_of_the_gone);
             for (const WatchedInstance& watched : feedback.watched) {
@@ -256,7 +256,7 @@ private:
     float size_;
     Affine socket_from_thing_;
     TimedCrowd crowd_;
-    std::deque<Feedback> unheard_;
+    std::deque<Feedback> pending_;
 };
 
 // Beasts that stand around. Their own thread loads them, and records the commands that upload them to the device.
@@ -303,7 +303,7 @@ public:
                 of_beasts = beasts_->commands;
                 const Stopwatch joins;
                 game_.crowd()->add_groups(std::move(beasts_->crowd)).expect();
-                joining.push_back(joins.taken());
+                joining.push_back(joins.elapsed());
             }
             calls.push_back(game_.play(frame));
             records.push_back(game_.record(commands));
@@ -313,7 +313,7 @@ public:
                 continue;
             }
             frames_.submit(of_beasts);
-            (was_loading ? while_loading : otherwise).push_back(stopwatch.taken());
+            (was_loading ? while_loading : otherwise).push_back(stopwatch.elapsed());
         }
         frames_.finish();
     }
@@ -324,7 +324,7 @@ public:
         if (loading_.valid()) loading_.wait();
     }
     bool has_beasts() const { return beasts_ != nullptr; }
-    std::vector<Taken> calls, records, joining, while_loading, otherwise;
+    std::vector<Elapsed> calls, records, joining, while_loading, otherwise;
 
 private:
     Game& game_;
@@ -365,9 +365,9 @@ int main(int argc, char** argv) {
     loop.run(kSaveAt + kReplayed, kFrames);
 
     const World& world = game.world;
-    std::printf("%u attackers came, %u died, %u are there; %u found no room\n", world.born, world.died,
+    std::printf("%u attackers came, %u died, %u bodies are left; %u found no room\n", world.born, world.died,
                 (*game.crowd()).alive_count(0).expect(), world.refused);
-    std::printf("%u steps, and %u of attackers that had gone when they were heard\n", world.steps,
+    std::printf("%u steps, and %u of attackers that were gone when the feedback arrived\n", world.steps,
                 world.steps_of_the_gone);
     std::printf("saved in %zu bytes; restored, the same %u frames %s\n", saved.crowd.size(), kReplayed,
                 is_same ? "gave the same bytes" : "gave OTHER bytes");
@@ -377,7 +377,7 @@ int main(int argc, char** argv) {
     print("any one of these calls:", game.crowd().calls);
     print("a frame, all of it:", loop.otherwise);
     print("a frame while beasts load:", loop.while_loading);
-    print("taking them into the crowd:", loop.joining);
+    print("adding them to the crowd:", loop.joining);
     print("save_state():", game.saving);
     print("restore_state():", game.restoring);
 

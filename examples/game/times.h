@@ -16,13 +16,13 @@ inline double now_ms(clockid_t clock) {
     return 1e3 * static_cast<double>(now.tv_sec) + 1e-6 * static_cast<double>(now.tv_nsec);
 }
 
-struct Taken {
+struct Elapsed {
     double own_ms = 0, clock_ms = 0;
 };
 
 class Stopwatch {
 public:
-    Taken taken() const { return {now_ms(CLOCK_THREAD_CPUTIME_ID) - own_ms_, now_ms(CLOCK_MONOTONIC) - clock_ms_}; }
+    Elapsed elapsed() const { return {now_ms(CLOCK_THREAD_CPUTIME_ID) - own_ms_, now_ms(CLOCK_MONOTONIC) - clock_ms_}; }
 
 private:
     double own_ms_ = now_ms(CLOCK_THREAD_CPUTIME_ID), clock_ms_ = now_ms(CLOCK_MONOTONIC);
@@ -37,7 +37,7 @@ public:
     class Call {
     public:
         explicit Call(TimedCrowd& of) : of_(of) {}
-        ~Call() { of_.calls.push_back(stopwatch_.taken()); }
+        ~Call() { of_.calls.push_back(stopwatch_.elapsed()); }
         Call(const Call&) = delete;
         throng::Crowd* operator->() { return &of_.crowd_; }
 
@@ -48,15 +48,15 @@ public:
     Call operator->() { return Call(*this); }
     throng::Crowd& operator*() { return crowd_; }
 
-    std::vector<Taken> calls;
+    std::vector<Elapsed> calls;
 
 private:
     throng::Crowd crowd_;
 };
 
-inline void print(const char* what, std::vector<Taken> all) {
+inline void print(const char* what, std::vector<Elapsed> all) {
     std::printf("%-28s", what);
-    for (double Taken::*const ms : {&Taken::own_ms, &Taken::clock_ms}) {
+    for (double Elapsed::*const ms : {&Elapsed::own_ms, &Elapsed::clock_ms}) {
         std::ranges::sort(all, {}, ms);
         std::printf("  median %.3f, worst %.3f", all[all.size() / 2].*ms, all.back().*ms);
     }

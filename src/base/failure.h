@@ -65,7 +65,8 @@ auto as_result(Body&& body, std::string place = {}) -> Result<std::invoke_result
     } catch (const std::exception& other) {
         return Error{ErrorCode::kInvalidArgument, std::move(place), other.what()};
     } catch (...) {  // of an application's JobSystem
-        return Error{ErrorCode::kInvalidArgument, std::move(place), "something was thrown that is no std::exception"};
+        return Error{ErrorCode::kInvalidArgument, std::move(place),
+                     "an exception was thrown that is not a std::exception"};
     }
 }
 

@@ -45,15 +45,15 @@ int write_beside(const std::filesystem::path& name, std::span<const std::byte> b
     const auto fail = [&](const std::string& what) { throw Failure(ErrorCode::kFile, name.string(), what); };
     const fs::path path = link_target(name);
     std::error_code error;
-    const fs::file_status there = fs::status(path, error);
-    const bool replaces = there.type() == fs::file_type::regular;
-    if (there.type() != fs::file_type::not_found && !replaces) fail("is there, and not a plain file");
+    const fs::file_status status = fs::status(path, error);
+    const bool replaces = status.type() == fs::file_type::regular;
+    if (status.type() != fs::file_type::not_found && !replaces) fail("exists and is not a regular file");
 
     fs::path unfinished;
     const int file = open_beside(path, unfinished);
     if (file < 0) fail("cannot be written: " + std::generic_category().message(errno));
     int reason = 0;
-    if (replaces) ::fchmod(file, static_cast<mode_t>(there.permissions() & fs::perms::all));
+    if (replaces) ::fchmod(file, static_cast<mode_t>(status.permissions() & fs::perms::all));
     while (!bytes.empty() && reason == 0) {
         const ssize_t count = ::write(file, bytes.data(), bytes.size());
         if (count >= 0)

@@ -45,7 +45,7 @@ bool is_printable(uint32_t code) {
 }  // namespace
 
 std::string numbered(std::string_view thing, uint32_t index) {
-    return index == kNone ? joined(thing, " kNone (of a name that was not found?)") : joined(thing, " ", index);
+    return index == kNone ? joined(thing, " kNone (was its name not found?)") : joined(thing, " ", index);
 }
 
 std::string printable(std::string_view text, size_t limit) {

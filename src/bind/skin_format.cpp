@@ -51,12 +51,12 @@ bool is_similarity(const Affine& m) {
 // `which_is_all_that` completes the messages "…, which is all that …".
 std::string similarity_unsupported_reason(const Character& character, const std::string& which_is_all_that) {
     if (!character.rig.uniform_scale)
-        return "a joint is scaled differently along x, y and z; rotation, translation and one scale is all that " +
+        return "a joint is scaled differently along x, y and z; rotation, translation and uniform scale is all that " +
                which_is_all_that;
     for (size_t entry = 0; entry < character.palette.size(); ++entry)
         if (!is_similarity(character.palette[entry].joint_from_bind))
             return "the inverse bind matrix of palette entry " + std::to_string(entry) +
-                   " is no rotation, translation and uniform scale, which is all that " + which_is_all_that;
+                   " is not made of rotation, translation and uniform scale, which is all that " + which_is_all_that;
     return {};
 }
 

@@ -62,10 +62,9 @@ std::vector<Trs<double>> checked_pose(std::span<const Trs<float>> parent_from_jo
         joint.rotation = normalized(joint.rotation);
         if (uniform_scale) {
             if (!is_uniform(joint.scale))
-                refuse(
-                    place,
-                    name() +
-                        "its scale differs along the axes; all of this character's are uniform (Rig::uniform_scale)");
+                refuse(place, name() +
+                                  "its scale differs along the axes, but this character's scales must be uniform "
+                                  "(Rig::uniform_scale)");
             joint.scale = {joint.scale.x, joint.scale.x, joint.scale.x};
         }
         pose.push_back(joint);

@@ -108,7 +108,7 @@ private:
                     all_finite(std::array{material.alpha_cutoff, material.metallic, material.roughness,
                                           material.normal_scale, material.occlusion_strength}),
                 "a factor is not finite");
-        require(has_known_values(material), "its alpha mode, filter or wrap is unknown");
+        require(has_known_values(material), "alpha_mode, filter, wrap_u or wrap_v has an unknown value");
     }
 
     void check(const AssetMesh& mesh) {
@@ -136,7 +136,7 @@ private:
             if (primitive.influence_weights[i] > 0)
                 followed_counts_.back() = std::max(followed_counts_.back(), primitive.influence_joints[i] + 1u);
         require(primitive.indices.size() % 3 == 0, "indices has ", primitive.indices.size(),
-                " elements, which are no triangles");
+                " elements, which is not a multiple of 3");
         for (const uint32_t index : primitive.indices) require_index(index, n, "an index", "positions");
         if (n > 0 || !primitive.targets.empty())
             require(primitive.targets.size() == target_count, "targets has ", primitive.targets.size(), " elements; ",
@@ -144,7 +144,7 @@ private:
         each(primitive.targets, "targets", [&](const AssetMorphTarget& target) {
             require_size_or_none(target.positions, n, "positions");
             require_size_or_none(target.normals, n, "normals");
-            require(all_finite(target.positions) && all_finite(target.normals), "differences are not finite");
+            require(all_finite(target.positions) && all_finite(target.normals), "positions or normals are not finite");
         });
     }
 
@@ -155,7 +155,7 @@ private:
         const uint32_t followed_count = followed_counts_[instance.mesh];
         if (followed_count > 0)
             require_index(followed_count - 1, asset_.skins[instance.skin].joints.size(), "a joint with weight",
-                          "in its skin");
+                          "joints in its skin");
     }
 
     void check(const AssetClip& clip) {
@@ -186,7 +186,8 @@ private:
 
     void check_keys(const auto& track, uint64_t of_key) const {
         const std::vector<float>& times = track.times_s;
-        require(!times.empty() && all_finite(times) && times.front() >= 0, "times_s must be finite, from 0 on");
+        require(!times.empty() && all_finite(times) && times.front() >= 0,
+                "times_s must be finite, not negative and not empty");
         require(std::ranges::adjacent_find(times, std::greater_equal()) == times.end(), "times_s must increase");
         const bool is_cubic = track.interpolation == Interpolation::kCubicSpline;
         require_size(track.values, times.size() * of_key * (is_cubic ? 3 : 1), "values");

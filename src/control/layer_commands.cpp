@@ -11,7 +11,8 @@ namespace throng {
 namespace {
 
 const LayerKind& kind_of(std::span<const LayerKind> kinds, uint32_t layer, const ErrorPlace& place) {
-    if (layer >= kinds.size()) refuse(place, numbered("layer", layer), " of a controller that has ", kinds.size());
+    if (layer >= kinds.size())
+        refuse(place, numbered("layer", layer), " is out of range: the controller has ", kinds.size());
     return kinds[layer];
 }
 
@@ -53,7 +54,7 @@ io::ControlCommand play_command(std::span<const LayerKind> kinds, std::span<cons
     const bool is_inertial = playback.fade == FadeKind::kInertial;
     if (is_inertial && !kinds[layer].inertial_plays)
         refuse(place, "layer " + std::to_string(layer) +
-                          " was not made for inertial plays: set ControllerLayer::inertial_plays");
+                          " does not allow FadeKind::kInertial: set ControllerLayer::inertial_plays");
     const bool rests = clip.clip == kNone;
     return {.instance = 0,
             .kind = is_inertial ? io::kCommandPlayInertial : io::kCommandPlay,
@@ -70,7 +71,7 @@ io::ControlCommand state_command(std::span<const LayerKind> kinds, uint32_t laye
     const uint32_t state_count = kind_of(kinds, layer, place).state_count;
     if (state_count == 0) refuse(place, "layer " + std::to_string(layer) + " has no states: call play()");
     if (state.motion >= state_count)
-        refuse(place, numbered("state", state.motion), " of a layer that has ", state_count);
+        refuse(place, numbered("state", state.motion), " is out of range: the layer has ", state_count);
     if (!(state.phase >= 0 && state.phase <= 1)) refuse(place, "the phase must lie within 0..1");
     return {.instance = 0,
             .kind = io::kCommandState,
@@ -87,7 +88,7 @@ io::ControlCommand layer_command(std::span<const LayerKind> kinds, uint32_t mask
     check_layer(kinds, layer, place);
     if (!(blend.weight >= 0 && blend.weight <= 1)) refuse(place, "weight must lie within 0..1");
     if (blend.mask != kNone && blend.mask >= mask_count)
-        refuse(place, numbered("mask", blend.mask), " of a controller that has ", mask_count);
+        refuse(place, numbered("mask", blend.mask), " is out of range: the controller has ", mask_count);
     return {.instance = 0,
             .kind = io::kCommandLayer,
             .target = layer,
@@ -100,8 +101,8 @@ io::ControlCommand layer_command(std::span<const LayerKind> kinds, uint32_t mask
 
 void check_parameter(uint32_t parameter_count, uint32_t parameter, float value, const ErrorPlace& place) {
     if (parameter >= parameter_count)
-        refuse(place, numbered("parameter", parameter), " of a controller that has ", parameter_count);
-    if (!std::isfinite(value)) refuse(place, "it must be finite");
+        refuse(place, numbered("parameter", parameter), " is out of range: the controller has ", parameter_count);
+    if (!std::isfinite(value)) refuse(place, "the value must be finite");
 }
 
 void append_played(std::vector<PlayedMotion>& motions, const io::LayerState& layer, const LayerKind& kind,

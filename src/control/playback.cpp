@@ -8,9 +8,8 @@ namespace throng {
 
 void check_clip(const ClipPlayback& playback, uint32_t clip_count, const ErrorPlace& place) {
     if (playback.clip != kNone && playback.clip >= clip_count)
-        throw Failure(
-            ErrorCode::kInvalidArgument, place,
-            "clip " + std::to_string(playback.clip) + " of a character that has " + std::to_string(clip_count));
+        throw Failure(ErrorCode::kInvalidArgument, place, "clip ", playback.clip,
+                      " is out of range: the character has ", clip_count);
     if (!std::isfinite(playback.time_s) || !std::isfinite(playback.speed))
         throw Failure(ErrorCode::kInvalidArgument, place, "time and speed must be finite");
 }

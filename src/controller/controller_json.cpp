@@ -55,7 +55,7 @@ ControllerParameter read_parameter(const JsonView& value) {
     if (value.is_number()) return {value.key(), ParameterType::kFloat, value.as_float()};
     if (value.is_bool()) return {value.key(), ParameterType::kBool, value.as_bool() ? 1.f : 0.f};
     if (value.is_string() && value.as_string() == "trigger") return {value.key(), ParameterType::kTrigger, 0};
-    value.fail("must be a number, true, false or \"trigger\": the parameter's type, and what it begins with");
+    value.fail("must be a number, true, false or \"trigger\": the parameter's type and initial value");
 }
 
 ControllerEvent read_event(const JsonView& event) {
@@ -102,8 +102,8 @@ ControllerState read_state(const JsonView& state) {
     read_factor(state, "speed", out.speed, out.speed_parameter);
     const auto clip = state.find("clip");
     if (clip && (state.find("blend") || state.find("clips")))
-        state.fail("has one 'clip', or a 'blend' of 'clips', not both");
-    if (!clip && !state.find("blend") && !state.find("clips")) state.fail("'clip' is missing, or 'blend' and 'clips'");
+        state.fail("must have one 'clip', or a 'blend' of 'clips', not both");
+    if (!clip && !state.find("blend") && !state.find("clips")) state.fail("must have a 'clip', or 'blend' and 'clips'");
     if (!clip)
         read_blend(state, out);
     else if (!clip->is_null())
@@ -149,7 +149,7 @@ ControllerLayer read_layer(const JsonView& layer) {
     const auto states = layer.find("states");
     for (const JsonView state : layer.optional_members("states")) out.states.push_back(read_state(state));
     if (states && out.states.empty())
-        states->fail("must not be empty; leave it out for a layer that plays what it is told");
+        states->fail("must not be empty; leave it out for a layer that plays clips by Crowd::play()");
     for (const JsonView transition : layer.optional_array("transitions"))
         out.transitions.push_back(read_transition(transition));
     if (const auto start = layer.find("start")) {

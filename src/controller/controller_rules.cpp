@@ -42,8 +42,8 @@ void require_printable_name(std::string_view name, const std::string& place) {
     require_name(name, place);
     if (printable(name, kNameLimit) != name)
         refuse(place,
-               "a name must not have line breaks, other control characters, marks that turn the direction of writing, "
-               "or bytes that are no UTF-8");
+               "a name must not have line breaks, other control characters, characters that override the text "
+               "direction, or invalid UTF-8");
 }
 
 void add_unique(KnownNames& names, std::string_view name, const std::string& place) {
@@ -71,7 +71,7 @@ private:
             add_unique(parameters_, parameter.name, place);
             require_finite(parameter.initial, place);
             if (parameter.type != ParameterType::kFloat && parameter.initial != 0 && parameter.initial != 1)
-                refuse(place, "must begin with 0 or 1");
+                refuse(place, "the initial value must be 0 or 1");
         }
     }
 
@@ -101,7 +101,7 @@ private:
     }
 
     void check_layers() const {
-        if (controller_.layers.empty()) refuse("layers", "a controller has at least one layer");
+        if (controller_.layers.empty()) refuse("layers", "a controller needs at least one layer");
         require_at_most(kLayerLimit, controller_.layers.size(), "layers", "layers");
         KnownNames names("layer");
         for (size_t i = 0; i < controller_.layers.size(); ++i) {
@@ -110,10 +110,11 @@ private:
             add_unique(names, layer.name, place_of(place, "name"));
             if (layer.model_space_rotations && layer.mode == LayerMode::kAdditive)
                 refuse(place_of(place, "rotations"),
-                       "an additive layer turns joints in their parents; only an override is blended in model space");
+                       "an additive layer turns joints relative to their parents; only an override blends in model "
+                       "space");
             if (layer.inertial_plays && !layer.states.empty())
                 refuse(place_of(place, "inertial"),
-                       "this is for layers without states; the transitions of this one have a 'fade' of their own");
+                       "this is only for layers without states; in this one, each transition has its own 'fade'");
             if (!layer.mask.empty()) masks_.require(layer.mask, place_of(place, "mask"));
             if (layer.weight_parameter.empty()) require_between(0, 1, layer.weight, place_of(place, "weight"));
             check_factor(layer.weight, layer.weight_parameter, place_of(place, "weight"));
@@ -130,7 +131,7 @@ private:
                 count += transition.from.empty() ? layer.states.size() : 1;
         if (count <= kAllTransitionsLimit) return;
         throw Failure(ErrorCode::kLimit, "layers", count, " transitions, more than the limit of ", kAllTransitionsLimit,
-                      ": one from any state counts for each state of its layer; give some 'from'");
+                      ": one without 'from' counts once for each state of its layer; give some a 'from'");
     }
 
     void check_states(const ControllerLayer& layer, const std::string& place) const {
@@ -140,7 +141,7 @@ private:
         for (const ControllerState& state : layer.states) {
             const std::string state_place = place_of(place, "states", state.name);
             add_unique(states, state.name, state_place);
-            if (state.name == "*") refuse(state_place, "'*' means any state; name it otherwise");
+            if (state.name == "*") refuse(state_place, "'*' means any state; choose another name");
             check_factor(state.speed, state.speed_parameter, place_of(state_place, "speed"));
             check_points(state, state_place);
         }
@@ -154,7 +155,7 @@ private:
     void check_number(const std::string& parameter, const std::string& place) const {
         const uint32_t index = parameters_.require(parameter, place);
         if (controller_.parameters[index].type == ParameterType::kTrigger)
-            refuse(place, "'", printable(parameter), "' is a trigger, which is no number; use a float or a bool");
+            refuse(place, "'", printable(parameter), "' is a trigger, not a number; use a float or a bool");
     }
     void check_factor(float value, const std::string& parameter, const std::string& place) const {
         require_finite(value, place);
@@ -180,9 +181,9 @@ private:
     // loop, speed and sync mean nothing for a state that plays nothing, so they must have their defaults.
     static void check_empty(const ControllerState& state, const std::string& place) {
         if (!state.x_parameter.empty() || !state.y_parameter.empty())
-            refuse(place_of(place, "clips"), "a blend has at least one clip");
+            refuse(place_of(place, "clips"), "a blend needs at least one clip");
         if (!state.loop || state.speed != 1 || !state.speed_parameter.empty() || !state.sync.empty())
-            refuse(place, "plays nothing, so it has no 'loop', 'speed' or 'sync'");
+            refuse(place, "plays nothing, so it must not have 'loop', 'speed' or 'sync'");
     }
 
     static void check_distances(const ControllerState& state, size_t i, const std::string& place) {
@@ -191,13 +192,13 @@ private:
         require_between(-kBlendPlaceLimit, kBlendPlaceLimit, point.y, place);
         if (state.y_parameter.empty()) {
             if (i > 0 && !(point.x - state.points[i - 1].x >= kMinBlendDistance))
-                refuse(place, text(point.x), " does not lie above the ", text(state.points[i - 1].x),
+                refuse(place, text(point.x), " is not above the ", text(state.points[i - 1].x),
                        " of the clip before; sort them, and keep them 0.000001 apart");
             return;
         }
         for (size_t k = 0; k < i; ++k)
             if (std::hypot(point.x - state.points[k].x, point.y - state.points[k].y) < kMinBlendDistance)
-                refuse(place, "clips[", k, "] is at this place already; keep them 0.000001 apart");
+                refuse(place, "clips[", k, "] is at the same place; keep them 0.000001 apart");
     }
 
     void check_transition(const ControllerLayer& layer, const ControllerTransition& transition,

@@ -67,16 +67,16 @@ bool AttachStage::is_possible(const io::InstanceAttachment& attachment) const {
 
 io::InstanceAttachment AttachStage::to_io(uint32_t instance, const Attachment& attachment) const {
     const ErrorPlace place("attachment", instance);
-    if (!group_at(instance).is_carried) refuse(place, "its group is not carried (CrowdGroup::is_carried)");
+    if (!group_at(instance).is_carried) refuse(place, "its group does not have CrowdGroup::is_carried set");
     const InBatch carrier = in_batch(batches_, attachment.carrier.instance);
     io::InstanceAttachment made{
         .carrier_batch = carrier.batch, .carrier = carrier.instance, .socket = attachment.socket, .level = 1};
     std::memcpy(made.socket_from_model, &attachment.socket_from_model, sizeof attachment.socket_from_model);
     const Group& of_carrier = group_of(batches_[carrier.batch]);
     if (!is_possible(made))
-        refuse(place, "the carrier has ", of_carrier.socket_count(), " sockets, in ",
-               of_carrier.socket_space == SocketSpace::kWorld ? "world" : "model", " space; there is no socket ",
-               attachment.socket, " in world space");
+        refuse(place, "there is no socket ", attachment.socket, " in world space: the carrier has ",
+               of_carrier.socket_count(), " sockets, in ",
+               of_carrier.socket_space == SocketSpace::kWorld ? "world" : "model", " space");
     if (!all_finite(attachment.socket_from_model)) refuse(place, "socket_from_model: a number is not finite");
     return made;
 }
@@ -134,28 +134,29 @@ void AttachStage::set(uint32_t instance, const io::InstanceAttachment& attachmen
 
 // The number of its carrier in the crowd; kNone if it is not attached.
 uint32_t AttachStage::carrier_of(uint32_t instance) const {
-    const io::InstanceAttachment& hangs = attachments_[instance];
-    return hangs.carrier_batch == kNone ? kNone : batches_[hangs.carrier_batch].first_instance + hangs.carrier;
+    const io::InstanceAttachment& to = attachments_[instance];
+    return to.carrier_batch == kNone ? kNone : batches_[to.carrier_batch].first_instance + to.carrier;
 }
 
 // Gives each attachment its level, one more than its carrier's: follows the carriers up to one whose level is known,
 // and numbers those in between on the way back. Returns an error message, empty where there is no error; on an error no
 // level changes. detach() need not call this: levels are then higher than necessary, but still above the carrier's.
 std::string AttachStage::set_levels() {
-    constexpr uint32_t kUnknown = kNone, kOnTheWay = kNone - 1;
+    constexpr uint32_t kUnknown = kNone, kInProgress = kNone - 1;
     std::vector<uint32_t> levels(attachments_.size(), kUnknown), way;
     for (uint32_t instance = 0; instance < levels.size(); ++instance) {
         uint32_t at = instance;
         for (way.clear(); at != kNone && levels[at] == kUnknown; at = carrier_of(at)) {
-            levels[at] = kOnTheWay;
+            levels[at] = kInProgress;
             way.push_back(at);
         }
         uint32_t level = at == kNone ? ~0u : levels[at];
-        if (level == kOnTheWay) return "instance " + std::to_string(at) + " would hang on itself";
+        if (level == kInProgress)
+            return "instance " + std::to_string(at) + " would be attached to itself, directly or through others";
         for (; !way.empty(); way.pop_back()) levels[way.back()] = ++level;
         if (levels[instance] > kMaxLevels)
-            return "instance " + std::to_string(instance) + " would have more than " + std::to_string(kMaxLevels) +
-                   " carriers, each on the next";
+            return "instance " + std::to_string(instance) + " would be attached to a chain of more than " +
+                   std::to_string(kMaxLevels) + " carriers";
     }
     for (uint32_t instance = 0; instance < levels.size(); ++instance) {
         io::InstanceAttachment moved = attachments_[instance];
@@ -183,16 +184,17 @@ void AttachStage::record(const Update& update) {
     for (uint32_t level = 0; level < level_count; ++level)
         for (const auto& [which, pair] : pairs_) {
             const auto [of_carried, of_carrier] = which;
-            const bool hangs = of_carrier != kNone;
-            if (hangs ? level >= pair.counts.size() || pair.counts[level] == 0 : level > 0) continue;
+            const bool is_attached = of_carrier != kNone;
+            if (is_attached ? level >= pair.counts.size() || pair.counts[level] == 0 : level > 0) continue;
             const Batch& carried = batches_[of_carried];
             const Group& group = group_of(carried);
-            const io::AttachPush push{.instance_count = carried.used_count,
-                                      .level = level,
-                                      .carrier_batch = of_carrier,
-                                      .carrier_socket_count = hangs ? group_of(batches_[of_carrier]).socket_count() : 0,
-                                      .socket_count = has_world_sockets(group) ? group.socket_count() : 0,
-                                      .birth = carried.birth};
+            const io::AttachPush push{
+                .instance_count = carried.used_count,
+                .level = level,
+                .carrier_batch = of_carrier,
+                .carrier_socket_count = is_attached ? group_of(batches_[of_carrier]).socket_count() : 0,
+                .socket_count = has_world_sockets(group) ? group.socket_count() : 0,
+                .birth = carried.birth};
             kernel_.dispatch_invocations(update.commands, pair.bindings, push, push.instance_count);
             separate_kernels(update.commands);
         }
@@ -226,11 +228,11 @@ void AttachStage::exchange_group(StateArchive& archive, uint32_t group) {
                 continue;
             }
             const Batch* const carrier = batch_at(batches_, one.carrier);
-            StateArchive::require(carrier, "an instance hangs on a socket that does not exist");
+            StateArchive::require(carrier, "an instance is attached to one that does not exist");
             one.carrier_batch = static_cast<uint32_t>(carrier - batches_.data());
             one.carrier -= carrier->first_instance;
             one.level = 1;
-            StateArchive::require(is_possible(one), "an instance hangs on a socket that does not exist");
+            StateArchive::require(is_possible(one), "an instance is attached to a socket that does not exist");
             set(batch.first_instance + i, one);
         }
         const std::string mistake = set_levels();

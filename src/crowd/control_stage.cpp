@@ -53,7 +53,7 @@ io::InstancePlayback ControlStage::checked(uint32_t instance, const Playback& pl
     const ErrorPlace place("playback", instance);
     const Group& group = groups_[batches_[batch_index_of(batches_, instance)].group];
     if (group.controller)
-        throw Failure(ErrorCode::kInvalidArgument, place, "it has a controller: use play() or its parameters");
+        throw Failure(ErrorCode::kInvalidArgument, place, "its group has a controller: use play() or set_parameter()");
     const auto& durations_s = group.clip_durations_s;
     const auto clip_count = static_cast<uint32_t>(durations_s.size());
     check_playback(playback, clip_count, place);

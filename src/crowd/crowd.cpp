@@ -41,7 +41,7 @@ Crowd::~Crowd() = default;
 CrowdState& Crowd::state() const {
     if (!state_)
         throw Failure(ErrorCode::kInvalidArgument, "crowd",
-                      "there is none: it was not made by Crowd::create(), or has been moved from");
+                      "the Crowd was not made by Crowd::create(), or has been moved from");
     return *state_;
 }
 
@@ -58,7 +58,7 @@ Result<uint32_t> Crowd::group_of(const InstanceHandle& instance) const {
     return as_result([&] {
         if (const Batch* const batch = batch_at(state().batches, instance.instance)) return batch->group;
         throw Failure(ErrorCode::kInvalidArgument, "instance " + std::to_string(instance.instance),
-                      "no group has such a number");
+                      "no group has an instance of this number");
     });
 }
 
@@ -227,7 +227,7 @@ Result<void> Crowd::record_uploads(VkCommandBuffer commands) {
     return as_result(
         [&] {
             if (!commands && !state().gpu->is_native())
-                throw Failure(ErrorCode::kInvalidArgument, "command buffer", "there is none");
+                throw Failure(ErrorCode::kInvalidArgument, "command buffer", "it is VK_NULL_HANDLE");
             state().record_uploads(commands);
         },
         "crowd");
@@ -239,7 +239,8 @@ Result<void> Crowd::record(VkCommandBuffer commands, float time_step_s, const Cr
             const bool is_native = state().gpu->is_native();
             if (is_native == (commands != VK_NULL_HANDLE))
                 throw Failure(ErrorCode::kInvalidArgument, "command buffer",
-                              is_native ? "a native device has none: call update()" : "there is none");
+                              is_native ? "it must be VK_NULL_HANDLE on a native device; or call update()"
+                                        : "it is VK_NULL_HANDLE");
             state().record(commands, time_step_s, view);
         },
         "crowd");
@@ -249,7 +250,7 @@ Result<void> Crowd::record_disoccluded(VkCommandBuffer commands, const DepthImag
     return as_result(
         [&] {
             if (!commands && !state().gpu->is_native())
-                throw Failure(ErrorCode::kInvalidArgument, "command buffer", "there is none");
+                throw Failure(ErrorCode::kInvalidArgument, "command buffer", "it is VK_NULL_HANDLE");
             state().record_disoccluded(commands, depths);
         },
         "crowd");
@@ -300,7 +301,8 @@ Result<GroupMesh> Crowd::mesh(uint32_t group) const {
 Result<StageTimes> Crowd::stage_times() const {
     return as_result([&] {
         if (!state().timer)
-            throw Failure(ErrorCode::kInvalidArgument, "stage times", "timestamps are off, or the queue has none");
+            throw Failure(ErrorCode::kInvalidArgument, "stage times",
+                          "CrowdSettings::timestamps is off, or the queue has no timestamps");
         return state().timer->read();
     });
 }

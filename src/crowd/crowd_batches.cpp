@@ -36,8 +36,8 @@ void CrowdState::check_groups(const CrowdSettings& settings) const {
         check_carried(group);
         check_command_settings(group);
         if (const float margin = group.pose_margin.value_or(0); !(margin >= 0 && margin <= kMaxPoseMargin))
-            throw Failure(ErrorCode::kInvalidArgument, group.character->name + ": pose margin", margin, "; 0 to ",
-                          kMaxPoseMargin);
+            throw Failure(ErrorCode::kInvalidArgument, group.character->name + ": pose margin", margin,
+                          " is not within 0..", kMaxPoseMargin);
         total += group.instance_count;
     }
     if (total == 0) throw Failure(ErrorCode::kInvalidArgument, "crowd", "it has no instances");
@@ -46,7 +46,7 @@ void CrowdState::check_groups(const CrowdSettings& settings) const {
     check_terrain(settings);
     constexpr uint32_t kMaxInFlight = 4;  // feedback is kept for as many updates
     if (settings.frames_in_flight < 1 || settings.frames_in_flight > kMaxInFlight)
-        throw Failure(ErrorCode::kInvalidArgument, "frames in flight", settings.frames_in_flight, "; 1 to ",
+        throw Failure(ErrorCode::kInvalidArgument, "frames in flight", settings.frames_in_flight, " is not within 1..",
                       kMaxInFlight);
     check_memory("matrices and state", pose_bytes(settings));
 }
@@ -87,8 +87,8 @@ uint64_t CrowdState::batch_count_of(const BatchPlan& plan, uint32_t count) const
                                        instances_per_workgroup * gpu->properties.limits.maxComputeWorkGroupCount[0]);
     if (capacity == 0)
         throw Failure(ErrorCode::kLimit, plan.group().name,
-                      "what one instance takes (" + std::to_string(plan.largest_bytes()) +
-                          " bytes) exceed the device's storage-buffer range of " + std::to_string(limit_bytes));
+                      "one instance takes " + std::to_string(plan.largest_bytes()) +
+                          " bytes, more than the device's storage-buffer range of " + std::to_string(limit_bytes));
     return (count + capacity - 1) / capacity;
 }
 

@@ -13,44 +13,46 @@ namespace throng {
 
 void CrowdState::check_range(uint32_t first_instance, uint32_t count, const char* what) const {
     if (first_instance <= instance_count && count <= instance_count - first_instance) return;
-    const std::string range = count > 1
-                                  ? joined("instances ", first_instance, " to ", uint64_t{first_instance} + count - 1)
-                                  : joined("instance ", first_instance);
-    throw Failure(ErrorCode::kInvalidArgument, what, range, " of a crowd of ", instance_count);
+    const uint64_t last_instance = uint64_t{first_instance} + count - 1;
+    const std::string range = count > 1 ? joined("instances ", first_instance, " to ", last_instance, " are")
+                                        : joined("instance ", first_instance, " is");
+    throw Failure(ErrorCode::kInvalidArgument, what, range, " out of range: this crowd's instance numbers are below ",
+                  instance_count);
 }
 
 void CrowdState::check_handle(const InstanceHandle& handle, const char* what) const {
     if (handle.instance == kNone)
-        throw Failure(ErrorCode::kInvalidArgument, what, "the handle is none of Crowd::spawn() or handle()");
+        throw Failure(ErrorCode::kInvalidArgument, what,
+                      "the handle is empty: use one from Crowd::spawn() or handle()");
     check_range(handle.instance, 1, what);
 }
 
 void CrowdState::check_in_group(const InstanceHandle& handle, const char* what) const {
     check_handle(handle, what);
     if (!batch_at(batches, handle.instance))
-        throw Failure(ErrorCode::kInvalidArgument, what, name_of(handle), " is not there: its group has been removed");
+        throw Failure(ErrorCode::kInvalidArgument, what, name_of(handle), " is gone: its group has been removed");
 }
 
-void CrowdState::check_there(const Instances& instances, const char* what) const {
-    if (!instances.handles()) return check_there(instances.first(), instances.size(), what);
+void CrowdState::check_alive(const Instances& instances, const char* what) const {
+    if (!instances.handles()) return check_alive(instances.first(), instances.size(), what);
     const Batch* batch = nullptr;  // often the same as for the previous handle
     for (const InstanceHandle& handle : std::span(instances.handles(), instances.size())) {
         check_handle(handle, what);
         if (!batch || !batch->has(handle.instance)) batch = batch_at(batches, handle.instance);
         if (batch) refuse_if_shaders_populate(groups[batch->group], what);
         if (!batch || !population->is_alive(*batch, handle))
-            throw Failure(ErrorCode::kInvalidArgument, what, name_of(handle), " is not there");
+            throw Failure(ErrorCode::kInvalidArgument, what, name_of(handle), " is not alive");
     }
 }
 
-void CrowdState::check_there(uint32_t first_instance, uint32_t count, const char* what) const {
+void CrowdState::check_alive(uint32_t first_instance, uint32_t count, const char* what) const {
     check_range(first_instance, count, what);
     const uint32_t end = first_instance + count;
     for (uint32_t instance = first_instance; instance < end;) {
         const Batch* const batch = batch_at(batches, instance);
         if (!batch)
             throw Failure(ErrorCode::kInvalidArgument, what, "instance ", instance,
-                          " is not there: its group has been removed");
+                          " is gone: its group has been removed");
         const Group& group = groups[batch->group];
         refuse_if_shaders_populate(group, what);
         const uint32_t end_of_part = std::min(end, batch->first_instance + batch->instance_count);
@@ -58,7 +60,7 @@ void CrowdState::check_there(uint32_t first_instance, uint32_t count, const char
         for (; instance < end_of_part; ++instance)
             if (!population->has_instance(instance))
                 throw Failure(ErrorCode::kInvalidArgument, what, "instance ", instance,
-                              " is not there: it has not been spawned, or has gone");
+                              " is not alive: it has not been spawned, or it has been despawned");
     }
 }
 
@@ -76,12 +78,12 @@ Instances CrowdState::instances(uint32_t group) const {
 }
 
 void CrowdState::set_playback(const Instances& instances, const Each<Playback>& playback) {
-    check_there(instances, "playback");
+    check_alive(instances, "playback");
     control->set(instances, playback);
 }
 
 void CrowdState::set_placement(const Instances& instances, const Each<Affine>& world_from_model) {
-    check_there(instances, "placement");
+    check_alive(instances, "placement");
     for (uint32_t i = 0; i < instances.size(); ++i)
         if (!all_finite(world_from_model[i]))
             refuse(ErrorPlace("placement", instances.number(i)), "a number is not finite");
@@ -89,7 +91,7 @@ void CrowdState::set_placement(const Instances& instances, const Each<Affine>& w
 }
 
 void CrowdState::set_look(const Instances& instances, const Each<InstanceLook>& look) {
-    check_there(instances, "look");
+    check_alive(instances, "look");
     if (!looks) throw Failure(ErrorCode::kInvalidArgument, "look", "no group has CrowdGroup::outfits");
     looks->set(instances, look);
 }
@@ -103,7 +105,7 @@ void CrowdState::send(uint32_t instance, io::ControlCommand command) {
 // make_command(i, group, place) makes the i-th instance's command, or throws. All are made before the first is sent.
 template <class MakeCommand>
 void CrowdState::send_each(const Instances& instances, const char* what, const MakeCommand& make_command) {
-    check_there(instances, what);
+    check_alive(instances, what);
     std::vector<io::ControlCommand> commands;
     commands.reserve(instances.size());
     for (uint32_t i = 0; i < instances.size(); ++i) {
@@ -115,18 +117,18 @@ void CrowdState::send_each(const Instances& instances, const char* what, const M
 }
 
 void CrowdState::attach(const Instances& instances, const Each<Attachment>& attachment) {
-    check_there(instances, "attachment");
+    check_alive(instances, "attachment");
     for (uint32_t i = 0; i < instances.size(); ++i)
         if (!is_alive(attachment[i].carrier))
             refuse(ErrorPlace("attachment", instances.number(i)),
-                   "its carrier, " + name_of(attachment[i].carrier) + ", is not there");
+                   "its carrier, " + name_of(attachment[i].carrier) + ", is not alive");
     if (!attachments && instances.size() > 0)
-        refuse(ErrorPlace("attachment", instances.number(0)), "no group is carried (CrowdGroup::is_carried)");
+        refuse(ErrorPlace("attachment", instances.number(0)), "no group has CrowdGroup::is_carried set");
     if (attachments) attachments->attach(instances, attachment);
 }
 
 void CrowdState::detach(const Instances& instances) {
-    check_there(instances, "attachment");
+    check_alive(instances, "attachment");
     if (attachments) attachments->detach(instances);
 }
 
@@ -156,7 +158,7 @@ void CrowdState::set_parameter(const Instances& instances, uint32_t parameter, c
 }
 
 void CrowdState::set_target(const Instances& instances, uint32_t target, const Each<TargetPlace>& place) {
-    check_there(instances, "target");
+    check_alive(instances, "target");
     const auto target_count = [&](uint32_t instance) {
         const Group& group = group_of(instance);
         return group.procedural ? group.procedural->target_count : 0;
@@ -172,7 +174,7 @@ void CrowdState::set_target(const Instances& instances, uint32_t target, const E
 }
 
 void CrowdState::check_agents(const Instances& instances) const {
-    check_there(instances, "destination");
+    check_alive(instances, "destination");
     for (uint32_t i = 0; i < instances.size(); ++i)
         if (const Group& group = group_of(instances.number(i)); !group.steering)
             refuse(ErrorPlace("destination", instances.number(i)), group.name + " has no steering");
@@ -195,7 +197,7 @@ void CrowdState::clear_destination(const Instances& instances) {
 }
 
 void CrowdState::set_pose(const Instances& instances, std::span<const Trs<float>> parent_from_joint, float fade_s) {
-    check_there(instances, "pose");
+    check_alive(instances, "pose");
     check_fade(fade_s, "pose");
     std::vector<InBatch> at_each;
     std::vector<std::vector<Trs<double>>> poses_of;
@@ -219,7 +221,7 @@ void CrowdState::set_pose(const Instances& instances, std::span<const Trs<float>
 }
 
 void CrowdState::clear_pose(const Instances& instances, float fade_s) {
-    check_there(instances, "pose");
+    check_alive(instances, "pose");
     check_fade(fade_s, "pose");
     for (uint32_t i = 0; i < instances.size(); ++i) poses->clear(at(instances.number(i)), fade_s);
 }

@@ -22,11 +22,12 @@ std::string_view difference(const CrowdSettings& a, const CrowdSettings& b) {
     if (a.keep_previous_matrices != b.keep_previous_matrices) return "keep_previous_matrices";
     if (a.frames_in_flight != b.frames_in_flight) return "frames_in_flight";
     if (a.culling.has_value() != b.culling.has_value())
-        return a.culling ? "culling, which is to be set there too (CrowdGroup::capacity sets it by itself)"
-                         : "culling, which is set there (CrowdGroup::capacity sets it by itself)";
+        return a.culling ? "culling: the other one needs it too (a group with CrowdGroup::capacity turns it on)"
+                         : "culling: only the other one has it (a group with CrowdGroup::capacity turns it on)";
     if (culling_differs(&Culling::skips_updates)) return "Culling::skips_updates";
     if (culling_differs(&Culling::reduces_joints)) return "Culling::reduces_joints";
-    if ((a.pose_request_capacity > 0) != (b.pose_request_capacity > 0)) return "pose_request_capacity";
+    if ((a.pose_request_capacity > 0) != (b.pose_request_capacity > 0))
+        return "pose_request_capacity, which must be above 0 in both or in neither";
     return {};
 }
 
@@ -35,10 +36,10 @@ std::string_view difference(const CrowdSettings& a, const CrowdSettings& b) {
 void CrowdState::check_may_change(const char* what) const {
     if (is_half_recorded_)
         throw Failure(ErrorCode::kInvalidArgument, what,
-                      "the last record() failed on its way: restore a saved state first");
+                      "the last record() failed halfway: restore a saved state first");
     if (cull && cull->is_half_done())
         throw Failure(ErrorCode::kInvalidArgument, what,
-                      "the last record() was for a view with occlusion, and its record_disoccluded() is to come");
+                      "the last record() was for a view with occlusion: call record_disoccluded() first");
 }
 
 void CrowdState::check_goes_with(const CrowdState& other) const {
@@ -49,17 +50,17 @@ void CrowdState::check_goes_with(const CrowdState& other) const {
     if (other.has_updated_ || other.can_discard_ || other.is_half_recorded_)
         throw Failure(ErrorCode::kInvalidArgument, kPlace, "the other crowd has been updated");
     if (const std::string_view setting = difference(settings_, other.settings_); !setting.empty())
-        throw Failure(ErrorCode::kInvalidArgument, kPlace, "the other crowd has another CrowdSettings::", setting);
+        throw Failure(ErrorCode::kInvalidArgument, kPlace, "the two crowds differ in CrowdSettings::", setting);
     for (const Group& group : other.groups) {
         if (group.on_terrain && !terrain_heights_)
             throw Failure(ErrorCode::kInvalidArgument, kPlace, group.name,
-                          " stands on a terrain (CrowdGroup::on_terrain), and the crowd has none");
+                          " has CrowdGroup::on_terrain, but this crowd has no CrowdSettings::terrain");
         if (!natively_ && other.natively_ && group.sockets_only)
             throw Failure(ErrorCode::kUnsupported, kPlace, group.name,
-                          " has sockets only, which are computed natively, and the crowd is not");
+                          " has CrowdGroup::sockets_only, which needs native updates, and this crowd's are not native");
         if (natively_ && !other.natively_ && !group.is_gone())
             throw Failure(ErrorCode::kUnsupported, kPlace, group.name,
-                          " cannot be updated natively, and the crowd is: UpdatePath::kDevice runs it on the device");
+                          " is not updated natively, but this crowd is; make it with UpdatePath::kDevice");
     }
     if (uint64_t{instance_count} + other.instance_count > UINT32_MAX)
         throw Failure(ErrorCode::kLimit, kPlace, "more than 4,294,967,295 instances");
@@ -215,7 +216,7 @@ void CrowdState::remove_group(uint32_t group) {
     check_may_change("remove group");
     if (std::ranges::all_of(batches, [&](const Batch& batch) { return batch.group == group; }))
         throw Failure(ErrorCode::kInvalidArgument, "remove group",
-                      "a crowd has one group at least, and it is the last");
+                      "it is the only group with instances, and a crowd needs one");
     population->end_group(group);
     const std::vector<StageState> before = stage_states();
     const Instances gone = instances(group);

@@ -9,7 +9,8 @@ namespace throng {
 const Group& CrowdState::group_at(uint32_t group) const {
     if (group >= groups.size())
         throw Failure(ErrorCode::kInvalidArgument, "crowd",
-                      "group " + std::to_string(group) + " of a crowd of " + std::to_string(groups.size()));
+                      "group " + std::to_string(group) + " is out of range: this crowd's group numbers are below " +
+                          std::to_string(groups.size()));
     if (groups[group].is_gone())
         throw Failure(ErrorCode::kInvalidArgument, "crowd", "group " + std::to_string(group) + " has been removed");
     return groups[group];
@@ -18,7 +19,7 @@ const Group& CrowdState::group_at(uint32_t group) const {
 void CrowdState::refuse_if_shaders_populate(const Group& group, const char* what) {
     if (group.shaders_populate)
         throw Failure(ErrorCode::kInvalidArgument, what, group.name,
-                      ": the application's shaders say who is there, and what they do (CrowdGroup::shaders_populate)");
+                      ": only shaders spawn, despawn and control its instances (CrowdGroup::shaders_populate)");
 }
 
 std::vector<InstanceHandle> CrowdState::spawn(uint32_t group, std::span<const Affine> world_from_model) {
@@ -45,9 +46,10 @@ void CrowdState::despawn(std::span<const InstanceHandle> instances) {
         const InstanceHandle& gone = instances[i];
         check_in_group(gone, "despawn");
         refuse_if_shaders_populate(group_of(gone.instance), "despawn");
-        if (!is_alive(gone)) throw Failure(ErrorCode::kInvalidArgument, "despawn", name_of(gone) + " is not there");
+        if (!is_alive(gone)) throw Failure(ErrorCode::kInvalidArgument, "despawn", name_of(gone) + " is not alive");
         if (!group_of(gone.instance).varies)
-            throw Failure(ErrorCode::kInvalidArgument, "despawn", name_of(gone) + ": its group has no capacity");
+            throw Failure(ErrorCode::kInvalidArgument, "despawn",
+                          name_of(gone) + " cannot be despawned: its group has no CrowdGroup::capacity");
     }
     std::vector<uint32_t> numbers(instances.size());
     std::ranges::transform(instances, numbers.begin(), &InstanceHandle::instance);
@@ -66,7 +68,7 @@ bool CrowdState::is_alive(const InstanceHandle& instance) const {
 }
 
 InstanceHandle CrowdState::handle(uint32_t instance) const {
-    check_there(Instances::numbered(instance), "handle");
+    check_alive(Instances::numbered(instance), "handle");
     return {instance, population->generation(instance)};
 }
 

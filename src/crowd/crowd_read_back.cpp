@@ -19,7 +19,7 @@ void CrowdState::watch(const Instances& instances) {
         throw Failure(ErrorCode::kLimit, "watch",
                       std::to_string(instances.size()) + " instances; CrowdSettings::watch_capacity is " +
                           std::to_string(watch_capacity_));
-    check_there(instances, "watch");
+    check_alive(instances, "watch");
     watched_.clear();
     for (uint32_t i = 0; i < instances.size(); ++i) {
         const uint32_t instance = instances.number(i);
@@ -49,14 +49,14 @@ void CrowdState::watch(const Instances& instances) {
 }
 
 void CrowdState::request_poses(const Instances& instances) {
-    check_there(instances, "pose request");
+    check_alive(instances, "pose request");
     if (instances.size() > pose_request_capacity_ - std::min<size_t>(pose_requests_.size(), pose_request_capacity_))
         throw Failure(ErrorCode::kLimit, "pose request", pose_requests_.size() + instances.size(),
                       " poses of one update; CrowdSettings::pose_request_capacity is ", pose_request_capacity_);
     for (uint32_t i = 0; i < instances.size(); ++i) {
         const Group& group = group_of(instances.number(i));
         if (group.sockets_only)
-            throw Failure(ErrorCode::kInvalidArgument, "pose request", group.name, " has sockets only");
+            throw Failure(ErrorCode::kInvalidArgument, "pose request", group.name, " has CrowdGroup::sockets_only");
         if (!group.pose_of_skin)
             throw Failure(ErrorCode::kInvalidArgument, "pose request", group.name, " has no CrowdGroup::pose_capacity");
     }
@@ -98,10 +98,10 @@ std::vector<Feedback> CrowdState::take_feedback() {
 // In a group that shaders populate, the handle stands for whichever instance has the number, if any.
 void CrowdState::check_readable(const InstanceHandle& handle) const {
     check_in_group(handle, "read-back");
-    if (!group_of(handle.instance).shaders_populate) check_there(handle, "read-back");
+    if (!group_of(handle.instance).shaders_populate) check_alive(handle, "read-back");
     if (!batch_of(handle.instance).has_outputs)
-        throw Failure(ErrorCode::kInvalidArgument, "read-back", "no update of ", group_of(handle.instance).name,
-                      " has been made here: update(0) writes what it shows now");
+        throw Failure(ErrorCode::kInvalidArgument, "read-back", "no update has written results of ",
+                      group_of(handle.instance).name, " yet: call update(0)");
     check_last_has_run("read-back");
 }
 
@@ -110,7 +110,8 @@ std::vector<Affine> CrowdState::read_matrices(const InstanceHandle& handle, bool
     check_readable(handle);
     const Batch& batch = batch_of(handle.instance);
     const Group& group = groups[batch.group];
-    if (group.sockets_only) throw Failure(ErrorCode::kInvalidArgument, "read-back", group.name + " has sockets only");
+    if (group.sockets_only)
+        throw Failure(ErrorCode::kInvalidArgument, "read-back", group.name + " has CrowdGroup::sockets_only");
     if (model && !batch[io::kModelBuffer])
         throw Failure(ErrorCode::kInvalidArgument, "read-back",
                       "model matrices are kept only with CrowdSettings::keep_model_matrices");
@@ -127,7 +128,8 @@ std::vector<Vec3<float>> CrowdState::read_positions(const InstanceHandle& handle
     check_readable(handle);
     const Batch& batch = batch_of(handle.instance);
     const Group& group = groups[batch.group];
-    if (group.sockets_only) throw Failure(ErrorCode::kInvalidArgument, "read-back", group.name + " has sockets only");
+    if (group.sockets_only)
+        throw Failure(ErrorCode::kInvalidArgument, "read-back", group.name + " has CrowdGroup::sockets_only");
     if (group.vertex_count == 0) return {};
     read_skin_row(group, batch, handle.instance - batch.first_instance);  // throws if the instance is not drawn
     if (!skin_kernel_) skin_kernel_ = skin_kernel(gpu, skin_format, skin_blend, false);
@@ -155,8 +157,8 @@ uint32_t CrowdState::read_skin_row(const Group& group, const Batch& batch, uint3
     if (!group.skin_pool) return instance;
     if ((read_word(batch[io::kStatesBuffer], instance) & io::kStateDrawn) == 0)
         throw Failure(ErrorCode::kInvalidArgument, "read-back",
-                      "instance " + std::to_string(batch.first_instance + instance) + " is not drawn, and " +
-                          group.name + " has a skin pool");
+                      "instance " + std::to_string(batch.first_instance + instance) +
+                          " was not drawn in the last update, and " + group.name + " has a skin pool");
     return read_word(batch[io::kSkinRowsBuffer], instance);
 }
 

@@ -88,14 +88,14 @@ void add_group(Checksum& made_of, const Group& group) {
 }
 
 // The first difference; empty if there is none.
-std::string_view difference(const StateFit& there, const StateFit& here) {
-    if (there.settings != here.settings)
-        return "CrowdSettings::skin_format, keep_previous_matrices or culling is another one there";
-    if (there.groups != here.groups) return "a group has another character, controller or CrowdGroup setting there";
-    if (there.counts != here.counts) return "a group has another instance_count or capacity there";
-    if (there.paths != here.paths)
-        return "that one is updated in another way: natively or on a device, by another CrowdSettings::path or scan";
-    if (there.buffers != here.buffers) return "other settings of that one give its buffers other sizes";
+std::string_view difference(const StateFit& saved, const StateFit& current) {
+    if (saved.settings != current.settings)
+        return "CrowdSettings::skin_format, keep_previous_matrices or culling differs";
+    if (saved.groups != current.groups) return "a group's character, controller or another CrowdGroup setting differs";
+    if (saved.counts != current.counts) return "a group's instance_count or capacity differs";
+    if (saved.paths != current.paths)
+        return "groups are updated in another way (natively or on a device, CrowdSettings::path, scan)";
+    if (saved.buffers != current.buffers) return "other settings differ, and give buffers other sizes";
     return "";
 }
 
@@ -146,33 +146,32 @@ void CrowdState::exchange(StateArchive& archive) {
         archive.value(batch.has_updated);
         archive.values(std::span(batch.inertia_states.get(), batch.inertia_bytes));
     }
-    std::vector<const Watched*> as_asked;
-    for (const Watched& one : watched_) as_asked.push_back(&one);
-    std::ranges::sort(as_asked, {}, &Watched::place);
+    std::vector<const Watched*> in_call_order;
+    for (const Watched& one : watched_) in_call_order.push_back(&one);
+    std::ranges::sort(in_call_order, {}, &Watched::place);
     std::vector<uint32_t> watched;
-    for (const Watched* one : as_asked) watched.push_back(one->instance);
+    for (const Watched* one : in_call_order) watched.push_back(one->instance);
     archive.list(watched, instance_count);
     if (watched.size() > watch_capacity_)
-        throw Failure(ErrorCode::kInvalidArgument, "crowd state", "it does not fit this crowd: ", watched.size(),
-                      " instances are watched there, and CrowdSettings::watch_capacity is ", watch_capacity_);
+        throw Failure(ErrorCode::kInvalidArgument, "crowd state", "it does not fit this crowd: it has ", watched.size(),
+                      " watched instances, but CrowdSettings::watch_capacity is ", watch_capacity_);
     archive.list(pose_requests_, UINT32_MAX);
     // Twice the capacity: discard_last_record() puts the requests of its update back, in front of newer ones.
     if (pose_requests_.size() > 2 * uint64_t{pose_request_capacity_})
-        throw Failure(ErrorCode::kInvalidArgument, "crowd state", "it does not fit this crowd: ", pose_requests_.size(),
-                      " poses are requested there, and CrowdSettings::pose_request_capacity is ",
+        throw Failure(ErrorCode::kInvalidArgument, "crowd state", "it does not fit this crowd: it has ",
+                      pose_requests_.size(), " requested poses, but CrowdSettings::pose_request_capacity is ",
                       pose_request_capacity_);
     if (!archive.reads()) return;
     recorded_pose_requests_.clear();
     std::vector<InstanceHandle> handles;
     for (const uint32_t instance : watched) {
-        StateArchive::require(instance < instance_count && has_instance(instance),
-                              "an instance that is not there is watched");
+        StateArchive::require(instance < instance_count && has_instance(instance), "a watched instance is not alive");
         handles.push_back(handle(instance));
     }
     if (feedback) watch(handles);
     for (const uint32_t instance : pose_requests_)
         StateArchive::require(instance < instance_count && has_instance(instance) && group_of(instance).pose_of_skin,
-                              "a pose is requested of an instance that has none");
+                              "a pose is requested of an instance that is not alive or has no pose");
 }
 
 // Saves zeros as the playbacks of a crowd that has not been updated: the first update writes them all.
@@ -243,7 +242,7 @@ void CrowdState::restore_state(std::span<const std::byte> state) {
     Head head;
     StateArchive(checked).value(head);
     StateArchive::require(head.magic == kMagic, "these are not bytes of Crowd::save_state()");
-    StateArchive::require(head.version == kVersion, "it is of another version of throng");
+    StateArchive::require(head.version == kVersion, "another version of throng wrote it");
     StateArchive::require(checksum == crc64(checked), "its checksum is wrong: it has been damaged");
     if (const std::string_view differs = difference(head.fit, state_fit()); !differs.empty())
         throw Failure(ErrorCode::kInvalidArgument, "crowd state", "it does not fit this crowd: ", differs);
@@ -264,7 +263,7 @@ void CrowdState::restore_state(std::span<const std::byte> state) {
     try {
         StateArchive archive(rest.subspan(buffers_bytes));
         exchange(archive);
-        StateArchive::require(archive.is_at_end(), "there is more than belongs to it");
+        StateArchive::require(archive.is_at_end(), "there are bytes after its end");
     } catch (...) {
         StateArchive archive(as_it_was.written());
         exchange(archive);

@@ -186,7 +186,7 @@ void CrowdState::check_runs(bool natively) const {
         for (const Group& group : groups)
             if (group.sockets_only)
                 throw Failure(ErrorCode::kUnsupported, group.name + ": sockets only",
-                              "they are computed natively alone: by update(), and without occlusion");
+                              "they are computed only natively: by update(), and without occlusion");
     // Native updates keep the state of inertial transitions in memory of their own, which kernels do not see, and vice
     // versa
     const bool has_inertia = std::ranges::any_of(batches, [&](const Batch& batch) {
@@ -195,8 +195,8 @@ void CrowdState::check_runs(bool natively) const {
     });
     if (has_inertia && natively != was_native_)
         throw Failure(ErrorCode::kUnsupported, "crowd",
-                      "with inertial transitions, updates by update() and those that are recorded cannot take turns: "
-                      "UpdatePath::kDevice runs both on the device");
+                      "with inertial transitions, update() and recorded updates cannot take turns: choose "
+                      "UpdatePath::kDevice, which runs both on the device");
 }
 
 void CrowdState::check_last_has_run(const char* what) const {
@@ -280,7 +280,7 @@ Access CrowdState::consumers() const {
 void CrowdState::discard_last_record() {
     if (is_half_recorded_)
         throw Failure(ErrorCode::kInvalidArgument, "discard",
-                      "the last record() failed on its way: restore a saved state instead");
+                      "the last record() failed halfway: restore a saved state instead");
     if (!can_discard_)
         throw Failure(
             ErrorCode::kInvalidArgument, "discard",

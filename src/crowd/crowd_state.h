@@ -166,8 +166,8 @@ private:
     void check_agents(const Instances& instances) const;
     void copy_to_previous(VkCommandBuffer commands) const;
     // For calls that name instances: throws kInvalidArgument if one is not there.
-    void check_there(const Instances& instances, const char* what) const;
-    void check_there(uint32_t first_instance, uint32_t count, const char* what) const;
+    void check_alive(const Instances& instances, const char* what) const;
+    void check_alive(uint32_t first_instance, uint32_t count, const char* what) const;
     void check_readable(const InstanceHandle& handle) const;
     static void refuse_if_shaders_populate(const Group& group, const char* what);
     void check_handle(const InstanceHandle& handle, const char* what) const;

@@ -25,10 +25,10 @@ io::CullView cull_view_of(const CrowdView* view, float full_rate_pixels) {
         throw Failure(ErrorCode::kInvalidArgument, "view", "pixels and lod_pixels must be above 0");
     if (!std::isfinite(view->pixels) && !(std::isfinite(view->lod_pixels) && std::isfinite(view->shared_pose_pixels)))
         throw Failure(ErrorCode::kInvalidArgument, "view",
-                      "where pixels is infinite, lod_pixels and shared_pose_pixels must not be");
+                      "if pixels is infinite, lod_pixels and shared_pose_pixels must be finite");
     if (!(full_rate_pixels >= 0 && full_rate_pixels <= kMaximum) || !(view->budget_ms >= 0))
         throw Failure(ErrorCode::kInvalidArgument, "view",
-                      "full_rate_pixels and budget_ms must not be negative, and the first is at most 1e30");
+                      "full_rate_pixels must be from 0 to 1e30, and budget_ms must not be negative");
     // A point is inside where its clip coordinates are: -w <= x, y <= w and 0 <= z <= w (G. Gribb and K. Hartmann, Fast
     // Extraction of Viewing Frustum Planes, 2001).
     const auto plane = [&](float of_w, size_t row, float of_row) {
@@ -222,9 +222,9 @@ void CullStage::record_lists(const Update& update, bool is_second_half) const {
 void CullStage::record_disoccluded(const Update& update, const DepthImage& depths) {
     if (!is_half_done_)
         throw Failure(ErrorCode::kInvalidArgument, "disoccluded",
-                      "the last record() was not for a view with occlusion, or this has been recorded for it");
+                      "the last record() was not for a view with occlusion, or has had its record_disoccluded()");
     if (!depths.image || depths.width == 0 || depths.height == 0)
-        throw Failure(ErrorCode::kInvalidArgument, "disoccluded", "there is no depth image");
+        throw Failure(ErrorCode::kInvalidArgument, "disoccluded", "the depth image is missing or empty");
     const Reveal& reveal = reveal_for(depths);
     is_half_done_ = false;
     if (update.timer) update.timer->leave_out(update.commands);

@@ -329,8 +329,8 @@ void Group::make_procedural(Uploads& uploads, const ProceduralRules& rules, cons
     const ProceduralTables made = make_procedural_tables(rules, character);
     if (const uint64_t most = scan_limits(*uploads.gpu()).loop_iterations; made.max_steps > most)
         throw Failure(ErrorCode::kUnsupported, name + ": procedural rules",
-                      "one of their chains takes " + std::to_string(made.max_steps) +
-                          " steps, and the device ends loops after " + std::to_string(most));
+                      "a chain of joints needs " + std::to_string(made.max_steps) +
+                          " steps, but the device ends loops after " + std::to_string(most));
     uint64_t checksum = crc64(std::as_bytes(std::span(made.words)));
     for (const std::string& target : rules.targets) checksum = crc64(std::as_bytes(std::span(target)), checksum);
     procedural.emplace(GroupProcedural{made.dispatches, made.spring_count, made.target_count, checksum});
@@ -341,14 +341,15 @@ void Group::make_sockets(Uploads& uploads, const std::vector<uint32_t>& joints) 
     const std::string place = name + ": sockets";
     if (joints.size() > kSocketLimit)
         throw Failure(ErrorCode::kLimit, place,
-                      std::to_string(joints.size()) + " of them; at most " + std::to_string(kSocketLimit));
+                      std::to_string(joints.size()) + " joints; at most " + std::to_string(kSocketLimit));
     std::vector<uint32_t> slots(joint_count);
     for (uint32_t i = 0; i < joints.size(); ++i) {
         if (joints[i] >= joint_count)
-            throw Failure(ErrorCode::kInvalidArgument, place,
-                          numbered("joint", joints[i]) + " of a character that has " + std::to_string(joint_count));
+            throw Failure(
+                ErrorCode::kInvalidArgument, place,
+                numbered("joint", joints[i]) + " is out of range: the character has " + std::to_string(joint_count));
         if (slots[joints[i]] != 0)
-            throw Failure(ErrorCode::kInvalidArgument, place, "joint " + std::to_string(joints[i]) + " is there twice");
+            throw Failure(ErrorCode::kInvalidArgument, place, "joint " + std::to_string(joints[i]) + " is given twice");
         slots[joints[i]] = i + 1;
     }
     sockets.emplace(GroupSockets{joints});

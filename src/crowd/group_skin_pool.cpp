@@ -14,15 +14,15 @@ namespace {
 std::string unsupported_reason(const Group& group, const Character& character, const CrowdSettings& settings) {
     if (!settings.culling) return "it needs CrowdSettings::culling";
     if (group.fused.empty()) return "the group is updated stage by stage";
-    if (group.sockets) return "sockets move whether or not they are drawn";
+    if (group.sockets) return "sockets are computed for all instances, not only for those that are drawn";
     if (group.controller && group.controller->is_inertial)
-        return "inertial transitions go on from poses whether or not they are drawn";
+        return "inertial transitions need the poses of all instances, not only of those that are drawn";
     if (group.pose_capacity > 0) return "CrowdGroup::pose_capacity is set";
     if (settings.keep_model_matrices) return "CrowdSettings::keep_model_matrices is set";
     if (settings.keep_previous_matrices) return "CrowdSettings::keep_previous_matrices is set";
     if (settings.culling->skips_updates) return "Culling::skips_updates is set";
     if (settings.skins_once) return "CrowdSettings::skins_once is set";
-    if (character.vertices.empty()) return "without a mesh nobody can say how far off a shared pose is";
+    if (character.vertices.empty()) return "the character has no mesh, which the errors of shared poses depend on";
     if (const std::string reason = native_unsupported_reason(character, settings.skin_format); !reason.empty())
         return "its shared poses are computed natively, and " + reason;
     return {};
@@ -50,8 +50,8 @@ GroupSkinPool make_skin_pool(Uploads& uploads, SharedRigs& rigs, Group& group, c
                    max_rows = arena_limit_bytes(*uploads.gpu()) / row_bytes(group, settings.skin_format);
     if (rows > max_rows)
         throw Failure(ErrorCode::kLimit, place,
-                      std::to_string(rows) + " rows, those of shared poses among them; at most " +
-                          std::to_string(max_rows) + " fit one buffer (of this device, and of at most 256 MiB)");
+                      std::to_string(rows) + " rows, including those of shared poses; at most " +
+                          std::to_string(max_rows) + " fit in one buffer (of this device, and of at most 256 MiB)");
     if (const uint32_t most = uploads.gpu()->properties.limits.maxComputeWorkGroupCount[0];
         std::min(pool.capacity, made_of.instance_count) > most)
         throw Failure(ErrorCode::kLimit, place,

@@ -49,14 +49,14 @@ void check_command_settings(const CrowdGroup& group) {
                       kMaxCommands);
     if (group.is_carried && group.command_capacity > 0)
         throw Failure(ErrorCode::kInvalidArgument, name + ": command_capacity",
-                      "not together with is_carried: what is carried is where its carrier is");
+                      "not together with is_carried: carried instances move with their carriers");
     if (!group.shaders_populate) return;
     const std::string place = name + ": shaders_populate";
     if (group.command_capacity == 0 || group.capacity == 0)
         throw Failure(ErrorCode::kInvalidArgument, place, "needs command_capacity and capacity");
     if (group.pose_capacity > 0)
         throw Failure(ErrorCode::kInvalidArgument, place,
-                      "not together with pose_capacity: the CPU does not know who is there");
+                      "not together with pose_capacity: the CPU does not know which instances are alive");
 }
 
 bool InstanceCommandStage::is_needed(const CrowdSettings& settings) {

@@ -29,14 +29,14 @@ std::vector<io::SectionLook> section_looks_of(const CrowdGroup& group) {
         for (const SectionLook& look : group.outfits[i].sections) {
             const std::string place = character.name + ": outfit " + std::to_string(i);
             if (look.section >= section_count)
-                throw Failure(ErrorCode::kInvalidArgument, place, "section ", look.section, " of a mesh that has ",
-                              section_count);
+                throw Failure(ErrorCode::kInvalidArgument, place, "section ", look.section,
+                              " is out of range: the mesh has ", section_count);
             if (!is_color(look.color) || !(look.tint >= 0 && look.tint <= 1))
                 throw Failure(ErrorCode::kInvalidArgument, place, "section ", look.section,
-                              ": colours are 0 to 1000, the part of the tint 0 to 1");
+                              ": color must be within 0..1000, and tint within 0..1");
             if (look.material && *look.material >= material_count)
                 throw Failure(ErrorCode::kInvalidArgument, place, "section ", look.section, ": material ",
-                              *look.material, " of a character that has ", material_count);
+                              *look.material, " is out of range: the character has ", material_count);
             const auto [red, green, blue] = look.color;
             const uint32_t own = of_sections[look.section].material;
             looks[i * section_count + look.section] = {red, green, blue, look.tint,
@@ -63,9 +63,10 @@ void LookStage::set(const Instances& instances, const Each<InstanceLook>& look) 
         const uint32_t outfit_count = group_at(instances.number(i)).outfit_count;
         const ErrorPlace place("look", instances.number(i));
         if (look[i].outfit >= outfit_count)
-            throw Failure(ErrorCode::kInvalidArgument, place, "outfit ", look[i].outfit, " of a group that has ",
-                          outfit_count, " (CrowdGroup::outfits)");
-        if (!is_color(look[i].tint)) throw Failure(ErrorCode::kInvalidArgument, place, "the tint is 0 to 1000");
+            throw Failure(ErrorCode::kInvalidArgument, place, "outfit ", look[i].outfit,
+                          " is out of range: the group has ", outfit_count, " (CrowdGroup::outfits)");
+        if (!is_color(look[i].tint))
+            throw Failure(ErrorCode::kInvalidArgument, place, "the tint must be within 0..1000");
     }
     for (uint32_t i = 0; i < instances.size(); ++i) {
         looks_[instances.number(i)] = look[i];

@@ -44,7 +44,7 @@ std::string natively_unsupported_reason(const PathChoice& choice, const CrowdSet
                                         const CrowdGroup& group) {
     if (choice.fused) return natively_staged_only(settings, group);
     if (scan_shaders(choice.scan.method->name).native) return {};
-    return "scan method " + std::string(choice.scan.method->name) + " runs on Vulkan alone";
+    return "scan method " + std::string(choice.scan.method->name) + " runs only on Vulkan";
 }
 
 // On a native device.
@@ -114,10 +114,10 @@ PathChoice vulkan_path(const Gpu& gpu, const CrowdSettings& settings, const Crow
     const bool is_native = settings.path == UpdatePath::kNative;
     if (is_native && !gpu.processor)
         throw Failure(ErrorCode::kUnsupported, group.character->name + ": native update",
-                      gpu.info.name + " is no software device");
+                      gpu.info.name + " is not a software device");
     if (is_native && settings.scan != "auto")
         throw Failure(ErrorCode::kUnsupported, group.character->name + ": native update",
-                      "it goes by no scan method, and '" + settings.scan + "' is asked for");
+                      "it uses no scan method, but CrowdSettings::scan asks for '" + settings.scan + "'");
     PathChoice choice = device_path(gpu, settings, group);
     const bool may_be_native = settings.path == UpdatePath::kAuto && settings.scan == "auto";
     if (!gpu.processor || !(is_native || may_be_native)) return choice;
@@ -141,10 +141,10 @@ PathChoice vulkan_path(const Gpu& gpu, const CrowdSettings& settings, const Crow
 // Throws where the chosen path cannot compute sockets alone.
 void check_sockets_only(const PathChoice& choice, const CrowdGroup& group) {
     const std::string place = group.character->name + ": sockets only";
-    if (group.sockets.empty()) throw Failure(ErrorCode::kInvalidArgument, place, "there are no sockets");
+    if (group.sockets.empty()) throw Failure(ErrorCode::kInvalidArgument, place, "CrowdGroup::sockets is empty");
     if (!choice.native || !choice.fused)
         throw Failure(ErrorCode::kUnsupported, place,
-                      "only a native update in one pass computes them alone, and this is " +
+                      "only a native update in one pass can compute sockets alone, but this one is " +
                           shown_reason(choice.native, choice.path_reason));
 }
 
@@ -154,7 +154,7 @@ ExplainedChoice choose_scan(const Gpu& gpu, const std::string& wanted, const Rig
     const bool is_first_native = gpu.is_native() && wanted == "auto";
     if (gpu.is_native() && !is_first_native && !scan_shaders(parse_scan_request(wanted).method->name).native)
         throw Failure(ErrorCode::kUnsupported, "scan method '" + wanted + "'",
-                      "a native device does not have it: 'serial'");
+                      "a native device does not have it; use 'serial'");
     ExplainedChoice chosen = choose_scan(is_first_native ? "serial" : wanted, ScanRig(rig.parents, rig.uniform_scale),
                                          instance_count, scan_limits(gpu), scan_costs(gpu));
     if (gpu.is_native())  // the costs in the reason are those of GPUs

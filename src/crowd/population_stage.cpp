@@ -23,14 +23,14 @@ std::string name_of(const InstanceHandle& handle) {
 CrowdSettings with_capacity(CrowdSettings settings) {
     for (CrowdGroup& group : settings.groups) {
         if (group.shaders_populate && group.instance_count > 0)
-            throw Failure(
-                ErrorCode::kInvalidArgument, "crowd: shaders_populate",
-                "none is there when the crowd is made, and instance_count is " + std::to_string(group.instance_count));
+            throw Failure(ErrorCode::kInvalidArgument, "crowd: shaders_populate",
+                          "instance_count must be 0, but is " + std::to_string(group.instance_count) +
+                              ": only shaders spawn instances of the group");
         if (group.capacity == 0) continue;
         if (group.capacity < group.instance_count)
             throw Failure(ErrorCode::kInvalidArgument, "crowd: capacity",
-                          std::to_string(group.capacity) + ", but the group begins with " +
-                              std::to_string(group.instance_count) + " instances");
+                          std::to_string(group.capacity) + " is below the group's instance_count of " +
+                              std::to_string(group.instance_count));
         group.instance_count = group.capacity;
         if (!settings.culling) settings.culling.emplace();
     }
@@ -96,7 +96,7 @@ std::vector<uint32_t> PopulationStage::spawn(uint32_t group, uint32_t count) {
     InstanceNumbers& numbers = population.numbers;
     if (count > numbers.free_count())
         throw Failure(ErrorCode::kLimit, groups_[group].name + ": spawn",
-                      std::to_string(count) + " instances, where CrowdGroup::capacity leaves room for " +
+                      std::to_string(count) + " instances, but CrowdGroup::capacity leaves room for " +
                           std::to_string(numbers.free_count()));
     std::vector<uint32_t> instances;
     instances.reserve(count);
@@ -212,7 +212,8 @@ void PopulationStage::exchange(StateArchive& archive) {
     auto death_count = static_cast<uint64_t>(deaths_.size());
     archive.value(death_count);
     if (archive.reads()) {
-        StateArchive::require(death_count <= kUpdatesRemembered + 1, "too many updates are remembered");
+        StateArchive::require(death_count <= kUpdatesRemembered + 1,
+                              "it lists the despawned instances of too many updates");
         deaths_.resize(death_count);
     }
     for (auto& [update, generations] : deaths_) {

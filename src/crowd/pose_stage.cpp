@@ -80,8 +80,8 @@ uint32_t PoseStage::take_slot(const InBatch& at) {
     if (poses.free_slots.empty() && used == group.pose_capacity && !take_back_slot(group_index))
         throw Failure(ErrorCode::kLimit,
                       "pose of instance " + std::to_string(batches_[at.batch].first_instance + at.instance),
-                      "all " + std::to_string(group.pose_capacity) + " poses of CrowdGroup::pose_capacity of " +
-                          group.name + " are in use");
+                      "all " + std::to_string(group.pose_capacity) + " poses of " + group.name +
+                          " (CrowdGroup::pose_capacity) are in use");
     if (poses.free_slots.empty()) {
         poses.poses.resize(poses.poses.size() + group.joint_count);
         return used;
@@ -236,7 +236,7 @@ void PoseStage::exchange_overrides(StateArchive& archive, uint32_t batch) {
         poses.changed.add(0, static_cast<uint32_t>(poses.instances.size()));
     }
     for (const uint32_t instance : instances) {
-        StateArchive::require(instance < poses.instances.size(), "a pose is of an instance that is not there");
+        StateArchive::require(instance < poses.instances.size(), "a pose is for an instance that does not exist");
         const OverrideAt at = poses.overrides.try_emplace(instance).first;
         Override& pose_override = at->second;
         archive.value(pose_override.slot);
@@ -253,7 +253,8 @@ void PoseStage::find_free_slots(uint32_t group) {
     for_each_batch_of(group, [&](const Batch&, uint32_t index) {
         for (const auto& [instance, pose_override] : of_batches_[index].overrides) {
             const uint32_t slot = pose_override.slot;
-            StateArchive::require(slot < is_taken.size() && !is_taken[slot], "two instances have the same pose");
+            StateArchive::require(slot < is_taken.size() && !is_taken[slot],
+                                  "an instance's pose does not exist, or belongs to another one too");
             is_taken[slot] = true;
         }
     });

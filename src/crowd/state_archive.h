@@ -74,7 +74,7 @@ public:
     void value(bool& one) {
         auto byte = static_cast<uint8_t>(one);
         value(byte);
-        require(byte <= 1, "a truth value is neither 0 nor 1");
+        require(byte <= 1, "a flag is neither 0 nor 1");
         one = byte != 0;
     }
     // Stores the number of values too. Reading refuses more than `most`.
@@ -99,7 +99,7 @@ public:
         if (!reads_) return;
         changed.remove(first, count);
         for (const auto& [begin, length] : ranges) {
-            require(begin <= count && length <= count - begin, "a change is of something that is not there");
+            require(begin <= count && length <= count - begin, "a range of changes is out of bounds");
             changed.add(first + begin, length);
         }
     }

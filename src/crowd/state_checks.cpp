@@ -20,33 +20,35 @@ std::vector<T> copied(std::span<const std::byte> contents) {
 }
 
 void check_clip_play(const io::ClipPlay& play, uint32_t clip_count) {
-    StateArchive::require(play.clip <= clip_count, "a clip that the character does not have");
-    StateArchive::require(std::isfinite(play.time_s) && std::isfinite(play.speed), "a time that is not finite");
+    StateArchive::require(play.clip <= clip_count, "a playback has a clip that the character does not have");
+    StateArchive::require(std::isfinite(play.time_s) && std::isfinite(play.speed),
+                          "a playback has a time or speed that is not finite");
 }
 
 void check_layer(const io::LayerState& layer, const LayerKind& kind, uint32_t mask_count, uint32_t clip_count) {
     const uint32_t motion_count = kind.state_count > 0 ? kind.state_count : clip_count + 1;  // also the rest pose
-    StateArchive::require(layer.play_count <= io::kStackSize, "a layer that plays too much at once");
+    StateArchive::require(layer.play_count <= io::kStackSize, "a layer plays too many motions at once");
     for (uint32_t i = 0; i < layer.play_count; ++i)
         StateArchive::require(layer.plays[i].motion < motion_count && layer.plays[i].loops <= io::kMaxLoops,
-                              "a state or clip that does not exist, or too many loops of it");
-    StateArchive::require(layer.mode <= io::kModeAdditive, "an unknown mode of a layer");
-    StateArchive::require(layer.mask == kNone || layer.mask < mask_count, "a mask that does not exist");
+                              "a layer plays a state or clip that does not exist, or too many loops of it");
+    StateArchive::require(layer.mode <= io::kModeAdditive, "a layer has an unknown mode");
+    StateArchive::require(layer.mask == kNone || layer.mask < mask_count, "a layer has a mask that does not exist");
 }
 
 void check_layer_command(const io::ControlCommand& command, const GroupController& controller, uint32_t clip_count) {
     const bool is_of_state = command.kind == io::kCommandState;
     const bool is_inertial = command.kind == io::kCommandPlayInertial;
     const bool is_of_clip = command.kind == io::kCommandPlay || is_inertial;
-    constexpr std::string_view kTakesNone = "a command for a layer that takes none";
-    StateArchive::require(command.target < controller.layer_count, kTakesNone);
+    constexpr std::string_view kWrongLayer = "a command is for a layer that does not exist or does not take it";
+    StateArchive::require(command.target < controller.layer_count, kWrongLayer);
     const LayerKind& layer = controller.layer_kinds[command.target];
-    StateArchive::require((layer.state_count > 0) == is_of_state && (layer.inertial_plays || !is_inertial), kTakesNone);
+    StateArchive::require((layer.state_count > 0) == is_of_state && (layer.inertial_plays || !is_inertial),
+                          kWrongLayer);
     StateArchive::require(is_of_state  ? command.motion < layer.state_count && command.loop <= io::kMaxLoops
                           : is_of_clip ? command.motion <= clip_count
                                        : (command.motion == kNone || command.motion < controller.mask_count) &&
                                              command.phase <= io::kModeAdditive,
-                          "a clip, state or mask that does not exist");
+                          "a command has a clip, state, mask or mode that does not exist, or too many loops");
 }
 
 }  // namespace
@@ -55,7 +57,7 @@ void check_playbacks(std::span<const io::InstancePlayback> playbacks, const Grou
     for (const io::InstancePlayback& playback : playbacks) {
         check_clip_play(playback.first, clip_count_of(group));
         check_clip_play(playback.second, clip_count_of(group));
-        StateArchive::require(playback.weight >= 0 && playback.weight <= 1, "a weight outside 0..1");
+        StateArchive::require(playback.weight >= 0 && playback.weight <= 1, "a playback has a weight outside 0..1");
     }
 }
 
@@ -67,12 +69,12 @@ void check_layers(std::span<const io::LayerState> layers, const GroupController&
 void check_commands(std::span<const io::ControlCommand> commands, uint32_t instance_count, const Group& group) {
     for (const io::ControlCommand& command : commands) {
         StateArchive::require(command.kind <= io::kCommandState && command.instance < instance_count,
-                              "an unknown command, or one for nobody");
+                              "a command is unknown, or is for an instance that does not exist");
         if (command.kind == io::kCommandParameter)
             StateArchive::require(command.target < group.controller->parameter_count,
-                                  "a parameter that does not exist");
+                                  "a command is for a parameter that does not exist");
         else if (command.kind == io::kCommandBegin)  // only these groups have what an instance begins with
-            StateArchive::require(group.varies, "an instance is born in a group without capacity");
+            StateArchive::require(group.varies, "an instance is spawned in a group without CrowdGroup::capacity");
         else
             check_layer_command(command, *group.controller, clip_count_of(group));
     }
@@ -81,14 +83,14 @@ void check_commands(std::span<const io::ControlCommand> commands, uint32_t insta
 void check_looks(std::span<const InstanceLook> looks, uint32_t outfit_count) {
     for (const InstanceLook& look : looks)
         StateArchive::require(look.outfit < std::max(outfit_count, 1u) && is_color(look.tint),
-                              "an outfit that the group does not have");
+                              "an instance has an outfit that the group does not have, or a tint out of range");
 }
 
 void check_cull_states(std::span<const uint32_t> states, const Group& group) {
     const auto set_count = static_cast<uint32_t>(std::max<size_t>(group.fused.size(), 1));
     StateArchive::require(
         std::ranges::all_of(states, [&](uint32_t state) { return state >> io::kStateSetShift < set_count; }),
-        "a set of joints that does not exist");
+        "an instance has a set of joints that does not exist");
 }
 
 void check_contents(uint32_t buffer, std::span<const std::byte> contents, const Group& group) {

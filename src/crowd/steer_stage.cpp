@@ -27,8 +27,8 @@ void check_steering(const CrowdGroup& group) {
     const size_t parameter_count = group.controller ? group.controller->parameters.size() : 0;
     if (steering.speed_parameter != kNone && steering.speed_parameter >= parameter_count)
         throw Failure(ErrorCode::kInvalidArgument, group.character->name + ": steering",
-                      "parameter " + std::to_string(steering.speed_parameter) + " of a group that has " +
-                          std::to_string(parameter_count));
+                      "speed_parameter " + std::to_string(steering.speed_parameter) +
+                          " is out of range: the group has " + std::to_string(parameter_count) + " parameters");
 }
 
 void SteerStage::plan(BatchPlan& plan) {

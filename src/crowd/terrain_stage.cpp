@@ -19,8 +19,9 @@ void check_terrain(const CrowdSettings& settings) {
         throw Failure(ErrorCode::kInvalidArgument, "crowd: terrain", what);
     };
     if (terrain.columns == 0 || terrain.rows == 0 || terrain.heights.size() != uint64_t{terrain.columns} * terrain.rows)
-        refuse(std::to_string(terrain.heights.size()) + " heights of " + std::to_string(terrain.columns) +
-               " columns and " + std::to_string(terrain.rows) + " rows");
+        refuse(std::to_string(terrain.heights.size()) + " heights for " + std::to_string(terrain.columns) +
+               " columns and " + std::to_string(terrain.rows) +
+               " rows; there must be columns * rows of them, and at least one");
     if (!std::isfinite(terrain.x) || !std::isfinite(terrain.z) || !std::isnormal(terrain.spacing) ||
         !(terrain.spacing > 0) || !std::isnormal(1 / terrain.spacing))
         refuse("x, z and spacing must be finite, and spacing above 0");

@@ -26,9 +26,9 @@ View make_view(const Camera& camera, float aspect_ratio) {
     const Vec3<float> direction = camera.target - camera.eye;
     const float distance = length(direction);
     if (!(distance > 0) || !std::isfinite(distance) || !std::isfinite(length(camera.eye)))
-        throw Failure(ErrorCode::kInvalidArgument, "camera", "eye and target must be finite and apart");
+        throw Failure(ErrorCode::kInvalidArgument, "camera", "eye and target must be finite and must differ");
     if (!(camera.vertical_field_of_view_rad > 0 && camera.vertical_field_of_view_rad < std::numbers::pi_v<float>))
-        throw Failure(ErrorCode::kInvalidArgument, "camera", "the field of view must lie between 0 and pi");
+        throw Failure(ErrorCode::kInvalidArgument, "camera", "vertical_field_of_view_rad must be above 0 and below pi");
     const Axes axes = look_along(direction);
     View view{axes.right, axes.up, axes.forward};
     view.half_height = std::tan(camera.vertical_field_of_view_rad / 2);
@@ -54,14 +54,14 @@ const DrawOptions& checked(const DrawOptions& options) {
         throw Failure(ErrorCode::kInvalidArgument, "draw options", "lod_pixels must be finite and above 0");
     if (!(options.full_rate_pixels >= 0 && options.full_rate_pixels <= 1e30f) || !(options.budget_ms >= 0))
         throw Failure(ErrorCode::kInvalidArgument, "draw options",
-                      "full_rate_pixels and budget_ms must not be negative, and the first is at most 1e30");
+                      "full_rate_pixels must be from 0 to 1e30, and budget_ms must not be negative");
     if (!(options.shared_pose_pixels >= 0))
         throw Failure(ErrorCode::kInvalidArgument, "draw options", "shared_pose_pixels must not be negative");
     const float height = normalized(options.to_sun).y;
     if (!(height >= kLowestSun))
         throw Failure(
             ErrorCode::kInvalidArgument, "draw options",
-            "the sun must stand above the horizon: to_sun is finite, and its y at least a twentieth of its length");
+            "to_sun must be finite and point above the horizon: its y must be at least a twentieth of its length");
     return options;
 }
 
@@ -69,7 +69,7 @@ CrowdView crowd_view_of(const Camera& camera, uint32_t width, uint32_t height, c
                         const DrawOptions& options) {
     if (width == 0 || height == 0)
         throw Failure(ErrorCode::kInvalidArgument, "view",
-                      "a picture of " + std::to_string(width) + " x " + std::to_string(height) + " pixels");
+                      "the picture is empty: " + std::to_string(width) + " x " + std::to_string(height) + " pixels");
     const View view = make_view(camera, static_cast<float>(width) / static_cast<float>(height));
     const Vec3<float> to_sun = direction_to_sun(options);
     constexpr float kHighest = 2;      // above the ground, in heights of the crowd at rest

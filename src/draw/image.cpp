@@ -16,7 +16,8 @@ Image::Image(const std::shared_ptr<Gpu>& gpu, const ImageSettings& settings) {
     const std::string size_text = std::to_string(width) + " x " + std::to_string(height);
     const uint32_t limit = gpu->properties.limits.maxImageDimension2D;
     if (width == 0 || height == 0)
-        throw Failure(ErrorCode::kInvalidArgument, std::string(settings.what), size_text + " is empty");
+        throw Failure(ErrorCode::kInvalidArgument, std::string(settings.what),
+                      "the image is empty: " + size_text + " pixels");
     if (width > limit || height > limit)
         throw Failure(ErrorCode::kLimit, std::string(settings.what),
                       size_text + " exceeds the device's maxImageDimension2D of " + std::to_string(limit));

@@ -56,11 +56,13 @@ std::vector<uint32_t> srgb_of_linear() {
 
 const VkExtent2D& checked(const VkExtent2D& extent) {
     if (extent.width == 0 || extent.height == 0)
-        throw Failure(ErrorCode::kInvalidArgument, "picture", "it has no pixels");
+        throw Failure(ErrorCode::kInvalidArgument, "picture", "it is empty: ", extent.width, " x ", extent.height,
+                      " pixels");
     if (extent.width > kMaxPixels || extent.height > kMaxPixels)
         throw Failure(ErrorCode::kLimit, "picture",
-                      std::to_string(extent.width) + " x " + std::to_string(extent.height) + " exceeds the " +
-                          std::to_string(kMaxPixels) + " pixels that a native picture has at most, each way");
+                      std::to_string(extent.width) + " x " + std::to_string(extent.height) +
+                          " exceeds the native renderer's limit of " + std::to_string(kMaxPixels) +
+                          " pixels in width and height");
     return extent;
 }
 
@@ -236,9 +238,10 @@ void NativeFrame::add_lines(const DrawOptions& options) {
 void NativeFrame::give_ids(uint64_t id_count) {
     const uint64_t needed = id_count + 2 * uint64_t{lines_.size()};
     if (needed >= kIdCount)
-        throw Failure(
-            ErrorCode::kLimit, "render",
-            std::to_string(needed) + " numbers for triangles; a native picture has " + std::to_string(kIdCount - 1));
+        throw Failure(ErrorCode::kLimit, "render",
+                      "the picture needs " + std::to_string(needed) +
+                          " triangle numbers, more than the native renderer's limit of " +
+                          std::to_string(kIdCount - 1));
     frame_.first_line_id = static_cast<uint32_t>(id_count);
     draw_of_ids_.clear();
     for (uint32_t draw = 0; draw < draws_.size(); ++draw) {

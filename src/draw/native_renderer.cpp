@@ -25,8 +25,8 @@ std::unique_ptr<StagedPicture> make_staged(const std::shared_ptr<Gpu>& gpu, cons
 
 std::string natively_undrawable_reason(const Gpu& gpu) {
     if (!gpu.processor)
-        return gpu.info.name + " is a GPU, whose shaders draw; the processor draws for native and software devices";
-    if (native_isas().empty()) return "there is no native engine for this processor";
+        return gpu.info.name + " is a GPU; the native renderer works only on native and software devices";
+    if (native_isas().empty()) return "the native engine does not support this processor";
     return {};
 }
 

@@ -166,21 +166,22 @@ CharacterPipelines::CharacterPipelines(const PipelineSettings& settings, const C
                        .fragment_constants = {discards, has_maps, samples, depth == Depth::kShadowMap},
                        .depth = depth});
     };
-    struct OfMode {
+    struct ModePrograms {
         std::string_view shadow_name, occluder_name;
         std::span<const uint32_t> depths, picture;
     };
-    const std::array<OfMode, 3> modes{
-        OfMode{"draw shadow", "draw occluders", {}, kCharacterFragment},
-        OfMode{"draw shadow, masked", "draw occluders, masked", kShadowFragment, kCharacterFragment},
-        OfMode{"draw shadow, blended", "draw occluders, blended", kCoveringShadowFragment, kCoveringCharacterFragment}};
+    const std::array<ModePrograms, 3> modes{
+        ModePrograms{"draw shadow", "draw occluders", {}, kCharacterFragment},
+        ModePrograms{"draw shadow, masked", "draw occluders, masked", kShadowFragment, kCharacterFragment},
+        ModePrograms{"draw shadow, blended", "draw occluders, blended", kCoveringShadowFragment,
+                     kCoveringCharacterFragment}};
     for (size_t mode = 0; mode < modes.size(); ++mode) {
         if (mode == static_cast<size_t>(AlphaMode::kBlend) && !kind.has_blends) continue;
-        const OfMode& of = modes[mode];
-        shadow[mode] = make(of.shadow_name, of.depths, Depth::kShadowMap);
-        occluder[mode] = make(of.occluder_name, of.depths, Depth::kAlone);
+        const ModePrograms& programs = modes[mode];
+        shadow[mode] = make(programs.shadow_name, programs.depths, Depth::kShadowMap);
+        occluder[mode] = make(programs.occluder_name, programs.depths, Depth::kAlone);
         for (const bool has_maps : {false, true})
-            into_picture[mode][has_maps] = make(has_maps ? "draw picture, maps" : "draw picture", of.picture,
+            into_picture[mode][has_maps] = make(has_maps ? "draw picture, maps" : "draw picture", programs.picture,
                                                 Depth::kTested, mode != static_cast<size_t>(AlphaMode::kOpaque),
                                                 has_maps);
     }

@@ -38,10 +38,11 @@ namespace {
 std::vector<char> encode_png(const std::string& place, const Picture& picture) {
     if (picture.width == 0 || picture.height == 0 ||
         picture.rgba.size() != uint64_t{picture.width} * picture.height * 4)
-        throw Failure(ErrorCode::kInvalidArgument, place, "the picture's size and its bytes do not fit");
+        throw Failure(ErrorCode::kInvalidArgument, place,
+                      "the picture is empty, or its rgba does not have width x height x 4 bytes");
     constexpr uint64_t kStbLimit_bytes = std::numeric_limits<int>::max();  // it computes sizes as int
     if (picture.height * (picture.width * uint64_t{4} + 1) > kStbLimit_bytes)
-        throw Failure(ErrorCode::kLimit, place, "a PNG holds at most 2 GiB of pixels here");
+        throw Failure(ErrorCode::kLimit, place, "the pixels of the picture exceed the limit of 2 GiB");
 
     std::vector<char> encoded;
     const auto append = [](void* to, void* data, int size_bytes) {

@@ -14,8 +14,8 @@ namespace {
 void check_commands(const RendererState& state, VkCommandBuffer commands) {
     if (state.gpu->is_native())
         throw Failure(ErrorCode::kUnsupported, "command buffer",
-                      "a native device has none: render() and render_frame() draw there");
-    if (!commands) throw Failure(ErrorCode::kInvalidArgument, "command buffer", "there is none");
+                      "a native device has no command buffers: draw with render() or render_frame()");
+    if (!commands) throw Failure(ErrorCode::kInvalidArgument, "command buffer", "it is VK_NULL_HANDLE");
 }
 
 std::vector<CrowdState*> checked(std::span<const Crowd* const> crowds) {
@@ -24,10 +24,10 @@ std::vector<CrowdState*> checked(std::span<const Crowd* const> crowds) {
         if (!crowd) throw Failure(ErrorCode::kInvalidArgument, "render", "a crowd is null");
         CrowdState* const state = &crowd->state();
         if (std::ranges::count(states, state) > 0)
-            throw Failure(ErrorCode::kInvalidArgument, "render", "a crowd is there twice");
+            throw Failure(ErrorCode::kInvalidArgument, "render", "a crowd is listed twice");
         states.push_back(state);
     }
-    if (states.empty()) throw Failure(ErrorCode::kInvalidArgument, "render", "there is no crowd");
+    if (states.empty()) throw Failure(ErrorCode::kInvalidArgument, "render", "the list of crowds is empty");
     return states;
 }
 
@@ -36,8 +36,7 @@ std::unique_ptr<RendererState> make_state(const std::shared_ptr<Gpu>& gpu, const
     if (settings.path == DrawPath::kDevice && gpu->is_native())
         throw Failure(ErrorCode::kNoDevice, "renderer",
                       "a native device has no shaders: choose a Vulkan device (mesa-vulkan-drivers has a software "
-                      "one), or the native "
-                      "renderer");
+                      "one), or the native renderer");
     const bool must_be_native = settings.path == DrawPath::kNative || gpu->is_native();
     if (must_be_native && !unsupported_reason.empty())
         throw Failure(ErrorCode::kUnsupported, "native renderer", unsupported_reason);
@@ -61,7 +60,7 @@ Renderer::~Renderer() = default;
 RendererState& Renderer::state() const {
     if (!state_)
         throw Failure(ErrorCode::kInvalidArgument, "renderer",
-                      "there is none: it was not made by Renderer::create(), or has been moved from");
+                      "the Renderer was not made by Renderer::create(), or has been moved from");
     return *state_;
 }
 

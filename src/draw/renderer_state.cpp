@@ -16,11 +16,12 @@ void RendererState::update(Crowds crowds, float time_step_s, const Camera& camer
 void RendererState::accept(Crowds crowds) const {
     for (const CrowdState* crowd : crowds) {
         if (crowd->gpu != gpu)
-            throw Failure(ErrorCode::kInvalidArgument, "render", "the crowd lives on another device");
+            throw Failure(ErrorCode::kInvalidArgument, "render",
+                          "the crowd was created on another device than the renderer");
         for (const Group& group : crowd->groups)
             if (group.sockets_only)
                 throw Failure(ErrorCode::kInvalidArgument, "render",
-                              group.name + " has sockets only, and nothing to draw");
+                              group.name + " has CrowdGroup::sockets_only and cannot be drawn");
         if (options.skeletons && !crowd->batches.front()[io::kModelBuffer])
             throw Failure(ErrorCode::kInvalidArgument, "skeletons",
                           "the crowd keeps no model matrices; set CrowdSettings::keep_model_matrices");

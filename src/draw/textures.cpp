@@ -19,8 +19,8 @@ void take_room(const AssetImage& image, uint64_t& room_bytes) {
                       size + " exceeds the limit of " + std::to_string(kTexturePixelLimit) + " pixels");
     if (with_mips_bytes > room_bytes)
         throw Failure(ErrorCode::kLimit, file.place(),
-                      size + " is more than the other textures leave of the limit of " +
-                          std::to_string(kTexturesLimit_bytes) + " bytes for those of a crowd");
+                      size + " does not fit: the crowd's other textures leave too little of the limit of " +
+                          std::to_string(kTexturesLimit_bytes) + " bytes");
     room_bytes -= with_mips_bytes;
 }
 

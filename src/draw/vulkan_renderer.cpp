@@ -14,9 +14,9 @@ constexpr Access kDrawRead{
 
 std::shared_ptr<Gpu> with_graphics(std::shared_ptr<Gpu> gpu) {
     if (!gpu->has_graphics())
-        throw Failure(
-            ErrorCode::kNoDevice, "renderer",
-            "queue family " + std::to_string(gpu->queue_family) + " of " + gpu->info.name + " has no graphics");
+        throw Failure(ErrorCode::kNoDevice, "renderer",
+                      "queue family " + std::to_string(gpu->queue_family) + " of " + gpu->info.name +
+                          " does not support graphics");
     return gpu;
 }
 

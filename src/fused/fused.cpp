@@ -121,7 +121,7 @@ FusedPlan choose_fused(const FusedRig& rig, const ScanLimits& limits, double sub
     for (const ScanMethod& method : scan_table())
         if (const FusedPlace place = method.fused_place(limits, need); place.order > 0)
             choices.emplace(place.order, ScanChoice{&method, place.threads});
-    FusedPlan plan{.unsupported_reason = "no scan method has a fused form here"};
+    FusedPlan plan{.unsupported_reason = "no scan method has a fused form for this device"};
     for (const auto& [order, choice] : choices) {
         plan = plan_fused(choice, rig, limits);
         if (plan.unsupported_reason.empty()) break;

@@ -86,8 +86,8 @@ std::vector<DeviceInfo> describe_all(const std::vector<VkPhysicalDevice>& device
 }
 
 std::string unusable_reason(const DeviceInfo& info) {
-    if (info.compiles_only) return "it compiles only, for hardware that is not there, and nothing runs on it";
-    return info.usable ? std::string() : "Vulkan 1.3 and a compute queue are needed";
+    if (info.compiles_only) return "it only compiles, for hardware that this machine lacks, and can run nothing";
+    return info.usable ? std::string() : "it lacks Vulkan 1.3 or a compute queue, and throng needs both";
 }
 
 bool is_native_name(const std::string& select) { return ascii_lower(select) == kNativeType; }

@@ -36,7 +36,7 @@ VKAPI_ATTR VkBool32 VKAPI_CALL on_validation_message(VkDebugUtilsMessageSeverity
 
 void check_threads(const char* place, uint32_t threads) {
     if (threads > NativeDevice::kMaxThreads)
-        throw Failure(ErrorCode::kLimit, place, threads, " threads; at most ", NativeDevice::kMaxThreads);
+        throw Failure(ErrorCode::kLimit, place, threads, " threads exceed the limit of ", NativeDevice::kMaxThreads);
 }
 
 bool has_extension(VkPhysicalDevice physical, std::string_view name) {
@@ -160,7 +160,7 @@ void Gpu::make_native(const DeviceSettings& settings, const DeviceInfo& of) {
 std::shared_ptr<Gpu> Gpu::adopt(const AdoptedDevice& adopted) {
     if (!adopted.instance || !adopted.physical_device || !adopted.device || !adopted.queue)
         throw Failure(ErrorCode::kInvalidArgument, "adopted device",
-                      "instance, physical device, device and queue are all needed");
+                      "instance, physical_device, device and queue must all be set");
     check_threads("adopted device", adopted.threads);
     std::shared_ptr<Gpu> gpu(new Gpu(false));  // before the lock, as in list()
     const std::lock_guard lock(instance_level_mutex());
@@ -178,14 +178,14 @@ std::shared_ptr<Gpu> Gpu::adopt(const AdoptedDevice& adopted) {
     gpu->has_full_subgroups = adopted.compute_full_subgroups;
     if (!(gpu->queue_flags & VK_QUEUE_COMPUTE_BIT))
         throw Failure(ErrorCode::kInvalidArgument, "adopted device",
-                      "queue family " + std::to_string(adopted.queue_family) + " has no compute");
+                      "queue family " + std::to_string(adopted.queue_family) + " does not support compute");
     gpu->share_with(adopted.more_queue_families);
     volkLoadDeviceTable(&gpu->vk, gpu->device);
     // Drivers provide no functions, and fill no structures, of a Vulkan version that the instance has not requested.
     if (gpu->max_allocation_bytes == 0 || !gpu->vk.vkCmdPipelineBarrier2 ||
         !gpu->vk.vkGetDeviceBufferMemoryRequirements)
         throw Failure(ErrorCode::kInvalidArgument, "adopted device",
-                      "its instance was made for a Vulkan below 1.3: set VkApplicationInfo::apiVersion to "
+                      "its instance was created for a Vulkan version below 1.3: set VkApplicationInfo::apiVersion to "
                       "VK_API_VERSION_1_3");
     gpu->adopted_cache_ = adopted.pipeline_cache;
     if (gpu->computes_in_host_memory())
@@ -307,7 +307,7 @@ void Gpu::read_properties(VkPhysicalDevice physical) {
     const std::vector<VkQueueFamilyProperties> families = queue_families(physical);
     if (queue_family >= families.size())
         throw Failure(ErrorCode::kInvalidArgument, "queue family " + std::to_string(queue_family),
-                      "the device has " + std::to_string(families.size()));
+                      "the device's number of queue families is " + std::to_string(families.size()));
     queue_flags = families[queue_family].queueFlags;
     timestamp_valid_bits = families[queue_family].timestampValidBits;
 }
@@ -319,7 +319,7 @@ void Gpu::share_with(const std::vector<uint32_t>& more_families) {
     for (const uint32_t family : more_families) {
         if (family >= families.size())
             throw Failure(ErrorCode::kInvalidArgument, "queue family " + std::to_string(family),
-                          "the device has " + std::to_string(families.size()));
+                          "the device's number of queue families is " + std::to_string(families.size()));
         all.insert(family);
         if (families[family].queueFlags & VK_QUEUE_COMPUTE_BIT)
             timestamp_valid_bits = std::min(timestamp_valid_bits, families[family].timestampValidBits);
@@ -401,7 +401,7 @@ void Gpu::allocate(uint32_t type_bits, VkMemoryPropertyFlags required, VkMemoryP
                 fitting.push_back(i);
         }
     if (fitting.empty())
-        throw Failure(ErrorCode::kVulkan, {}, "the device has no memory type that fits a buffer of throng");
+        throw Failure(ErrorCode::kVulkan, {}, "the device has no memory type with the properties that throng needs");
     for (size_t i = 0;; ++i) {
         try {
             return allocate_from(fitting[i]);
@@ -433,7 +433,8 @@ Result<Device> Device::adopt(const AdoptedDevice& adopted) {
 Device::Device(std::shared_ptr<Gpu> gpu) : gpu_(std::move(gpu)) {}
 
 const std::shared_ptr<Gpu>& Device::gpu() const {
-    if (!gpu_) throw Failure(ErrorCode::kInvalidArgument, "device", "it has been moved from");
+    if (!gpu_)
+        throw Failure(ErrorCode::kInvalidArgument, "device", "the Device has been moved from and cannot be used");
     return gpu_;
 }
 

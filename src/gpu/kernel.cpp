@@ -70,7 +70,7 @@ void CompiledKernel::make_pipeline(const Gpu& gpu) const {
 void CompiledKernel::check_settings(const Gpu& gpu, const KernelSettings& settings) const {
     if (info.local_size_is_specialized != (settings.workgroup_size != 0))
         throw Failure(ErrorCode::kInvalidArgument, std::string(settings.name),
-                      "the workgroup size must be given exactly where the shader leaves it open");
+                      "KernelSettings::workgroup_size must be set if the shader leaves it open, and only then");
     check_storage_buffers(gpu, settings.name, info.bindings);
 }
 
@@ -96,7 +96,7 @@ Kernel::Kernel(std::shared_ptr<Gpu> gpu, const KernelSettings& settings) : gpu_(
         constants_.insert(constants_.end(), settings.constants.begin(), settings.constants.end());
     }
     if (gpu_->is_native()) {
-        if (!native_) throw Failure(ErrorCode::kUnsupported, name_, "this kernel has no form for a native device");
+        if (!native_) throw Failure(ErrorCode::kUnsupported, name_, "this kernel cannot run on a native device");
         return;
     }
     SharedKernels::Key key = key_of(settings);
@@ -139,7 +139,7 @@ void Kernel::dispatch_indirect(VkCommandBuffer commands, const Bindings& binding
 }
 
 void Kernel::run_native(const Bindings& bindings, const void* push, size_t push_bytes, uint32_t workgroup_count) const {
-    if (!native_) throw Failure(ErrorCode::kUnsupported, name_, "this kernel runs on Vulkan alone");
+    if (!native_) throw Failure(ErrorCode::kUnsupported, name_, "this kernel runs only on Vulkan");
     check_push(native_->push_bytes, push_bytes);
     gpu_->processor->run(*native_, {.buffers = bindings.native(), .constants = constants_, .push = push},
                          workgroup_count);
@@ -147,9 +147,9 @@ void Kernel::run_native(const Bindings& bindings, const void* push, size_t push_
 
 void Kernel::check_push(size_t expected_bytes, size_t push_bytes) const {
     if (push_bytes != expected_bytes)
-        throw Failure(
-            ErrorCode::kInvalidArgument, name_,
-            "the push constants have " + std::to_string(expected_bytes) + " bytes, not " + std::to_string(push_bytes));
+        throw Failure(ErrorCode::kInvalidArgument, name_,
+                      "the kernel takes " + std::to_string(expected_bytes) + " bytes of push constants, not " +
+                          std::to_string(push_bytes));
 }
 
 void Kernel::prepare(VkCommandBuffer commands, const Bindings& bindings, const void* push, size_t push_bytes) const {

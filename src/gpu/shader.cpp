@@ -26,9 +26,9 @@ BufferRange buffer_of(const BufferTable& buffers, const BindingInfo& binding, st
         return Failure(ErrorCode::kInvalidArgument, std::string(what),
                        before + std::string(name_of_buffer(binding.binding)) + after);
     };
-    if (!range.buffer) throw refuse("there is no buffer of ", "");
+    if (!range.buffer) throw refuse("buffer '", "' is missing");
     if (is_table && range.texel_bytes == 0)
-        throw refuse("the buffer of ", " is read as a table, but was not made as one");
+        throw refuse("buffer '", "' is read as a table, but was not created as one");
     return range;
 }
 
@@ -45,7 +45,7 @@ ShaderLayout::ShaderLayout(const std::shared_ptr<const Gpu>& gpu, std::span<cons
             if (entry->second.descriptorType != descriptor_type(binding.kind))
                 throw Failure(ErrorCode::kInvalidArgument, "shaders",
                               "binding " + std::to_string(binding.binding) + " of set " + std::to_string(binding.set) +
-                                  " is not the same in all of them");
+                                  " has different types in different shaders");
             entry->second.stageFlags |= shader.stage;
             if (is_new) sets_[binding.set].bindings.push_back(binding);
         }
@@ -128,7 +128,7 @@ Bindings::Bindings(const std::shared_ptr<const Gpu>& gpu, std::string_view what,
         if (binding.kind == BindingKind::kImage) {
             if (binding.binding >= images.size())
                 throw Failure(ErrorCode::kInvalidArgument, std::string(what),
-                              "there is no image for binding " + std::to_string(binding.binding));
+                              "the image of binding " + std::to_string(binding.binding) + " is missing");
             write.pImageInfo = &images[binding.binding];
             continue;
         }

@@ -116,9 +116,10 @@ AccessorView Accessors::in_view(const JsonView& json, const AccessorFormat& form
     if (count == 0) out.data = kZeros.data();
     if (found.count >= count) return out;
     const uint64_t missing_count = count - found.count;
-    if (missing_count > count / 10) fail_to_fit(json, view, count, element_bytes, "; a tenth of them may be missing");
+    if (missing_count > count / 10)
+        fail_to_fit(json, view, count, element_bytes, "; at most a tenth of them may be missing");
     warnings_.add(json.place(), missing_count, " of ", count, " elements lie beyond its buffer view: they are ",
-                  missing == Missing::kAreZero ? "0" : "left out");
+                  missing == Missing::kAreZero ? "set to 0" : "left out");
     if (missing == Missing::kAreLeftOut) {
         out.format.count = uint32_t(found.count);
         return out;

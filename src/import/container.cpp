@@ -33,7 +33,7 @@ template <class... Parts>
 }
 
 Container open_glb(std::span<const std::byte> file, Warnings& warnings) {
-    if (file.size() < kGlbHeaderBytes) fail("GLB header: the file ends in it");
+    if (file.size() < kGlbHeaderBytes) fail("GLB header: the file ends within it");
     const uint32_t version = word_at(file, 4), length = word_at(file, 8);
     if (version == 1) throw Failure(ErrorCode::kUnsupported, "", "glTF 1.0 is not supported, only 2.0");
     if (version != 2) throw Failure(ErrorCode::kUnsupported, "", "GLB version ", version, " is not supported, only 2");
@@ -45,22 +45,23 @@ Container open_glb(std::span<const std::byte> file, Warnings& warnings) {
     size_t offset = kGlbHeaderBytes;
     for (uint32_t chunk = 0; offset < file.size(); ++chunk) {
         const std::string name = "GLB chunk " + std::to_string(chunk);
-        if (file.size() - offset < kChunkHeaderBytes) fail(name, ": the file ends in its header");
+        if (file.size() - offset < kChunkHeaderBytes) fail(name, ": the file ends within its header");
         const uint32_t size_bytes = word_at(file, offset), type = word_at(file, offset + 4);
         offset += kChunkHeaderBytes;
         if (size_bytes > file.size() - offset)
-            fail(name, ": has ", size_bytes, " bytes by its header, but ", file.size() - offset, " are left");
+            fail(name, ": its header says ", size_bytes, " bytes, but ", file.size() - offset, " are left");
         const auto content = file.subspan(offset, size_bytes);
-        if ((chunk == 0) != (type == kJsonChunk)) fail(name, chunk == 0 ? ": must be JSON" : ": is JSON a second time");
+        if ((chunk == 0) != (type == kJsonChunk))
+            fail(name, chunk == 0 ? ": must be JSON" : ": is a second JSON chunk");
         if (chunk == 0) {
             out.json = as_text(content);
         } else if (type == kBinChunk) {
-            if (out.bin) fail(name, ": is BIN a second time");
+            if (out.bin) fail(name, ": is a second BIN chunk");
             out.bin = content;
         }
         offset += size_bytes;
     }
-    if (out.json.empty()) fail("GLB: there is no JSON in it");
+    if (out.json.empty()) fail("GLB: has no JSON");
     return out;
 }
 
@@ -72,7 +73,7 @@ std::vector<std::byte> resolved(const AssetResolver& resolver, const std::string
     Result<std::vector<std::byte>> bytes = call_application(place, "the resolver", [&] { return resolver(name); });
     if (!bytes)
         throw Failure(bytes.error().code, place, "'", printable(name),
-                      "' cannot be had from the resolver: ", printable(bytes.error().text(), 200));
+                      "' was not returned by the resolver: ", printable(bytes.error().text(), 200));
     return *std::move(bytes);
 }
 
@@ -111,7 +112,7 @@ Buffers::View Buffers::view_of(const JsonView& user) {
     const uint64_t size_bytes = json.required_uint("byteLength");
     const std::vector<std::byte>& decompressed = *known->second;
     if (size_bytes > decompressed.size())
-        json.fail("byteLength is ", size_bytes, ", but ", decompressed.size(), " bytes are compressed in it");
+        json.fail("byteLength is ", size_bytes, ", but ", decompressed.size(), " bytes are compressed");
     out.bytes = std::span(decompressed).first(size_bytes);
     return out;
 }
@@ -154,7 +155,7 @@ std::shared_ptr<const std::vector<std::byte>> Buffers::side_file(std::string_vie
     auto& content = loaded_side_files_[path];
     if (content) return content;
     const char* too_large = side_files_left_bytes_ < kFileLimitBytes
-                                ? "with the side files before it, it is larger than the limit of 2 GiB"
+                                ? "together with the side files read before, the file is larger than the limit of 2 GiB"
                                 : kLargerThanFiles;
     std::vector<std::byte> bytes = folder
                                        ? read_file(path, side_files_left_bytes_, place, too_large, budget_.progress())

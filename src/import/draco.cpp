@@ -111,7 +111,7 @@ DracoMesh::DracoMesh(const JsonView& json, Buffers& buffers, Budget& budget)
         else if (header.encoder_method == draco::MESH_SEQUENTIAL_ENCODING)
             decode<draco::MeshSequentialDecoder>(json, buffer, budget, charge_, *mesh_);
         else
-            json.fail("the method of compression is unknown");
+            json.fail("the compression method is unknown");
     } catch (const Failure&) {
         throw;
     } catch (const std::exception& error) {
@@ -128,7 +128,7 @@ std::optional<AccessorView> DracoMesh::attribute(std::string_view name, const Ac
     if (!id) return {};
     const draco::PointAttribute* attribute = mesh_->GetAttributeByUniqueId(
         uint32_t(std::min<uint64_t>(id->as_uint(), kNone)));
-    if (!attribute) id->fail("the compressed data have no attribute of this id");
+    if (!attribute) id->fail("the compressed data have no attribute with this id");
     if (attribute->num_components() != format.component_count)
         id->fail("has ", attribute->num_components(), " components, but its accessor is ", format.type);
     if (mesh_->num_points() != format.count)

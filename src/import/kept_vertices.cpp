@@ -8,7 +8,7 @@
 
 namespace throng::gltf {
 
-void KeptVertices::keep_named(uint32_t file_count, std::span<uint32_t> indices, const std::string& place) {
+void KeptVertices::keep_used(uint32_t file_count, std::span<uint32_t> indices, const std::string& place) {
     TemporaryCharge charge(budget_);
     charge.add(file_count, sizeof(uint32_t), place);
     std::vector<uint32_t> kept_index(file_count, kNone);

@@ -19,7 +19,7 @@ public:
 
     void keep_all(uint32_t file_count) { count_ = file_count; }
     // Keeps those of `file_count` vertices that `indices` use, and changes `indices` to refer to the kept ones.
-    void keep_named(uint32_t file_count, std::span<uint32_t> indices, const std::string& place);
+    void keep_used(uint32_t file_count, std::span<uint32_t> indices, const std::string& place);
 
     uint32_t count() const { return count_; }
     // The index in the file of the kept vertex `v`.

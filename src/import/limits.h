@@ -48,9 +48,9 @@ public:
                           " times the size of the file)");
         const uint64_t decoded_limit_bytes = kDecodedOfMemory * limit_bytes_;
         if (size_bytes > decoded_limit_bytes - decoded_bytes_)
-            throw Failure(ErrorCode::kLimit, place, "to read the file, more than the limit of ",
-                          decoded_limit_bytes >> 20, " MiB would be decoded (", kDecodedOfMemory,
-                          " times the memory that its content may take): it names the same data too often");
+            throw Failure(ErrorCode::kLimit, place, "reading the file would decode more than the limit of ",
+                          decoded_limit_bytes >> 20, " MiB (", kDecodedOfMemory,
+                          " times the memory that its content may take): it refers to the same data too often");
         used_bytes_ += size_bytes;
         decoded_bytes_ += size_bytes;
     }

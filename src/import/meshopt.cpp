@@ -24,8 +24,8 @@ std::shared_ptr<const std::vector<std::byte>> decode_meshopt(const JsonView& jso
     if (attributes && !compressed.empty() && compressed[0] == kAttributesVersion1)
         throw Failure(
             ErrorCode::kUnsupported, json.place(),
-            "the attributes are compressed by version 1 of their codec, only version 0 is supported: compress "
-            "by EXT_meshopt_compression");
+            "the attributes are compressed with version 1 of their codec, but only version 0 is supported: compress "
+            "them with EXT_meshopt_compression");
     if (filter == "COLOR") throw Failure(ErrorCode::kUnsupported, json.place(), "the filter COLOR is not supported");
     const bool octahedral = filter == "OCTAHEDRAL", quaternion = filter == "QUATERNION",
                exponential = filter == "EXPONENTIAL";

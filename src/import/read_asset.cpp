@@ -56,13 +56,13 @@ void warn_of_ignored_extensions(const JsonView& root, Warnings& warnings) {
     for (const JsonView extension : root.optional_array("extensionsUsed")) {
         const std::string_view name = extension.as_string();
         if (name == "EXT_mesh_gpu_instancing")
-            warnings.add(extension.place(), name, " is not supported: of all instances of a mesh, one is shown");
+            warnings.add(extension.place(), name, " is not supported: only one instance of each mesh is shown");
         constexpr std::string_view kOfMaterials = "KHR_materials_";
         if (!name.starts_with(kOfMaterials)) continue;
         if (std::ranges::find(kSeen, name.substr(kOfMaterials.size())) != std::end(kSeen))
             ignored += joined(ignored.empty() ? "" : ", ", name);
     }
-    if (!ignored.empty()) warnings.add("extensionsUsed", ignored, ": not drawn, but for what else the materials say");
+    if (!ignored.empty()) warnings.add("extensionsUsed", ignored, ": not supported; materials are drawn without them");
 }
 
 // Returns whether KHR_mesh_quantization is used.
@@ -156,7 +156,7 @@ std::string read_name(Reading& reading, const JsonView& json) {
     const auto name = json.find("name");
     if (!name) return {};
     if (name->is_string()) return name->as_string();
-    reading.warnings.add(name->place(), "is not a string: it is taken as no name");
+    reading.warnings.add(name->place(), "is not a string: it is ignored");
     return {};
 }
 

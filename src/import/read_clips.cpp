@@ -156,7 +156,7 @@ public:
         warn_of_times(before_count_, "are before time 0: the clip is cut there");
         warn_of_times(back_count_, "are earlier than the key before them: the keys are sorted by time");
         warn_of_times(doubled_count_,
-                      "have the time of another one: the value jumps there, from the first to the last of them");
+                      "have the time of another key: the value jumps there, from the first to the last of them");
     }
 
     AssetClip take() { return std::move(clip_); }

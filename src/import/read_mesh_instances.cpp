@@ -21,7 +21,7 @@ std::vector<uint8_t> shown_nodes(Reading& reading, const Asset& asset) {
     if (scenes.size() > 0)
         for (const JsonView root : scenes[scene_index == kNone ? 0 : scene_index].optional_array("nodes")) {
             const uint32_t node = root.as_index(asset.nodes.size(), "nodes");
-            if (asset.nodes[node].parent != kNone) reading.warnings.add(root.place(), "is not a root");
+            if (asset.nodes[node].parent != kNone) reading.warnings.add(root.place(), "is not a root node");
             state[node] = kShown;
         }
     for (uint32_t node = 0; node < asset.nodes.size(); ++node)
@@ -45,7 +45,7 @@ void check_joints(const NeededJoints& needed, const Asset& asset, uint32_t skin)
     const size_t joint_count = asset.skins[skin].joints.size();
     if (needed.count > joint_count)
         throw Failure(ErrorCode::kInvalidFile, needed.place, "vertex ", needed.vertex, " follows joint ",
-                      needed.count - 1, ", but skins[", skin, "] has ", joint_count);
+                      needed.count - 1, ", but skins[", skin, "] has ", joint_count, " joints");
 }
 
 }  // namespace

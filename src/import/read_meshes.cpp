@@ -14,7 +14,7 @@ std::vector<std::string> read_target_names(Reading& reading, const JsonView& mes
         for (size_t t = 0; t < target_count; ++t)
             if ((*names)[t].is_string()) out.push_back((*names)[t].as_string());
     if (out.size() == target_count) return out;
-    reading.warnings.add(names->place(), "is not a name for each morph target: it is ignored");
+    reading.warnings.add(names->place(), "does not have a name for each morph target: it is ignored");
     return {};
 }
 

@@ -112,7 +112,7 @@ private:
         const AccessorView view = open("POSITION", format);
         out_.indices = read_triangles(reading_, json_, mode, draco_ ? &*draco_ : nullptr, file_count_);
         if (draco_ || json_.has("indices"))
-            kept_.keep_named(file_count_, out_.indices, place_of("POSITION"));
+            kept_.keep_used(file_count_, out_.indices, place_of("POSITION"));
         else
             kept_.keep_all(file_count_);
         out_.positions = finite_vectors(*attributes_, "POSITION", view);

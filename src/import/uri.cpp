@@ -57,8 +57,8 @@ std::vector<std::byte> base64_decoded(std::string_view text, const Budget& budge
         }
         const int digit = kBase64Digits[uint8_t(c)];
         if (digit < 0 || ended)
-            throw Failure(ErrorCode::kInvalidFile, place, "the data: URI is not base64: '", printable({&c, 1}),
-                          "' in it");
+            throw Failure(ErrorCode::kInvalidFile, place, "the data: URI is not base64: it contains '",
+                          printable({&c, 1}), "'");
         bits = (bits << 6 | uint32_t(digit)) & 0xFFFFFF;
         bit_count += 6;
         if (bit_count >= 8) {

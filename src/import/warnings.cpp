@@ -14,7 +14,7 @@ void Warnings::add_line(const std::string& text) {
 }
 
 std::vector<std::string> Warnings::take() {
-    if (dropped_count_ > 0) lines_.push_back(joined(file_name_, ": and ", dropped_count_, " more"));
+    if (dropped_count_ > 0) lines_.push_back(joined(file_name_, ": and ", dropped_count_, " more warnings"));
     return std::move(lines_);
 }
 

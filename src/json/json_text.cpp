@@ -49,9 +49,9 @@ private:
 };
 
 // Empties containers from the innermost outwards, so that no destructor has to allocate.
-void take_down(Json& json) {
+void clear_recursively(Json& json) {
     if (!json.is_structured()) return;
-    for (Json& child : json) take_down(child);
+    for (Json& child : json) clear_recursively(child);
     json.clear();
 }
 
@@ -76,7 +76,7 @@ public:
     bool key(string_t& value) override {
         if (by_person_)
             if (const auto [known, is_new] = open_.back().key_lines.emplace(value, line_); !is_new)
-                fail(ErrorCode::kInvalidFile, "'", printable(value), "' stands twice in one object, first in line ",
+                fail(ErrorCode::kInvalidFile, "duplicate key '", printable(value), "' in one object, first in line ",
                      known->second, "; rename or remove one");
         key_ = std::move(value);
         key_line_ = line_;
@@ -113,8 +113,8 @@ private:
         Open(Json value_in, std::string key_in) : value(std::move(value_in)), key(std::move(key_in)) {}
         Open(Open&&) noexcept = default;
         ~Open() {
-            take_down(value);
-            for (auto& [_, member] : members) take_down(member);
+            clear_recursively(value);
+            for (auto& [_, member] : members) clear_recursively(member);
         }
 
         Json value;
@@ -181,7 +181,7 @@ size_t value_count(const JsonView& json) {
 }  // namespace
 
 void DeleteJson::operator()(Json* json) const {
-    take_down(*json);
+    clear_recursively(*json);
     delete json;
 }
 

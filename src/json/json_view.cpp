@@ -40,7 +40,7 @@ std::string JsonView::kind() const {
         case Json::value_t::object: return "an object";
         case Json::value_t::array: return "an array";
         case Json::value_t::string: return "a string";
-        case Json::value_t::boolean: return by_person ? "true or false" : "a boolean";
+        case Json::value_t::boolean: return !by_person ? "a boolean" : json_->get<bool>() ? "true" : "false";
         default: return by_person ? "a number" : "the number " + printable(json_->dump(), 30);
     }
 }

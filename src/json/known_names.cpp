@@ -90,7 +90,7 @@ std::string KnownNames::unknown(std::string_view name) const {
         text += ".";
     text += " There " + std::string(listed.size() == 1 ? "is: " : "are: ");
     for (size_t i = 0; i < std::min(listed.size(), kShown); ++i) text += (i ? ", " : "") + printable(listed[i]);
-    if (listed.size() > kShown) text += ", … (" + std::to_string(listed.size()) + ")";
+    if (listed.size() > kShown) text += ", … (" + std::to_string(listed.size()) + " in all)";
     return text;
 }
 

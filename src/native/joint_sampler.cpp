@@ -19,9 +19,9 @@ public:
 
     void sample(const Playback& playback, std::span<Affine> model_from_joint) const {
         if (model_from_joint.size() != joint_count_)
-            throw Failure(
-                ErrorCode::kInvalidArgument, "joint sampler",
-                std::to_string(model_from_joint.size()) + " results for " + std::to_string(joint_count_) + " joints");
+            throw Failure(ErrorCode::kInvalidArgument, "joint sampler",
+                          "model_from_joint has " + std::to_string(model_from_joint.size()) +
+                              " elements, but the sampler has " + std::to_string(joint_count_) + " joints");
         check_playback(playback, static_cast<uint32_t>(clips_.size()), "joint sampler");
         const DefaultFloats floats;  // for the cursor too, on which the result depends
         const auto cursor_of = [&](const ClipPlayback& one) {
@@ -42,11 +42,11 @@ private:
 Result<JointSampler> JointSampler::create(const Character& character, std::span<const uint32_t> joints) {
     return as_result([&] {
         const std::string place = character.name + ": joint sampler";
-        if (joints.empty()) throw Failure(ErrorCode::kInvalidArgument, place, "there are no joints");
+        if (joints.empty()) throw Failure(ErrorCode::kInvalidArgument, place, "joints is empty");
         for (const uint32_t joint : joints)
             if (joint >= character.rig.joint_count())
-                throw Failure(ErrorCode::kInvalidArgument, place, numbered("joint", joint), " of a character that has ",
-                              character.rig.joint_count());
+                throw Failure(ErrorCode::kInvalidArgument, place, numbered("joint", joint),
+                              " is out of range: the character has ", character.rig.joint_count(), " joints");
         if (const std::string reason = native_unsupported_reason(character, SkinFormat::kAffine); !reason.empty())
             throw Failure(ErrorCode::kUnsupported, place, reason);
         return JointSampler(std::make_shared<const NativeJoints>(character, joints));
@@ -57,7 +57,8 @@ JointSampler::JointSampler(std::shared_ptr<const NativeJoints> joints) : joints_
 
 Result<void> JointSampler::sample(const Playback& playback, std::span<Affine> model_from_joint) const {
     return as_result([&] {
-        if (!joints_) throw Failure(ErrorCode::kInvalidArgument, "joint sampler", "it has been moved from");
+        if (!joints_)
+            throw Failure(ErrorCode::kInvalidArgument, "joint sampler", "it was moved to another JointSampler");
         joints_->sample(playback, model_from_joint);
     });
 }

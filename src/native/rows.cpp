@@ -18,8 +18,8 @@ constexpr size_t kLimit_bytes = size_t{1} << 30;  // of rows
 
 [[noreturn]] void refuse_rows(const Character& character) {
     throw Failure(ErrorCode::kLimit, character.name + ": native update",
-                  "more than " + std::to_string(kLimit_bytes >> 20) +
-                      " MiB of rows of its clips: UpdatePath::kStaged does without");
+                  "its clips need more than the limit of " + std::to_string(kLimit_bytes >> 20) +
+                      " MiB of rows; UpdatePath::kStaged needs none");
 }
 
 // How many rows fit into the limit with the rotations of this number of joints.

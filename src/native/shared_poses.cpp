@@ -131,8 +131,8 @@ SharedPoses make_shared_poses(const Character& character, const NativeRig& rig, 
     }
     shared.clips.push_back({.first_row = row, .interval_count = 0, .intervals_per_s = 0, .error = 0});
     add(kNone, 0);
-    constexpr double kBlends = 1.1;
-    shared.spread = static_cast<float>(kBlends * spread.largest());
+    constexpr double kBlendOvershoot = 1.1;
+    shared.spread = static_cast<float>(kBlendOvershoot * spread.largest());
     return shared;
 }
 

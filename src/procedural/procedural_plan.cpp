@@ -43,7 +43,7 @@ public:
             if (std::find(rules_.targets.begin(), rules_.targets.begin() + static_cast<std::ptrdiff_t>(i),
                           rules_.targets[i]) != rules_.targets.begin() + static_cast<std::ptrdiff_t>(i))
                 throw Failure(ErrorCode::kInvalidArgument, character_.name + ": procedural rules",
-                              "there are two targets '" + rules_.targets[i] + "'");
+                              "two targets are named '" + rules_.targets[i] + "'");
         for (rule_ = 0; rule_ < rules_.rules.size(); ++rule_)
             std::visit([&](const auto& rule) { add(rule); }, rules_.rules[rule_]);
         return std::move(plan_);
@@ -77,7 +77,7 @@ private:
         const auto found = std::ranges::find(rig_.names, name);
         if (found == rig_.names.end()) fail_unknown("joint", name, rig_.names);
         if (std::find(found + 1, rig_.names.end(), name) != rig_.names.end())
-            fail("there are several joints '" + name + "'");
+            fail("several joints are named '" + name + "'");
         return static_cast<uint32_t>(found - rig_.names.begin());
     }
 
@@ -210,10 +210,10 @@ Result<uint32_t> ProceduralRules::target_named(std::string_view target_name) con
 void check_target(uint32_t target, uint32_t target_count, const TargetPlace& value, const ErrorPlace& place) {
     const auto refuse = [&](const std::string& why) { throw Failure(ErrorCode::kInvalidArgument, place, why); };
     if (target >= target_count)
-        refuse(numbered("number", target) + " of rules that have " + std::to_string(target_count));
+        refuse(numbered("target", target) + " is out of range: the rules have " + std::to_string(target_count));
     const auto& [x, y, z] = value.world_place;
     for (const float coordinate : {x, y, z})
-        if (!(std::abs(coordinate) <= io::kFarthest)) refuse("it must be within +-1e15");
+        if (!(std::abs(coordinate) <= io::kFarthest)) refuse("world_place must be within +-1e15");
     if (!(value.weight >= 0 && value.weight <= 1)) refuse("its weight must be within 0..1");
 }
 

@@ -23,7 +23,7 @@ MorphActiveClip active_clip(const Character& character, const ClipPlayback& slot
 void check_has_joints(const Character& character) {
     if (character.rig.joint_count() == 0)
         throw Failure(ErrorCode::kInvalidArgument, "character '" + character.name + "'",
-                      "it has no joints; load or compile one");
+                      "has no joints; load or compile a character");
 }
 
 ReferencePose pose_from_local(const Character& character, std::span<const Trs<double>> parent_from_joint) {

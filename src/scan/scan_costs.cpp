@@ -114,12 +114,12 @@ ScanCosts scan_costs_from_json(std::string_view text, const std::string& place) 
         if (found == json.end() || !found->is_number() || !std::isfinite(found->get<double>()) ||
             found->get<double>() <= 0)
             throw Failure(ErrorCode::kInvalidFile, place,
-                          std::string("'") + name + "' is not a positive number; 'throng tune' writes the file anew");
+                          std::string("'") + name + "' is not a positive number; 'throng tune' replaces the file");
         costs.*member = found->get<double>();
     }
     const auto origin = json.find("origin");
     if (origin == json.end() || !origin->is_string())
-        throw Failure(ErrorCode::kInvalidFile, place, "'origin' is not a text; 'throng tune' writes the file anew");
+        throw Failure(ErrorCode::kInvalidFile, place, "'origin' is not a string; 'throng tune' replaces the file");
     costs.origin = origin->get<std::string>();
     // It is printed as part of one line, which control characters would break
     std::replace_if(

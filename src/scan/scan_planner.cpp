@@ -47,7 +47,7 @@ ScanRequest parse_scan_request(const std::string& wanted) {
     const auto [stop, error] = std::from_chars(first, end, threads);
     if (error != std::errc() || stop != end)
         throw Failure(ErrorCode::kInvalidArgument, place,
-                      "behind the colon stands the number of invocations a character");
+                      "the colon must be followed by the number of invocations a character");
     request.threads = threads;
     return request;
 }

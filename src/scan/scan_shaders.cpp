@@ -19,7 +19,7 @@ namespace {
 const ScanShaders& scan_shaders(std::string_view name) {
     const auto found = std::ranges::find(kScanShaders, name, &ScanShaders::name);
     if (found == std::end(kScanShaders))
-        throw Failure(ErrorCode::kInvalidArgument, std::string(name), "no file of src/scan/methods is its shader");
+        throw Failure(ErrorCode::kInvalidArgument, std::string(name), "src/scan/methods has no shader with this name");
     return *found;
 }
 

@@ -35,16 +35,17 @@ const ScanMethod* find_scan_method(std::string_view name) {
 
 std::string threads_unsupported_reason(const ScanMethod& method, const ScanLimits& limits, uint32_t threads) {
     const std::vector<uint32_t> choices = method.thread_choices(limits);
-    if (choices.empty()) return "the device's subgroups or workgroups do not suffice";
+    if (choices.empty()) return "the device lacks subgroup shuffles, or its subgroups or workgroups are too small";
     if (std::find(choices.begin(), choices.end(), threads) != choices.end()) return {};
     std::string text;
     for (const uint32_t choice : choices) text += (text.empty() ? "" : ", ") + std::to_string(choice);
-    return std::to_string(threads) + " invocations a character is not among its choices here (" + text + ")";
+    return std::to_string(threads) + " invocations a character is not among the choices on this device (" + text + ")";
 }
 
 ScanPlan plan_scan(const ScanMethod& method, const ScanRig& rig, const ScanLimits& limits, uint32_t threads) {
     if (method.format == ScanFormat::kSimilarity && !rig.uniform_scale)
-        return {.unsupported_reason = "a joint of the rig has a scale that differs between axes"};
+        return {.unsupported_reason =
+                    "the method needs uniform scales, and a joint of the rig has a scale that differs between axes"};
     if (std::string unsupported_reason = threads_unsupported_reason(method, limits, threads);
         !unsupported_reason.empty())
         return {.unsupported_reason = std::move(unsupported_reason)};

@@ -21,9 +21,9 @@ TEST(BenchRows, SayWhyThereAreNoTimes) {
     EXPECT_TRUE(print_untimed({{"unsupported_reason", "there is no llvmpipe"}}, "not measured"));
     EXPECT_FALSE(print_untimed({{"ms", 3}}, "not measured"));
     EXPECT_EQ(GetCapturedStdout(),
-              "WRONG, not timed: it is 0.5 of the size off\n"
+              "WRONG, not timed: 0.5 of the size off\n"
               "WRONG, not timed: a number is missing or not finite\n"
-              "WRONG, not timed: it is 12.5 dB alike\n"
+              "WRONG, not timed: 12.5 dB alike\n"
               "WRONG, not timed\n"
               "WRONG, not timed: there are 41 characters, not 40\n"
               "not measured: there is no llvmpipe\n");

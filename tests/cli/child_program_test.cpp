@@ -9,7 +9,7 @@
 namespace throng {
 namespace {
 
-TEST(ChildProgram, AnEndThatTheSystemDoesNotTellIsNotTakenForAGoodOne) {
+TEST(ChildProgram, AnUnknownExitStatusIsAnError) {
     const auto before = std::signal(SIGCHLD, SIG_IGN);
     EXPECT_THROW(run_child_program({"false"}, ""), Failure);
     std::signal(SIGCHLD, before);

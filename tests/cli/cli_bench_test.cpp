@@ -67,7 +67,7 @@ TEST_F(CliBench, BenchHasARecordForEachScanMethod) {
     for (const std::string& scan : scans) EXPECT_TRUE(contains(help, scan)) << scan;
 }
 
-TEST_F(CliBench, BenchSaysOfEachMethodWhyItDoesNotApply) {
+TEST_F(CliBench, BenchReportsWhyAMethodDoesNotApply) {
     const Outcome run = succeed("bench creature.glb --count 5 --samples 1 --path fused --json", kOfCommit);
     size_t unsupported = 0;
     for (const Json& record : records_of(run.out)) {
@@ -94,7 +94,7 @@ TEST_F(CliBench, OptionsWithoutEffectAreRefused) {
 }
 
 // Costs are stored where the next choice finds them, even if the existing file is damaged.
-TEST_F(CliBench, TuneKeepsWhatInfoChoosesBy) {
+TEST_F(CliBench, TuneStoresTheCostsThatInfoUses) {
     const fs::path cache = file("cache");
     const std::map<std::string, std::string> environment{{"XDG_CACHE_HOME", cache.string()}};
     const auto costs = [&] {  // the cache also has a folder of characters
@@ -124,7 +124,7 @@ TEST_F(CliBench, TuneKeepsWhatInfoChoosesBy) {
     fs::remove(file);
     fs::create_directory(file);
     const Outcome taken = run_tool("tune --quick", {.environment = environment});
-    EXPECT_TRUE(taken.refused("is there, and not a plain file")) << taken;
+    EXPECT_TRUE(taken.refused("exists and is not a regular file")) << taken;
     EXPECT_EQ(taken.out, "") << "refused before anything is measured";
 
     const fs::path blocked = this->file("blocked");
@@ -280,7 +280,7 @@ TEST_F(CliBench, BenchFrameMeasuresAFileAndWritesAReport) {
     EXPECT_TRUE(contains(read_file("frame.html"), "Whole updates"));
 }
 
-TEST_F(CliBench, BenchViewTellsWhatLeavingOutGains) {
+TEST_F(CliBench, BenchViewHasARecordForEachVariant) {
     const std::string command = "bench view creature.glb --count 60 --samples 1 --size 320x180";
     const Outcome text = succeed(command);
     const Outcome run = succeed(command + " --json", kOfCommit);

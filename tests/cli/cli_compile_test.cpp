@@ -24,7 +24,7 @@ protected:
     }
 };
 
-TEST_F(CliCompile, WhatIsWrittenGivesWhatItsSourceGives) {
+TEST_F(CliCompile, ACompiledFileGivesTheResultsOfItsSource) {
     for (const std::string error : {"0.01", "0.5", "exact"}) {
         const Outcome run = succeed("compile creature.glb -o creature.throng --error " + error);
         EXPECT_EQ(json_of("info creature.throng"), json_of("info creature.glb --error " + error + " --lods"));
@@ -37,7 +37,7 @@ TEST_F(CliCompile, WhatIsWrittenGivesWhatItsSourceGives) {
     fs::remove("creature.throng");
 }
 
-TEST_F(CliCompile, OtherCommandsTakeItToo) {
+TEST_F(CliCompile, OtherCommandsAcceptCompiledFiles) {
     succeed("compile creature.glb -o creature.throng");
     const auto picture = [&](const std::string& of, const char* name) {
         const Outcome run = succeed(
@@ -52,7 +52,7 @@ TEST_F(CliCompile, OtherCommandsTakeItToo) {
     fs::remove("creature.throng");
 }
 
-TEST_F(CliCompile, ItSaysWhatItWroteAndHowExactItIs) {
+TEST_F(CliCompile, ReportsItsOutputAndItsError) {
     double clip_bytes_before = 0;
     for (const std::string error : {"0.001", "0.01", "1"}) {
         const Json json = json_of("compile creature.glb --out creature.throng --error " + error);
@@ -118,7 +118,7 @@ TEST_F(CliCompile, ClipsOfOtherFilesAreAdded) {
 }
 
 // Compiled characters are kept and reused while the file is the same; damaged ones are compiled again.
-TEST_F(CliCompile, CommandsKeepWhatTheyHaveCompiled) {
+TEST_F(CliCompile, CompiledCharactersAreCached) {
     const fs::path cache = file("cache"), kept = cache / "throng" / "characters";
     const RunSettings with_cache{.environment = {{"XDG_CACHE_HOME", cache.string()}}};
     const auto count = [&] {
@@ -196,18 +196,18 @@ TEST_F(CliCompile, WrongInputIsRefusedAndNothingIsLeftBehind) {
          {{"compile", "creature.glb", "-o", "no\nfolder/x"}, "no?folder/x cannot be written"},
          {"compile pipe -o out.throng", "pipe: not a regular file"},
          {"info pipe", "pipe: not a regular file"},
-         {"compile creature.glb -o creature.glb", "would be written over creature.glb"},
+         {"compile creature.glb -o creature.glb", "would overwrite creature.glb"},
          {"compile sound.throng -o out.throng", "compiled already"},
          {"compile creature.glb -o out.throng --clips missing.glb", "missing.glb"},
          {"compile creature.glb -o out.throng --clips text.glb", "text.glb"},
          {"compile creature.glb -o out.throng --clips sound.throng", "sound.throng is compiled already"},
-         {"compile creature.glb --clips taken.throng -o taken.throng", "would be written over taken.throng"},
+         {"compile creature.glb --clips taken.throng -o taken.throng", "would overwrite taken.throng"},
          {"compile damaged.throng -o out.throng", "damaged.throng: is damaged"},
-         {"compile newer.throng -o out.throng", "newer.throng: version 4, this throng reads version 3"},
-         {"compile creature.glb -o text.glb", "text.glb is there, and not a compiled character"},
+         {"compile newer.throng -o out.throng", "newer.throng: has version 4, but this throng reads version 3"},
+         {"compile creature.glb -o text.glb", "text.glb exists and is not a compiled character"},
          {"compile creature.glb -o out.throng --error 0", "--error"},
          {"compile creature.glb -o out.throng --error -1", "-1"},
-         {"compile creature.glb -o out.GLB", "out.GLB: what is written is no glTF file"},
+         {"compile creature.glb -o out.GLB", "out.GLB: the output is not a glTF file"},
          {"compile creature.glb -o out.throng --error 11", "'11'"},
          {"compile creature.glb -o out.throng --error nan", "'nan'"},
          {"compile creature.glb -o out.throng --error 1x", "'1x'"},
@@ -224,7 +224,7 @@ TEST_F(CliCompile, WrongInputIsRefusedAndNothingIsLeftBehind) {
          {"compile sound.throng -o out.throng --error 1", "sound.throng is compiled already"},
          {"compile creature.glb -o out.throng --root-motion nobody", "there is no joint 'nobody'"},
          {"info sound.throng --root-motion spine", "sound.throng is compiled already, with its own root motion"},
-         {"info newer.throng", "newer.throng: version 4, this throng reads version 3"},
+         {"info newer.throng", "newer.throng: has version 4, but this throng reads version 3"},
          {"info cut.throng", "cut.throng"}});
     EXPECT_EQ(read_file("creature.glb"), source_before);
     EXPECT_EQ(read_file("sound.throng"), compiled_before);

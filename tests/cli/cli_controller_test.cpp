@@ -22,15 +22,15 @@ protected:
     }
 };
 
-TEST_F(CliController, CheckSaysWhatThereIs) {
+TEST_F(CliController, CheckListsTheController) {
     for (const std::string name : {"walker", "flyer", "dragon"}) {
         const Outcome text = succeed("controller check controllers/" + name + ".json --character creature.glb");
         EXPECT_TRUE(contains(text.out, "drives     creature.glb")) << text;
     }
     const Outcome text = run_tool("controller check controllers/dragon.json");
     for (const char* said :
-         {"9 parameters, 2 masks, 3 layers, 12 states, 17 transitions, 3 events", "pace           float, 1 at first",
-          "grounded       bool, true at first", "jump           trigger\n",
+         {"9 parameters, 2 masks, 3 layers, 12 states, 17 transitions, 3 events", "pace           float, initially 1",
+          "grounded       bool, initially true", "jump           trigger\n",
           "layer 1    front: override, mask front, weight watch; 3 states",
           "tail: additive, mask tail, weight 0.6 * pace", "fly at (0, 3) by side and forward",
           "(any)          -> take off: jump triggered, grounded; 0.2 s; interrupts", "fidget         idle, once",
@@ -49,7 +49,7 @@ TEST_F(CliController, CheckSaysWhatThereIs) {
     EXPECT_TRUE(json["warnings"].empty());
 }
 
-TEST_F(CliController, AStateThatNothingLeadsToIsAWarning) {
+TEST_F(CliController, AnUnreachableStateIsAWarning) {
     write("lonely.json", R"({"layers": [{"name": "body",
       "states": {"a": {"clip": "idle"}, "b": {"clip": "walk"}, "c": {"clip": "fly"}},
       "transitions": [{"from": "b", "to": "c"}, {"to": "a", "exit": 2}]}]})");
@@ -60,7 +60,7 @@ TEST_F(CliController, AStateThatNothingLeadsToIsAWarning) {
               "throng: warning: lonely.json: layer 'body': no transitions lead to state 'c'\n");
 }
 
-TEST_F(CliController, WhatIsWaitedForInVainIsAWarning) {
+TEST_F(CliController, AnExitThatIsNeverReachedIsAWarning) {
     write("vain.json", R"({"layers": [{"name": "body",
       "states": {"a": {"clip": "idle", "speed": 0}, "b": {"clip": "walk", "speed": -2}},
       "transitions": [{"from": "a", "to": "b", "exit": 1},
@@ -99,7 +99,7 @@ TEST_F(CliController, GraphHasEveryStateAndTransition) {
     const std::string odd_dot = read_file("odd.dot");
     EXPECT_NE(odd_dot.find(R"x(label="a \" \\ é (override)")x"), std::string::npos) << odd_dot;
     EXPECT_NE(odd_dot.find(R"([label="<s> \\N\n\"]")"), std::string::npos) << odd_dot;
-    EXPECT_TRUE(contains(odd_dot, "plays what it is told")) << odd_dot;
+    EXPECT_TRUE(contains(odd_dot, "plays what Crowd::play() sets")) << odd_dot;
     fs::remove("odd.dot");
 }
 
@@ -118,7 +118,7 @@ TEST_F(CliController, GraphIsDrawnByGraphviz) {
     fs::remove("drawn.svg");
 }
 
-TEST_F(CliController, WithoutGraphvizThatIsSaidAndADotFileIsStillWritten) {
+TEST_F(CliController, WithoutGraphvizOnlyDotFilesAreWritten) {
     const std::set<fs::path> before = files();
     const RunSettings nowhere{.environment = {{"PATH", "/nowhere"}}};
     const Outcome run = run_tool("controller graph controllers/walker.json -o walker.svg", nowhere);

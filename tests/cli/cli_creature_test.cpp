@@ -15,7 +15,7 @@ struct Kind {
     size_t joint_count;
 };
 
-TEST_F(CliCreature, ThreeJsSeesThemInTheSamePoses) {
+TEST_F(CliCreature, ThreeJsComputesTheSamePoses) {
     if (run_tool("-e require('fs').accessSync('/usr/share/javascript/three/three.js')", {.program = "node"})
             .exit_code != 0)
         GTEST_SKIP() << "no node, or no libjs-three";
@@ -44,7 +44,7 @@ TEST_F(CliCreature, ThreeJsSeesThemInTheSamePoses) {
     }
 }
 
-TEST_F(CliCreature, KhronosFindsNothing) {
+TEST_F(CliCreature, TheKhronosValidatorFindsNoIssues) {
     if (run_tool("-e require('gltf-validator')", {.program = "node"}).exit_code != 0)
         GTEST_SKIP() << "no gltf-validator: 'npm install gltf-validator', and NODE_PATH set to its node_modules";
     for (const char* arguments : {"dragon", "willow", "walker", "centipede", "dragon --levels 120",

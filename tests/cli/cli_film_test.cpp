@@ -82,7 +82,7 @@ protected:
     }
 };
 
-TEST_F(CliFilm, AFrameIsTheSameWhicheverAreDrawn) {
+TEST_F(CliFilm, AFrameDoesNotDependOnWhichOthersAreDrawn) {
     const std::string whole = new_folder("whole"), shared = new_folder("shared"), resumed = new_folder("resumed");
     const Outcome run = film(whole + "/frame_%04d.png", "--json");
     ASSERT_TRUE(run.succeeded()) << run;
@@ -125,7 +125,7 @@ TEST_F(CliFilm, AFrameIsTheSameWhicheverAreDrawn) {
 }
 
 // Steered characters have walked equally far in a frame whether or not the frames before it are drawn.
-TEST_F(CliFilm, WhoSteersIsWhereTheFrameSays) {
+TEST_F(CliFilm, SteeredCharactersDoNotDependOnDrawnFrames) {
     const std::string whole = new_folder("walked"), shared = new_folder("walked_unseen");
     ASSERT_TRUE(film(whole + "/%d.png", "--steer --spacing 2").succeeded());
     ASSERT_TRUE(film(shared + "/%d.png", "--steer --spacing 2 --shard 3/4").succeeded());
@@ -241,7 +241,7 @@ TEST_F(CliFilm, TheCameraFollowsRootMotion) {
     EXPECT_LE(other, red / 20);
 }
 
-TEST_F(CliFilm, AFilmHasItsFrames) {
+TEST_F(CliFilm, AFilmContainsAllItsFrames) {
     if (std::system("ffmpeg -version >/dev/null 2>&1") != 0) GTEST_SKIP() << "no ffmpeg";
     const std::string out = "100 % film.mp4";
     ASSERT_TRUE(film(out, "--shard 0/2").succeeded());
@@ -259,14 +259,14 @@ TEST_F(CliFilm, AFilmHasItsFrames) {
     EXPECT_EQ(read_file(probed), "64,36,1/1,4\n");
 
     const std::string before = read_file(out);
-    EXPECT_TRUE(film(out, "--clip dragon.glb=0").refused("there is a film already; --force"));
+    EXPECT_TRUE(film(out, "--clip dragon.glb=0").refused("the film exists already; --force"));
     EXPECT_EQ(read_file(out), before);
     EXPECT_TRUE(film(out, "--clip dragon.glb=0 --force").succeeded());
     EXPECT_NE(read_file(out), before);
 }
 
 // Where SIGCHLD is ignored, the system does not tell how a child process ended.
-TEST_F(CliFilm, AnEncoderThatFailsIsNoticedWhateverTheParentIgnored) {
+TEST_F(CliFilm, AFailingEncoderIsNoticedIfSigchldIsIgnored) {
     const std::string folder = new_folder("ignored"), out = folder + "/film.mp4";
     RunSettings settings = with_ffmpeg("echo no room >&2; exit 1");
     settings.program = "env";
@@ -308,18 +308,18 @@ TEST_F(CliFilm, TwoProcessesDoNotDrawTheSameFrames) {
         ASSERT_EQ(flock(held, LOCK_EX), 0);
         std::mutex mutex;
         std::set<int> waiting;
-        const auto let_go = [&] {
+        const auto release_lock = [&] {
             if (held >= 0) close(std::exchange(held, -1));
         };
-        const auto let_go_when_both_wait = [&](int process, const std::string& err) {
+        const auto release_when_both_wait = [&](int process, const std::string& err) {
             const std::lock_guard guard(mutex);
             if (contains(err, "waiting for it")) waiting.insert(process);
-            if (waiting.size() == 2) let_go();
+            if (waiting.size() == 2) release_lock();
         };
         const auto draw = [&] {
-            const Outcome outcome = run_tool(arguments(out) + Words{"--json"}, {.watch = let_go_when_both_wait});
+            const Outcome outcome = run_tool(arguments(out) + Words{"--json"}, {.watch = release_when_both_wait});
             const std::lock_guard guard(mutex);
-            let_go();  // if it has not waited, the other process must not wait forever
+            release_lock();  // if it has not waited, the other process must not wait forever
             return outcome;
         };
         std::future<Outcome> other = std::async(std::launch::async, draw);
@@ -341,37 +341,37 @@ TEST_F(CliFilm, TwoProcessesDoNotDrawTheSameFrames) {
 }
 
 // Shards hold the lock together; a run of all frames holds it exclusively.
-TEST_F(CliFilm, ShardsWaitForARunOfAllFramesAndItForThem) {
+TEST_F(CliFilm, ShardsAndFullRunsWaitForEachOther) {
     const std::string folder = new_folder("beside"), lock = folder + "/settings.json.lock";
     const Words all = "render walker.glb --size 64x36 --frames 0:2" + Words{"--out", folder + "/%d.png"},
                 shard = all + "--shard 0/2";
     int held = -1;
-    const auto hold = [&](int operation) {
+    const auto take_lock = [&](int operation) {
         held = open(lock.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
         ASSERT_EQ(flock(held, operation), 0);
     };
-    const auto let_go = [&] {
+    const auto release_lock = [&] {
         if (held >= 0) close(std::exchange(held, -1));
     };
-    const auto let_go_when_it_waits = [&](int, const std::string& err) {
-        if (contains(err, "waiting for it")) let_go();
+    const auto release_when_it_waits = [&](int, const std::string& err) {
+        if (contains(err, "waiting for it")) release_lock();
     };
-    hold(LOCK_SH);
+    take_lock(LOCK_SH);
     const Outcome beside_another = run_tool(shard, {.time_limit_s = 20});
     EXPECT_TRUE(beside_another.succeeded()) << beside_another;
     EXPECT_TRUE(fs::exists(lock)) << "another one holds it still";
-    let_go();
+    release_lock();
     for (const auto& [operation, command] : {std::pair{LOCK_EX, shard}, {LOCK_SH, all}}) {
-        hold(operation);
-        const Outcome outcome = run_tool(command, {.time_limit_s = 20, .watch = let_go_when_it_waits});
+        take_lock(operation);
+        const Outcome outcome = run_tool(command, {.time_limit_s = 20, .watch = release_when_it_waits});
         EXPECT_EQ(outcome.exit_code, 0) << outcome;
         EXPECT_TRUE(contains(outcome.err, "waiting for it")) << outcome;
-        let_go();
+        release_lock();
         EXPECT_FALSE(fs::exists(lock)) << "nobody holds it any more";
     }
 }
 
-TEST_F(CliFilm, AnotherFilmThatIsDrawnMeanwhileIsNotTakenForThisOne) {
+TEST_F(CliFilm, AFilmOfAnotherProcessIsNotMistakenForThisOne) {
     const std::string folder = new_folder("meanwhile"), out = folder + "/film.mp4", lock = out + ".lock";
     int held = open(lock.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
     ASSERT_EQ(flock(held, LOCK_EX), 0);
@@ -384,12 +384,12 @@ TEST_F(CliFilm, AnotherFilmThatIsDrawnMeanwhileIsNotTakenForThisOne) {
     };
     const Outcome outcome = run_tool(arguments(out), {.watch = draw_other});
     EXPECT_EQ(outcome.exit_code, 1) << outcome;
-    EXPECT_TRUE(contains(outcome.err, "another process has just drawn another film there")) << outcome;
+    EXPECT_TRUE(contains(outcome.err, "another process has just drawn a different film there")) << outcome;
     EXPECT_EQ(read_file(out), "a film");
     EXPECT_FALSE(fs::exists(lock));
 }
 
-TEST_F(CliFilm, AnInterruptionBeforeTheFirstFrameIsSaid) {
+TEST_F(CliFilm, AnInterruptionBeforeTheFirstFrameIsReported) {
     const std::string folder = new_folder("early"), out = folder + "/film.mp4";
     int calls = 0;
     const auto interrupt = [&](int process, const std::string&) {
@@ -400,7 +400,7 @@ TEST_F(CliFilm, AnInterruptionBeforeTheFirstFrameIsSaid) {
     EXPECT_TRUE(fs::is_empty(folder));
 }
 
-TEST_F(CliFilm, AnInterruptedOneSaysWhatIsKept) {
+TEST_F(CliFilm, AnInterruptedFilmReportsTheKeptFrames) {
     const std::string folder = new_folder("interrupted"), out = folder + "/%d.png";
     bool is_drawing = true;
     const auto interrupt_after_a_frame = [&](int process, const std::string&) {
@@ -418,7 +418,7 @@ TEST_F(CliFilm, AnInterruptedOneSaysWhatIsKept) {
 }
 
 // There are two thousand frames to check, so the signal arrives long before the last one is decoded.
-TEST_F(CliFilm, AnInterruptionEndsTheCheckOfFramesThatAreThere) {
+TEST_F(CliFilm, AnInterruptionEndsTheCheckOfExistingFrames) {
     const std::string folder = new_folder("checked"), lock = folder + "/settings.json.lock";
     const auto command = [&](const std::string& frames) {
         return "render walker.glb --size 1280x720 --frames" + Words{frames, "--out", folder + "/%d.png"};
@@ -432,10 +432,10 @@ TEST_F(CliFilm, AnInterruptionEndsTheCheckOfFramesThatAreThere) {
         if (!is_asked && fs::file_size(lock, none) > 0 && !none) is_asked = kill(process, SIGINT) == 0;
     };
     const Outcome outcome = run_tool(command("0:2000"), {.watch = interrupt});
-    EXPECT_TRUE(outcome.refused("interrupted while the 2000 frames that are there were checked")) << outcome;
+    EXPECT_TRUE(outcome.refused("interrupted while checking the 2000 frames that exist")) << outcome;
 }
 
-TEST_F(CliFilm, ControllersAreForFilesThatAreThere) {
+TEST_F(CliFilm, UnknownFilesOfControllersAreRefused) {
     EXPECT_TRUE(film("%d.png", "--controller cat.glb=cat.json").refused("cat.glb"));
     EXPECT_TRUE(film("%d.png", "--controller missing.json").refused("missing.json"));
     EXPECT_TRUE(film("%d.png", {"--controller", "dragon.glb=" THRONG_SOURCE_DIR "/examples/controllers/willow.json"})
@@ -471,7 +471,8 @@ TEST_F(CliFilm, WrongOptionsAreRefused) {
                     {"render walker.glb --fps 24 --out still.png", "--fps"},
                     {"render walker.glb --counts 1,2 --out still.png", "--counts"},
                     {"render walker.glb --counts 0 --out still.png", "--counts"},
-                    {"render walker.glb --eye 0,1,2 --target 0,1,2 --out still.png", "apart"}});
+                    {"render walker.glb --eye 0,1,2 --target 0,1,2 --out still.png",
+                     "--eye and --target: they must be different points"}});
     const RunSettings no_programs{.environment = {{"PATH", "/nowhere"}}};
     EXPECT_TRUE(run_tool(arguments("film.mp4"), no_programs).refused("ffmpeg"));
 }

@@ -42,7 +42,7 @@ protected:
 
 TEST_F(CliInputs, AreNotWrittenOver) {
     const auto over = [](const std::string& out, const std::string& input) {
-        return "throng: " + out + ": would be written over " + input + ", which this command reads";
+        return "throng: " + out + ": would overwrite " + input + ", which this command reads";
     };
     const std::string image = "skin of fox.png";
     std::vector<Refused> cases;

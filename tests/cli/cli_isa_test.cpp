@@ -31,7 +31,7 @@ TEST_F(Isa, ADeviceWithoutHardwareIsListedAndRefused) {
 
     generate("creature.glb", "--joints 20 --levels 8");
     for (const std::string command : {"render creature.glb --out creature.png", "bench", "tune"})
-        EXPECT_TRUE(run_tool(command + " --device navi21", without_hardware()).refused("compiles only")) << command;
+        EXPECT_TRUE(run_tool(command + " --device navi21", without_hardware()).refused("it only compiles")) << command;
     // Commands that need a device and may choose take another one
     EXPECT_TRUE(run_tool("render creature.glb --out creature.png --size 32x32", without_hardware()).exit_code == 0);
 }
@@ -46,7 +46,7 @@ TEST_F(Isa, DriversWithoutHardwareAreNoDevices) {
     EXPECT_TRUE(run_tool("pose creature.glb", only_a_driver).succeeded());
 }
 
-TEST_F(Isa, WhatIsMissingIsNamed) {
+TEST_F(Isa, MissingDriversAndFamiliesAreErrors) {
     EXPECT_TRUE(run_tool("bench isa", {.environment = {{"VK_DRIVER_FILES", "/nowhere.json"}}}).refused("driver"));
     EXPECT_GT(run_tool("bench isa --family voodoo").exit_code, 0);
 }

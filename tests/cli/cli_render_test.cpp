@@ -57,7 +57,7 @@ TEST_F(CliRender, ClipsAreChosenByNameOrNumber) {
     EXPECT_TRUE(refuses({"--clip", "0", "--blend", "99"}, "no clip '99'"));
     EXPECT_TRUE(refuses({"--blend", "0"}, "--clip"));
     EXPECT_TRUE(refuses({"--clip", "walker.glb=0", "--blend", "dragon.glb=1"},
-                        "--blend 1: dragon.glb has no --clip that it could be blended with"));
+                        "--blend 1: dragon.glb has no --clip to blend it with"));
     EXPECT_TRUE(refuses({"--clip", "0", "--weight", "0.5"}, "--blend"));
     EXPECT_TRUE(refuses({"--clip", "0", "--blend", "1", "--weight", "1.5"}, "--weight"));
     const Words driven{"--clip", "0", "--controller",
@@ -117,8 +117,8 @@ TEST_F(CliRender, LooksAreChosenForEachCharacter) {
     EXPECT_TRUE(refuses({"--looks", "walker.glb=nowhere.json"}, "nowhere.json"));
     EXPECT_TRUE(refuses({"--looks", "fox.glb=looks.json"},
                         "--looks fox.glb=looks.json: there is no file 'fox.glb'. There are: "));
-    EXPECT_TRUE(refuses({"--looks", "a.json", "--looks", "b.json"}, "--looks b.json: there is one already, 'a.json'"));
-    EXPECT_TRUE(refuses({"--looks", "walker.glb="}, "--looks walker.glb=: nothing is given behind '='"));
+    EXPECT_TRUE(refuses({"--looks", "a.json", "--looks", "b.json"}, "--looks b.json: 'a.json' is given already"));
+    EXPECT_TRUE(refuses({"--looks", "walker.glb="}, "--looks walker.glb=: nothing is given after '='"));
     std::filesystem::copy_file("walker.glb", "a=b.glb");
     EXPECT_TRUE(run_tool({"render", "a=b.glb", "--looks", "a=b.glb=c=d.json", "--out", "a=b.png"})
                     .refused("c=d.json: no such file"));
@@ -139,7 +139,7 @@ TEST_F(CliRender, OptionsOfDrawingTakeEffect) {
     EXPECT_GT(stages_ms({"--skin-once"})["skin"], 0);
 }
 
-TEST_F(CliRender, PicturesAreWrittenAsTheirNamesSay) {
+TEST_F(CliRender, OnlyPngFileNamesAreAccepted) {
     for (const std::string name : {"fox.jpg", "fox.PNG", "fox"}) {
         EXPECT_TRUE(run_tool(command(name)).refused("--out " + name + ": pictures are .png files")) << name;
         EXPECT_FALSE(std::filesystem::exists(name));

@@ -211,7 +211,7 @@ TEST_F(Cli, PoseOnTheGpuAgreesWithTheReference) {
     }
 }
 
-TEST_F(Cli, PoseTakesClipsTimesAndWeightsAsItSays) {
+TEST_F(Cli, PoseUsesTheGivenClipsTimesAndWeights) {
     const auto reference = [&](const Words& arguments) { return pose(arguments + "--vertices all --reference"); };
     const Json walk = reference("--clip walk --time 0.3"), fly = reference("--clip fly --time 0.5"),
                rest = reference({});
@@ -236,7 +236,7 @@ TEST_F(Cli, PoseTakesClipsTimesAndWeightsAsItSays) {
     EXPECT_GT(pose_difference(reference(walk_at(duration_s + 0.3)), walk), 0.01);
 }
 
-TEST_F(Cli, PosePrintsAJointALine) {
+TEST_F(Cli, PosePrintsOneLinePerJoint) {
     const Outcome run = succeed("pose creature.glb --reference");
     EXPECT_EQ(std::count(run.out.begin(), run.out.end(), '\n'), kCreatureJoints + 1);
 }
@@ -312,7 +312,7 @@ TEST_F(Cli, GenerateIsExactAndDeterministic) {
 }
 
 // If `throng` is copied without the other programs, the error names the missing one.
-TEST_F(Cli, CommandsOfOtherProgramsNeedThemBesideIt) {
+TEST_F(Cli, AMissingOtherProgramIsNamed) {
     const std::filesystem::path tool = THRONG_TOOL;
     const std::string alone = file("throng");
     std::filesystem::copy_file(tool, alone);
@@ -349,7 +349,7 @@ TEST_F(Cli, WrongInputIsRefusedInOneLineThatNamesIt) {
         {"dance", "there is no command 'dance'. There are: info, compile"},
         {"rendr creature.glb", "there is no command 'rendr'; did you mean 'render'?"},
         {"render creature.glb --out x.png --cont 5", "--cont; did you mean --count? (throng render --help)"},
-        {"render creature.glb --out x.png --placement circle", "'circle' is none of disc, grid, path, random"},
+        {"render creature.glb --out x.png --placement circle", "'circle' is not one of disc, grid, path, random"},
         {"render creature.glb --out x.png --count abc", "'abc' is not a whole number from 1 to 10000000"},
         {"render creature.glb --out x.png --spacing 1x", "'1x' is not a number from 0.1 to 100"},
         {"info", "file"},
@@ -359,7 +359,7 @@ TEST_F(Cli, WrongInputIsRefusedInOneLineThatNamesIt) {
         {"info text.glb", "text.glb"},
         {"info json.gltf", "json.gltf"},
         {"info creature.glb --colour", "--colour"},
-        {"generate --out text.glb", "text.glb is there, and not a binary glTF file"},
+        {"generate --out text.glb", "text.glb exists and is not a binary glTF file"},
         {"pose missing.glb", "missing.glb"},
         {"pose creature.glb --clip swim", "there is no clip 'swim'. There are: idle, walk, fly, glide, roar"},
         {"pose creature.glb --clip 5", "'5'"},
@@ -448,7 +448,7 @@ TEST_F(Cli, AWrongOptionHasAnExitCodeOfItsOwn) {
     EXPECT_EQ(run_tool("pose missing.glb").exit_code, 1);
 }
 
-TEST_F(Cli, AFullDiskIsSaid) {
+TEST_F(Cli, AFullDiskIsReported) {
     for (const char* option : {"--json", "--help"}) {
         const Outcome run = run_tool({"info", "creature.glb", option}, {.out_path = "/dev/full"});
         EXPECT_TRUE(run.refused("standard output")) << option << "\n" << run;
@@ -456,7 +456,7 @@ TEST_F(Cli, AFullDiskIsSaid) {
 }
 
 // Wherever memory runs out while a file is read, the error says so.
-TEST_F(Cli, TooLittleMemoryIsSaid) {
+TEST_F(Cli, LackOfMemoryIsReported) {
     ASSERT_TRUE(run_tool({"generate", "--joints", "4000", "--levels", "100", "--out", "large.glb"}).succeeded());
     int refused = 0;
     for (uint64_t limit_MiB = 36; limit_MiB <= 100; limit_MiB += 4) {

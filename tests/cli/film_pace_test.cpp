@@ -6,7 +6,7 @@
 namespace throng::tools {
 namespace {
 
-TEST(FilmPace, FramesThatAreSteppedOverDoNotCountAsDrawn) {
+TEST(FilmPace, SkippedFramesDoNotCountAsDrawn) {
     FilmPace pace;
     for (int frame = 0; frame < 1000; ++frame) pace.skipped(0.25);
     EXPECT_EQ(pace.left_s(10, 0), 0) << "none has been drawn";

@@ -42,7 +42,7 @@ protected:
     std::optional<std::string> before_;
 };
 
-TEST_F(KeptCharacters, AFileThatChangesBeforeItIsReadIsNotKeptAsWhatItWas) {
+TEST_F(KeptCharacters, AFileChangedBeforeReadingIsNotCachedAsTheOldOne) {
     const std::string fox = write("fox.glb", with_clip("turn"));
     bool is_changed = false;
     const auto change = [&](double) {
@@ -56,7 +56,7 @@ TEST_F(KeptCharacters, AFileThatChangesBeforeItIsReadIsNotKeptAsWhatItWas) {
     EXPECT_EQ(kept_count(), 1) << "of the file that did not change";
 }
 
-TEST_F(KeptCharacters, FilesWithSideFilesAreNotKeptHoweverTheirKeysAreWritten) {
+TEST_F(KeptCharacters, FilesWithSideFilesAreNotCachedEvenWithEscapedKeys) {
     GlbBuilder character = tiny_character();
     character.json["buffers"] = {{{"side_uri", "side.bin"}, {"byteLength", character.bin.size()}}};
     const std::string glb = character.glb();
@@ -80,7 +80,7 @@ TEST_F(KeptCharacters, FilesWithSideFilesAreNotKeptHoweverTheirKeysAreWritten) {
 }
 
 // Some exporters escape all non-ASCII letters.
-TEST_F(KeptCharacters, EscapesInNamesDoNotPreventIt) {
+TEST_F(KeptCharacters, EscapesInNamesDoNotPreventCaching) {
     std::string named = with_clip("rotate");
     const std::string fox = write("fox.glb", named.replace(named.find("rotate"), 6, "\\u00e9"));
     EXPECT_EQ(load_kept_character(fox, {})->clips.at(0).name, "\u00e9");

@@ -40,7 +40,7 @@ TEST_F(WithoutVulkan, AnotherDeviceIsRefused) {
 }
 
 // The native device does not load Vulkan even where it is installed.
-TEST_F(WithoutVulkan, TheNativeDeviceDoesNotLoadIt) {
+TEST_F(WithoutVulkan, TheNativeDeviceDoesNotLoadVulkan) {
     const Outcome native = run_tool({file("creature.glb"), "native"}, {.program = THRONG_WITHOUT_VULKAN}),
                   software = run_tool({file("creature.glb"), "cpu"}, {.program = THRONG_WITHOUT_VULKAN});
     EXPECT_EQ(native.out, "native, moves, is seen, no Vulkan\n") << native;

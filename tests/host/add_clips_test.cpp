@@ -86,7 +86,7 @@ void expect_refused(Asset asset, const Asset& from, const char* message) {
     EXPECT_TRUE(asset.warnings.empty());
 }
 
-TEST(AddClips, AreTheCharactersOwnOnItsOwnRig) {
+TEST(AddClips, EqualTheCharactersOwnOnItsOwnRig) {
     const Asset whole = walker();
     Asset asset = without_clips(whole);
     const Result<void> added = add_clips(asset, animation_of(whole));
@@ -107,7 +107,7 @@ TEST(AddClips, AreTheCharactersOwnOnItsOwnRig) {
     }
 }
 
-TEST(AddClips, NamesMayDifferInWhatExportersChange) {
+TEST(AddClips, MatchNamesThatExportersChange) {
     const Asset whole = walker();
     struct Case {
         const char* what;
@@ -142,7 +142,7 @@ TEST(AddClips, NamesMayDifferInWhatExportersChange) {
 }
 
 // Files with only animation have as rest pose whatever the exporter showed on screen.
-TEST(AddClips, DoNotGoByTheOtherRestPoseWhereBonesAreAsLong) {
+TEST(AddClips, IgnoreTheOtherRestPoseIfBonesHaveEqualLength) {
     const Asset whole = walker();
     Asset from = animation_of(whole), asset = without_clips(whole);
     Random random(5);
@@ -194,7 +194,7 @@ TEST(AddClips, BonesKeepTheirOwnLength) {
 }
 
 // "Armature" nodes, which many exporters turn and scale and give constant keys.
-TEST(AddClips, WhatHoldsARigIsNotCarriedOver) {
+TEST(AddClips, ArmatureNodesAreNotTransferred) {
     const Asset whole = walker();
     const auto held = [](Asset asset, const Trs<double>& model_from_holder) {
         const auto holder = static_cast<uint32_t>(asset.nodes.size());
@@ -230,7 +230,7 @@ TEST(AddClips, WhatHoldsARigIsNotCarriedOver) {
     expect_same_places(asset, whole);
 }
 
-TEST(AddClips, WhatHasNoNodeIsLeftOutAndNamed) {
+TEST(AddClips, TracksWithoutANodeAreLeftOutAndNamed) {
     const Asset whole = walker();
     Asset from = animation_of(whole), asset = without_clips(whole);
     const size_t track_count = whole.clips[0].tracks.size();
@@ -258,7 +258,7 @@ TEST(AddClips, WhatHasNoNodeIsLeftOutAndNamed) {
     expect_refused(asset, from, "moves.glb: has no clips to add to walker.glb");
 }
 
-TEST(AddClips, HaveNamesOfTheirOwn) {
+TEST(AddClips, GetUniqueNames) {
     const Asset whole = walker();
     Asset from = animation_of(whole), asset = without_clips(whole);
     from.clips.resize(1);
@@ -350,7 +350,7 @@ TEST(AddClips, MorphWeightsGoByTheNamesOfTargets) {
     expect_refused(face({"frown", "pout"}), from, "('Face' with 2 morph targets) are not in face.glb");
 }
 
-TEST(AddClips, RefuseAssetsThatAreNotSound) {
+TEST(AddClips, RefuseInvalidAssets) {
     const Asset whole = walker();
     Asset from = animation_of(whole), asset = without_clips(whole);
     from.clips[1].tracks[2].node = 1000;

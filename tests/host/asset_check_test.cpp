@@ -42,7 +42,7 @@ Asset filled() {
     return asset;
 }
 
-TEST(AssetCheck, WhatIsWrongIsNamed) {
+TEST(AssetCheck, ErrorsNameWhatIsWrong) {
     ASSERT_TRUE(compile_character(filled()));
     struct Case {
         const char* message;
@@ -65,11 +65,11 @@ TEST(AssetCheck, WhatIsWrongIsNamed) {
         {"skins[0]: inverse_binds is not", [&](Asset& a) { a.skins[0].inverse_binds[0].row[1][2] = kNan; }},
         {"materials[0]: an image is 1", [&](Asset& a) { a.materials[0].emissive_image = 1; }},
         {"materials[0]: a factor", [&](Asset& a) { a.materials[0].roughness = kNan; }},
-        {"materials[0]: its alpha mode, filter or wrap",
+        {"materials[0]: alpha_mode, filter, wrap_u or wrap_v has",
          [&](Asset& a) { a.materials[0].alpha_mode = static_cast<AlphaMode>(3); }},
-        {"materials[0]: its alpha mode, filter or wrap",
+        {"materials[0]: alpha_mode, filter, wrap_u or wrap_v has",
          [&](Asset& a) { a.materials[0].filter = static_cast<TextureFilter>(2); }},
-        {"materials[0]: its alpha mode, filter or wrap",
+        {"materials[0]: alpha_mode, filter, wrap_u or wrap_v has",
          [&](Asset& a) { a.materials[0].wrap_v = static_cast<TextureWrap>(3); }},
         {"meshes[0]: weights", [&](Asset& a) { a.meshes[0].weights[0] = kNan; }},
         {"meshes[0]: target_names", [&](Asset& a) { a.meshes[0].target_names.push_back("blink"); }},
@@ -92,7 +92,7 @@ TEST(AssetCheck, WhatIsWrongIsNamed) {
         {"meshes[0].primitives[0]: targets has 0 elements; 1 are needed, as many as the mesh's weights",
          [&](Asset& a) { primitive(a).targets.clear(); }},
         {"targets[0]: positions has 2", [&](Asset& a) { primitive(a).targets[0].positions.pop_back(); }},
-        {"targets[0]: differences", [&](Asset& a) { primitive(a).targets[0].normals[0].x = kNan; }},
+        {"targets[0]: positions or normals are not", [&](Asset& a) { primitive(a).targets[0].normals[0].x = kNan; }},
         {"mesh_instances[0]: node is 3", [&](Asset& a) { a.mesh_instances[0].node = 3; }},
         {"mesh_instances[0]: mesh is 1", [&](Asset& a) { a.mesh_instances[0].mesh = 1; }},
         {"mesh_instances[0]: skin is 1", [&](Asset& a) { a.mesh_instances[0].skin = 1; }},
@@ -139,7 +139,7 @@ TEST(AssetCheck, AClipMayEndWithItsLastKey) {
 
 // Randomly changes several numbers and lengths at a time. The asset compiles, or is refused in one line. Sanitizers
 // check for memory errors.
-TEST(AssetCheck, SpoiledAtRandomNothingCrashes) {
+TEST(AssetCheck, RandomlyDamagedAssetsDoNotCrash) {
     std::mt19937 random(7);
     const auto below = [&](size_t count) { return count == 0 ? 0 : random() % count; };
     const auto index = [&](uint32_t& of) { of = below(3) == 0 ? kNone : static_cast<uint32_t>(below(5)); };

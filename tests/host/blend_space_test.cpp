@@ -232,7 +232,7 @@ TEST(BlendSpace, UnitsOfTheTwoParametersMayDiffer) {
     EXPECT_NEAR(space.place_of(space.weights_at(1250, 0.02f))[1], 0.02, 1e-6);
 }
 
-TEST(BlendSpace, FlatTrianglesAtTheBorderGiveWayToTheirSides) {
+TEST(BlendSpace, FlatBorderTrianglesAreReplacedByEdges) {
     const Space space({{"", 0, 0}, {"", 2, 0}, {"", 1, 1e-6f}, {"", 1, 2}});
     EXPECT_EQ(space.space.triangles.size(), 2u);
     EXPECT_EQ(space.space.edges.size(), 4u);
@@ -240,7 +240,7 @@ TEST(BlendSpace, FlatTrianglesAtTheBorderGiveWayToTheirSides) {
     EXPECT_NEAR(space.weights_at(0.5f, 0)[0], 0.5, 1e-6);
 }
 
-TEST(BlendSpace, OutsideTheNearestEdgeCounts) {
+TEST(BlendSpace, OutsideTheHullTheNearestEdgeIsUsed) {
     const Space space({{"", 0, 0}, {"", 2, 0}, {"", 0, 2}});
     EXPECT_NEAR(space.weights_at(0.5f, -3)[0], 0.75, 1e-6);
     EXPECT_NEAR(space.weights_at(0.5f, -3)[1], 0.25, 1e-6);
@@ -292,7 +292,7 @@ T read(const ControllerTables& tables, uint32_t begin, uint32_t index) {
     return item;
 }
 
-TEST(ControllerTables, AreTheStructsAsWords) {
+TEST(ControllerTables, HoldTheStructsAsWords) {
     const Character character = make_character({.joint_count = 6, .clip_count = 3});  // 1, 2, 3 s
     const std::string a = character.clips[0].name, b = character.clips[1].name, c = character.clips[2].name;
     Controller controller{.name = "test",

@@ -526,7 +526,7 @@ TEST(CharacterFile, CraftedPackedTracksAreRefused) {
 
 // Changes every word of a file to extreme values. Either the file is refused, or all addresses are inside their arrays
 // and poses can be computed.
-TEST(CharacterFile, NoChangedWordLeadsAStageOutOfItsBuffers) {
+TEST(CharacterFile, ChangedWordsCannotCauseAccessOutOfBounds) {
     for (const double error : kErrors) {
         const Bytes bytes = small_file(error);
         int accepted = 0, refused = 0;

@@ -105,7 +105,7 @@ void expect_round_trip(const Character& character) {
 
 // ---- Tests
 
-TEST(CharacterFile, TheChecksumIsItsSpecifications) {
+TEST(CharacterFile, TheChecksumMatchesItsSpecification) {
     const std::string text = "123456789";
     const auto bytes = std::as_bytes(std::span(text));
     EXPECT_EQ(crc64(bytes), 0x995DC9BBDF1939FAu);  // the catalogue's check value of CRC-64/XZ
@@ -128,7 +128,7 @@ TEST(CharacterFile, RigsComeBackBitForBit) {
     }
 }
 
-TEST(CharacterFile, AFileIsKnownByItsFirstBytesWhateverItsName) {
+TEST(CharacterFile, FilesAreRecognizedByTheirFirstBytes) {
     const TemporaryFolder folder;
     for (const double error : kErrors) {
         const Character character = compiled(make_full_asset({}), {.error = error});
@@ -228,21 +228,21 @@ TEST(CharacterFile, EveryTruncationAndEveryTrailingByteIsRefused) {
     }
 }
 
-TEST(CharacterFile, OtherVersionsAreRefusedWithAWayOut) {
+TEST(CharacterFile, OtherVersionsAreRefusedWithAdvice) {
     for (const bool sealed : {true, false}) {  // another version may have another checksum
         Forged forged(small_file(0));
         forged.header().version = 4;
         Result<Character> result = load(sealed ? forged.sealed() : forged.bytes());
         ASSERT_FALSE(result);
         EXPECT_EQ(result.error().code, ErrorCode::kUnsupported);
-        EXPECT_EQ(
-            result.error().text(),
-            "small.throng: version 4, this throng reads version 3; compile it anew from its source, or update throng");
+        EXPECT_EQ(result.error().text(),
+                  "small.throng: has version 4, but this throng reads version 3; compile it again from its source, "
+                  "or update throng");
         forged.header().version = 0;
         result = load(sealed ? forged.sealed() : forged.bytes());
         ASSERT_FALSE(result);
         EXPECT_EQ(result.error().text(),
-                  "small.throng: version 0, this throng reads version 3; compile it anew from its source");
+                  "small.throng: has version 0, but this throng reads version 3; compile it again from its source");
     }
 }
 
@@ -270,7 +270,7 @@ TEST(CharacterFile, CraftedFullRotationsAreRefused) {
             bad.keys[position + half][c] = std::nextafter(bad.keys[position + half][c], 1.0f);
             const Result<void> saved = save_character(bad, "/nowhere/none.throng");
             ASSERT_FALSE(saved);
-            EXPECT_NE(saved.error().text().find("a full rotation with a minimum or step of its own"), std::string::npos)
+            EXPECT_NE(saved.error().text().find("a full rotation, but its minimum or step is not"), std::string::npos)
                 << saved.error().text();
         }
 }
@@ -304,7 +304,7 @@ TEST(CharacterFile, UniformScaleIsLookedAtInEveryRow) {
     }
 }
 
-TEST(CharacterFile, WhatWouldBeRefusedIsNotWritten) {
+TEST(CharacterFile, InvalidCharactersAreNotWritten) {
     const TemporaryFolder folder;
     const Character good = compiled(make_full_asset({}));
     const auto expect_unsaved = [&](const char* named, const std::function<void(Character&)>& change) {

@@ -137,7 +137,7 @@ std::filesystem::path path_of(double error, const char* type) {
            ("version_" + std::to_string(file::kVersion) + (error > 0 ? "_packed" : "_exact") + type);
 }
 
-TEST(CharacterFileVersion, AFileOfAnEarlierBuildMeansTheSame) {
+TEST(CharacterFileVersion, AFileOfAnEarlierBuildLoadsTheSame) {
     for (const double error : kErrors) {
         const Result<Character> character = load_character(path_of(error, ".throng"));
         ASSERT_TRUE(character) << character.error().text();

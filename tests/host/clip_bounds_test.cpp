@@ -41,12 +41,12 @@ void expect_bounds(const Character& character) {
     }
 }
 
-TEST(ClipBounds, AreThoseOfEveryPose) {
+TEST(ClipBounds, ContainEveryPose) {
     for (const RigShape shape : kRigShapes) expect_bounds(make_character({.joint_count = 40, .shape = shape}));
 }
 
 // Games hide parts that a clip does not need by shrinking them to nothing, often far away.
-TEST(ClipBounds, LeaveOutWhatIsShrunkToNothing) {
+TEST(ClipBounds, LeaveOutPartsScaledToZero) {
     Asset asset = make_asset({.joint_count = 12, .shape = RigShape::kChain, .clip_count = 0});
     const auto hide = [](uint32_t node, double scale) {
         AssetClip clip{.name = "hide " + std::to_string(node), .duration_s = 1, .tracks = {}};
@@ -78,7 +78,7 @@ TEST(ClipBounds, LeaveOutWhatIsShrunkToNothing) {
 }
 
 // Parts that stand still are the extreme on one side, and parts carried along by a moving parent on the other.
-TEST(ClipBounds, HoldWhatStandsStillAndWhatIsCarried) {
+TEST(ClipBounds, ContainStillAndCarriedParts) {
     Asset asset = make_asset({.joint_count = 12, .shape = RigShape::kChain, .clip_count = 0});
     for (const uint32_t node : {0u, 6u, 11u})
         asset.clips.push_back({.name = "node " + std::to_string(node),
@@ -107,7 +107,7 @@ Asset triangle_with_a_socket() {
 }
 
 // Artists hide things this way. A sword may be attached there, but nothing 100 times the character's size.
-TEST(ClipBounds, ASocketThatIsTinyAtRestIsNotLargeWhereItIsShown) {
+TEST(ClipBounds, ASocketThatIsTinyAtRestDoesNotEnlargeThem) {
     Asset asset = triangle_with_a_socket();
     asset.clips = {
         {.name = "show",
@@ -120,7 +120,7 @@ TEST(ClipBounds, ASocketThatIsTinyAtRestIsNotLargeWhereItIsShown) {
     EXPECT_GT(extent.z, 0.02f * character.size) << "the socket's cube, where the mesh is flat";
 }
 
-TEST(ClipBounds, HoldAllWeightsThatClipsSet) {
+TEST(ClipBounds, ContainAllMorphWeightsOfClips) {
     Asset asset = triangle_with_a_socket();
     AssetMesh& mesh = asset.meshes[0];
     mesh.weights.assign(4, 0);

@@ -110,7 +110,7 @@ TEST(Compile, AnUnevenlyScaledNodeIsKept) {
     EXPECT_EQ(character.rig.rest[0].translation, (Vec3<float>{1, 2, 0}));
 }
 
-TEST(Compile, TheRigIsMeasured) {
+TEST(Compile, RigOrderAndStatisticsAreComputed) {
     AssetBuilder builder;
     const uint32_t a = builder.node(kNone), b = builder.node(a), c = builder.node(b), d = builder.node(a),
                    e = builder.node(kNone);
@@ -209,7 +209,7 @@ TEST(Compile, PrimitivesWithoutTrianglesHaveNoSection) {
 }
 
 // Each case has four million instances times as many nodes, or as many influences.
-TEST(Compile, ManyInstancesAreNotGoneThroughOneByOne) {
+TEST(Compile, ManyInstancesCompileQuickly) {
     constexpr uint32_t kInstances = kSanitized ? 200'000 : 4'000'000, kNodes = kSanitized ? 1'000 : 400'000;
     AssetBuilder chain;
     for (uint32_t i = 0; i < kNodes; ++i)
@@ -248,7 +248,7 @@ TEST(Compile, AnAssetWithNothingToDrawIsRefused) {
 }
 
 // Meshes of only points or lines have no indices, and need no joint.
-TEST(Compile, WhatIsNotDrawnNeedsNoJoint) {
+TEST(Compile, NodesThatAreNotDrawnNeedNoJoint) {
     AssetBuilder lines;
     lines.asset.meshes[lines.mesh(lines.node(kNone))].primitives[0].indices.clear();
     EXPECT_TRUE(contains(refusal_of(lines.asset).text(), "no triangles: there is nothing to draw"));
@@ -331,7 +331,7 @@ TEST(Compile, AnAnimatedNodeThatCarriesAMeshIsAJoint) {
     EXPECT_LE(length(corner - Vec3<double>{0, 1, 5}), 1e-6) << "a quarter turn about z";
 }
 
-TEST(Compile, AMirroringNodeTurnsTheWindingRound) {
+TEST(Compile, AMirroringNodeFlipsTheWinding) {
     AssetBuilder builder;
     Trs<double> mirror;
     mirror.scale = {-1, 1, 1};
@@ -342,7 +342,7 @@ TEST(Compile, AMirroringNodeTurnsTheWindingRound) {
 }
 
 // The specification uses the node's transform for the winding order, though a skinned mesh otherwise ignores it.
-TEST(Compile, AMirroringNodeTurnsTheWindingOfSkinsRound) {
+TEST(Compile, AMirroringNodeFlipsTheWindingOfSkins) {
     AssetBuilder builder;
     Trs<double> mirror;
     mirror.scale = {1, 1, -1};
@@ -355,7 +355,7 @@ TEST(Compile, AMirroringNodeTurnsTheWindingOfSkinsRound) {
     EXPECT_EQ(character.indices, (std::vector<uint32_t>{0, 2, 1, 0, 2, 1, 0, 1, 2, 0, 1, 2}));
 }
 
-TEST(Compile, WeightsAreBroughtToOne) {
+TEST(Compile, WeightsAreNormalized) {
     AssetBuilder builder;
     const uint32_t a = builder.node(kNone), b = builder.node(a), c = builder.node(a);
     builder.mesh(a, builder.skin({a, b, c}), 8);

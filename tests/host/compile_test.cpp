@@ -94,7 +94,7 @@ TEST(Compile, JointsAreFoundByTheirNames) {
               "rig: there is no joint 'arm'. There are: " + character.rig.names[0] + ", " + character.rig.names[1]);
 }
 
-TEST(Compile, WhatHasNoSuchNameIsAnErrorThatSaysWhatThereIs) {
+TEST(Compile, ErrorsForUnknownNamesListWhatExists) {
     Character character = compiled(make_asset({.clip_count = 2}));
     character.name = "fox.glb";
     character.clips[0].name = "walk";
@@ -158,7 +158,7 @@ TEST(Compile, ACubicTrackThatMeetsItsChordIsRefined) {
     EXPECT_LE(clip_errors(builder.asset, character, 0).translation, 1.3e-6 * character.size);
 }
 
-TEST(Compile, WhatDoesNotChangeIsStoredOnce) {
+TEST(Compile, ConstantTracksAreStoredOnce) {
     AssetBuilder builder;
     const uint32_t a = builder.node(kNone), b = builder.node(a);
     builder.mesh(a, builder.skin({a, b}));
@@ -195,7 +195,7 @@ TEST(Compile, PassesSeeClipsAsTheyAreWritten) {
     }
 }
 
-TEST(Compile, AClipMayMoveNothingThatShows) {
+TEST(Compile, AClipMayMoveOnlyNodesThatAreNotDrawn) {
     AssetBuilder builder;
     const uint32_t joint = builder.node(kNone), camera = builder.node(kNone);
     builder.mesh(joint, builder.skin({joint}));
@@ -236,7 +236,7 @@ TEST(Compile, NeighbouringRotationsLieInOneHemisphere) {
 
 // At half a turn the sign of the dot product depends on rounding. The stored keys must turn in the same direction as
 // the source.
-TEST(Compile, HalfATurnGoesTheSourcesWay) {
+TEST(Compile, HalfTurnsKeepTheSourcesDirection) {
     Random random(8);
     AssetBuilder builder;
     std::vector<uint32_t> joints;

@@ -33,7 +33,7 @@ std::string error_of(const Controller& controller) {
     return fits ? "" : fits.error().text();
 }
 
-TEST(CheckController, TakesWhatTheCharacterHas) {
+TEST(CheckController, AcceptsWhatTheCharacterHas) {
     EXPECT_EQ(error_of(two_states()), "");
     EXPECT_EQ(error_of(direct_layers(1)), "");
     EXPECT_EQ(error_of(direct_layers(16, {{"tail", {{.joint = "tail_0_0"}}}})), "");
@@ -45,7 +45,7 @@ TEST(CheckController, TakesWhatTheCharacterHas) {
     }
 }
 
-TEST(CheckController, NamesWhatIsMissingAndWhatThereIs) {
+TEST(CheckController, NamesWhatIsMissingAndWhatExists) {
     const auto after = [](auto change) {
         Controller controller = two_states();
         change(controller);
@@ -65,7 +65,7 @@ TEST(CheckController, NamesWhatIsMissingAndWhatThereIs) {
         start +
         "masks.tail[0].joint: there is no joint 'tail_0'; did you mean 'tail_0_0'? There are: body, tail_0_0, "))
         << joint;
-    EXPECT_TRUE(joint.ends_with(", … (40)")) << joint;
+    EXPECT_TRUE(joint.ends_with(", … (40 in all)")) << joint;
 }
 
 TEST(CheckController, KeepsTheRulesOfFiles) {
@@ -76,7 +76,7 @@ TEST(CheckController, KeepsTheRulesOfFiles) {
     };
     const std::string start = "made with creature: ";
     const float nan = std::numeric_limits<float>::quiet_NaN();
-    EXPECT_EQ(error_of(Controller{.name = "made"}), start + "layers: a controller has at least one layer");
+    EXPECT_EQ(error_of(Controller{.name = "made"}), start + "layers: a controller needs at least one layer");
     EXPECT_EQ(after([](Controller& c) { c.layers.push_back(c.layers[0]); }),
               start + "layers[1].name: the name 'body' is taken; rename one");
     EXPECT_EQ(after([](Controller& c) { c.layers[0].states[1].name = "a"; }),
@@ -85,7 +85,7 @@ TEST(CheckController, KeepsTheRulesOfFiles) {
                   c.layers[0].states[1].points.clear();
                   c.layers[0].states[1].x_parameter = "speed";
               }),
-              start + "layers[0].states.b.clips: a blend has at least one clip");
+              start + "layers[0].states.b.clips: a blend needs at least one clip");
     EXPECT_EQ(
         after([](Controller& c) { c.layers[0].states[1].points.push_back({"fly"}); }),
         start + "layers[0].states.b.blend: a state of several clips needs the parameter that chooses between them");
@@ -98,7 +98,7 @@ TEST(CheckController, KeepsTheRulesOfFiles) {
     EXPECT_EQ(after([](Controller& c) {
                   c.parameters = {{"p", ParameterType::kBool, 2}};
               }),
-              start + "parameters.p: must begin with 0 or 1");
+              start + "parameters.p: the initial value must be 0 or 1");
     EXPECT_EQ(after([](Controller& c) { c.layers.resize(17, {.name = "x"}); }),
               start + "layers: 17 layers, more than the limit of 16");
 }
@@ -116,11 +116,11 @@ TEST(CheckController, TransitionsFromAnyStateCountForEachState) {
     EXPECT_EQ(error_of(controller), "");
     controller.layers[1].transitions.push_back({.from = "s1", .to = "s2"});
     EXPECT_EQ(error_of(controller),
-              "made with creature: layers: 1048577 transitions, more than the limit of 1048576: one from any state "
-              "counts for each state of its layer; give some 'from'");
+              "made with creature: layers: 1048577 transitions, more than the limit of 1048576: one without 'from' "
+              "counts once for each state of its layer; give some a 'from'");
 }
 
-TEST(CheckController, DirectLayersPlayWhatTheyAreTold) {
+TEST(CheckController, DirectLayersHaveNoStates) {
     const Controller direct = direct_layers(3, {{"tail", {}}});
     ASSERT_EQ(direct.layers.size(), 3u);
     EXPECT_EQ(direct.masks.size(), 1u);

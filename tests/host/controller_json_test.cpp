@@ -125,11 +125,11 @@ TEST(ControllerJson, TransitionsAreReadInTheirOrder) {
     EXPECT_EQ(transitions[4].to, "zebra");
 }
 
-TEST(ControllerJson, TheLeastControllerIsALayer) {
+TEST(ControllerJson, TheSmallestControllerIsOneLayer) {
     const Result<Controller> least = parse_controller(R"({"layers": [{"name": "all"}]})", "least.json");
     ASSERT_TRUE(least) << least.error().text();
     EXPECT_EQ(least->layers[0].weight, 1);
-    EXPECT_EQ(error_of("{\"layers\": []}"), "guard.json:1: layers: a controller has at least one layer");
+    EXPECT_EQ(error_of("{\"layers\": []}"), "guard.json:1: layers: a controller needs at least one layer");
     EXPECT_EQ(error_of("{}"), "guard.json:1: 'layers' is missing");
     EXPECT_EQ(error_of("[]"), "guard.json:1: must be an object, but is an array");
     EXPECT_EQ(error_of("\n\n7\n"), "guard.json:3: must be an object, but is a number")
@@ -137,7 +137,7 @@ TEST(ControllerJson, TheLeastControllerIsALayer) {
     EXPECT_TRUE(error_of("").starts_with("guard.json:1: not JSON: ")) << error_of("");
 }
 
-TEST(ControllerJson, TheDocumentsExampleIsOne) {
+TEST(ControllerJson, TheDocumentationsExampleIsValid) {
     const std::string page = read_file(THRONG_SOURCE_DIR "/docs/controller.md"), fence = "```json\n";
     const size_t begin = page.find(fence) + fence.size();
     std::string example = page.substr(begin, page.find("```", begin) - begin);
@@ -147,7 +147,7 @@ TEST(ControllerJson, TheDocumentsExampleIsOne) {
     EXPECT_TRUE(!error.empty() && page.find(error) != page.npos) << "the page shows another message: " << error;
 }
 
-TEST(ControllerJson, WhatIsBrokenIsNamedWithItsLine) {
+TEST(ControllerJson, ErrorsNameTheirLine) {
     EXPECT_GE(kBrokenControllers.size(), 50u);
     for (const BrokenController& how : kBrokenControllers) {
         const std::string text = broken(how), error = error_of(text);
@@ -160,7 +160,7 @@ TEST(ControllerJson, WhatIsBrokenIsNamedWithItsLine) {
     }
 }
 
-TEST(ControllerJson, LinesOfEveryKindOfEndAreCounted) {
+TEST(ControllerJson, EveryKindOfLineEndingIsCounted) {
     std::string windows;
     for (const char c : broken({"\"fade\": \"cross\"", "\"fade\": 1", 47, ""}))
         windows += c == '\n' ? "\r\n" : std::string(1, c);
@@ -223,7 +223,7 @@ void expect_no_crash(const std::string& json) {
     EXPECT_LE(line, 1 + std::count(json.begin(), json.end(), '\n'));
 }
 
-TEST(ControllerJson, NoBytesCrashIt) {
+TEST(ControllerJson, ArbitraryBytesDoNotCrash) {
     for (size_t size = 0; size < kCompleteController.size(); ++size)
         expect_no_crash(kCompleteController.substr(0, size));
     std::mt19937 random(1);
@@ -244,7 +244,7 @@ TEST(ControllerJson, NoBytesCrashIt) {
     }
 }
 
-TEST(ControllerJson, AFileIsReadAsItsTextIs) {
+TEST(ControllerJson, AFileReadsLikeItsText) {
     const TemporaryFolder temporary;
     const std::filesystem::path path = temporary.write("controller.json", kCompleteController);
     const Result<Controller> read = load_controller(path);

@@ -18,7 +18,7 @@ void count(EventCounts& counts, const Instance& instance) {
     }
 }
 
-TEST(AnyController, HowTimeIsDividedIntoStepsChangesNoEvent) {
+TEST(AnyController, TimeStepsDoNotChangeEvents) {
     Random random(4);
     size_t total = 0, active_clips = 0;
     for (int round = 0; round < 300; ++round) {
@@ -49,7 +49,7 @@ TEST(AnyController, HowTimeIsDividedIntoStepsChangesNoEvent) {
     std::printf("  300 controllers, %zu events, at most %zu active clips\n", total, active_clips);
 }
 
-TEST(AnyController, AsManyEventsAsLoops) {
+TEST(AnyController, EventCountsEqualLoopCounts) {
     Random random(5);
     for (int round = 0; round < 100; ++round) {
         std::vector<ControllerEvent> events;
@@ -74,7 +74,7 @@ TEST(AnyController, AsManyEventsAsLoops) {
 
 // For any controller and steps: a layer's weights sum to 1 unless it plays nothing, there are no more active clips than
 // the tables allow, and the state is valid.
-TEST(AnyController, WhateverHappensLayersAreWhole) {
+TEST(AnyController, LayerWeightsAndStatesStayValid) {
     Random random(6);
     size_t most = 0, taken = 0;
     for (int round = 0; round < 100; ++round) {

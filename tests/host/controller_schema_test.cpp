@@ -20,7 +20,7 @@ namespace fs = std::filesystem;
 
 class ControllerSchema : public testing::Test {
 protected:
-    // They mostly run Python; ControllerJson.NoBytesCrashIt covers the parser under sanitizers
+    // They mostly run Python; ControllerJson.ArbitraryBytesDoNotCrash covers the parser under sanitizers
     void SetUp() override { THRONG_SKIP_WHERE_SANITIZED(); }
 
     // The schema's verdict on each text. Empty if there is no validator.

@@ -59,7 +59,7 @@ TEST(Controller, FadesAreLinearInTimeAndEased) {
 }
 
 // Getting up is sitting down played backwards. Clip b lasts 2 s.
-TEST(Controller, BackwardsAStateBeginsAtItsEndAndItsExitCountsFromThere) {
+TEST(Controller, BackwardStatesBeginAtTheirEndAndCountExitsFromThere) {
     for (const bool loop : {false, true}) {
         Controller controller = three_states(
             {{.from = "a", .to = "b", .conditions = kGo}, {.from = "b", .to = "c", .exit = loop ? 1.25f : 1}}, loop);
@@ -99,7 +99,7 @@ TEST(Controller, AnUpdateHasNoMoreEventsThanACrowdKeeps) {
     }
 }
 
-TEST(Controller, AStackOfThreeLosesItsOldest) {
+TEST(Controller, AFullStackOfThreePlaysDropsItsOldest) {
     Instance instance(direct_layers(1), {1, 1, 1, 1});
     for (uint32_t clip = 0; clip < 4; ++clip) {
         instance.play(clip, clip == 0 ? 0.0f : 1.0f);
@@ -110,7 +110,7 @@ TEST(Controller, AStackOfThreeLosesItsOldest) {
     EXPECT_EQ(instance.weights(), (std::vector<float>{0, (1 - third) * (1 - second), (1 - third) * second, third}));
 }
 
-TEST(Controller, AFadeThatEndsDropsWhatItCovers) {
+TEST(Controller, AFinishedFadeDropsThePlaysBelow) {
     Instance instance(direct_layers(1), {1, 1, 1});
     instance.play(0);
     instance.play(1, 4);
@@ -135,7 +135,7 @@ TEST(Controller, TransitionsInterruptAFadeOnlyWhereTheySaySo) {
     }
 }
 
-TEST(Controller, InertialTransitionsCutAndSaySo) {
+TEST(Controller, InertialTransitionsCutAndAreReported) {
     Instance instance(three_states({{.from = "a", .to = "b", .fade_s = 1, .fade = FadeKind::kInertial}}));
     instance.update(0);
     EXPECT_EQ(instance.reference.layers[0].taken, kNone);
@@ -145,7 +145,7 @@ TEST(Controller, InertialTransitionsCutAndSaySo) {
     EXPECT_EQ(instance.leading().fade_rate, 1);
 }
 
-TEST(Controller, InertialTransitionsOfALayerThatIsNotSeenMoveNobody) {
+TEST(Controller, InertialTransitionsOfHiddenLayersHaveNoEffect) {
     Controller controller = three_states({});
     controller.layers.push_back(
         {.name = "unseen",
@@ -208,7 +208,7 @@ TEST(Controller, TheFirstTransitionThatHoldsIsTakenAndOnlyOne) {
     EXPECT_EQ(instance.leading().motion, 2u);
 }
 
-TEST(Controller, IsPutIntoAStateAndGoesOnFromThere) {
+TEST(Controller, AStateCanBeSetAndContinuesFromThere) {
     Instance instance(
         three_states({{.from = "b", .to = "a", .exit = 2.75}, {.from = "c", .to = "a", .conditions = kGo}}));
     const auto put_into = [&](uint32_t state, uint32_t phase, uint32_t loops, float fade_rate = 0) {
@@ -235,7 +235,7 @@ TEST(Controller, IsPutIntoAStateAndGoesOnFromThere) {
 }
 
 // A rate that a device flushes to 0 would make the fade immediate.
-TEST(Controller, TheLongestFadesHaveARate) {
+TEST(Controller, TheLongestFadesHaveANonzeroRate) {
     const std::vector<LayerKind> kinds(1);
     const std::vector<float> durations_s{1};
     for (const float fade_s : {1e37f, 8e37f, 3e38f}) {
@@ -294,7 +294,7 @@ TEST(Controller, StatesOfASyncGroupKeepPhaseAndMixTheirRates) {
     EXPECT_EQ(instance.leading().phase, kQuarter / 2 + kQuarter);
 }
 
-TEST(Controller, WhatIsNotInStepCountsWithTheLeadingRate) {
+TEST(Controller, PlaysOutOfSyncKeepTheirOwnTime) {
     Instance instance(synchronised());
     instance.update(0);
     instance.set("go", 1);
@@ -348,7 +348,7 @@ TEST(Controller, AStateThatPlaysNothingShowsTheLayersBelow) {
     EXPECT_EQ(gesture().layer, 0u);
 }
 
-TEST(Controller, OfTwoPlaysOverNothingEachHasItsPart) {
+TEST(Controller, TwoPlaysOverNothingKeepTheirWeights) {
     Controller controller = three_states({{.from = "a", .to = "b", .conditions = kGo, .fade_s = 1},
                                           {.from = "b", .to = "c", .fade_s = 1, .interrupts = true}});
     controller.layers[0].states[0] = {.name = "a"};
@@ -448,7 +448,7 @@ TEST(Controller, EventsArePassedOnceInEachCycle) {
     EXPECT_EQ(instance.events(), "");
 }
 
-TEST(Controller, EventsOfTheWayBack) {
+TEST(Controller, BackwardPlaysPassEventsInReverse) {
     Instance instance(with_events(true, -1));
     instance.update(0.5f);
     EXPECT_EQ(instance.events(), "half@0.5") << "the end is where it begins";
@@ -459,7 +459,7 @@ TEST(Controller, EventsOfTheWayBack) {
     EXPECT_EQ(instance.leading().loops, 1u) << "of those backwards";
 }
 
-TEST(Controller, EndsArePassedOnce) {
+TEST(Controller, EndEventsArePassedOnce) {
     Instance instance(with_events(false));
     instance.update(0.75f);
     EXPECT_EQ(instance.events(), "start@0 half@0.5");
@@ -512,7 +512,7 @@ TEST(Controller, ManyCyclesInOneStep) {
     EXPECT_EQ(instance.last.events.size(), 6000u);
 }
 
-TEST(Controller, ImpossibleStepsLeaveAState) {
+TEST(Controller, ExtremeStepsLeaveAValidState) {
     Controller controller = with_events(true, 3e38f, {});
     controller.parameters = {{"x"}};
     controller.layers[0].states[0].speed_parameter = "x";
@@ -535,7 +535,7 @@ TEST(Controller, AStepTooSmallForAFloatIsNoStep) {
     EXPECT_EQ(instance.leading().phase, 0u);
 }
 
-TEST(Controller, ARateThatIsNoNumberStands) {
+TEST(Controller, ANanRateStopsThePlay) {
     Controller controller = with_events(true, 3e38f, {});
     controller.parameters = {{"x", ParameterType::kFloat, 1}};
     controller.layers[0].states[0].speed_parameter = "x";
@@ -559,7 +559,7 @@ TEST(Controller, AClipWithoutDurationStands) {
     }
 }
 
-TEST(Controller, DirectLayersPlayWhatTheyAreTold) {
+TEST(Controller, DirectLayersFollowPlayCommands) {
     Instance instance(direct_layers(2));
     instance.update(1);
     ASSERT_EQ(instance.last.active_clips.size(), 1u) << "the rest pose";
@@ -581,7 +581,7 @@ TEST(Controller, DirectLayersPlayWhatTheyAreTold) {
     EXPECT_EQ(instance.last.active_clips.back().layer, 1u);
 }
 
-TEST(Controller, WeightsOfLayersGoToTheirGoals) {
+TEST(Controller, LayerWeightsFadeToTheirGoals) {
     Controller controller = direct_layers(2, {{"none", {}}});
     controller.parameters = {{"x", ParameterType::kFloat, 1}};
     controller.layers[0].weight_parameter = "x";
@@ -629,7 +629,7 @@ TEST(Controller, WeightsOfLayersGoToTheirGoals) {
 }
 
 // Clip a walks 2 m along z in a cycle of 1 s; b makes a quarter turn on the spot in 2 s; c stands still.
-TEST(Controller, TheLowestLayerMovesItsCharacter) {
+TEST(Controller, RootMotionComesFromTheLowestLayer) {
     Character character = character_of({1, 2, 4});
     character.root_rows = {{0, 0, 1, 0}, {0, 1, 1, 0}, {0, 2, 1, 0}, {0, 0, 1, 0}, {0, 0, 0, 1}};
     character.clips[0].root_row_count = 3;
@@ -663,7 +663,7 @@ TEST(Controller, TheLowestLayerMovesItsCharacter) {
     expect(1, 0, 0, 0);
 }
 
-TEST(Controller, ActiveClipsAsTheStagesReadThem) {
+TEST(Controller, ActiveClipsHaveTheFormatOfTheStages) {
     Controller controller = direct_layers(2, {{"none", {}}, {"some", {}}});
     controller.layers[1].mode = LayerMode::kAdditive;
     controller.layers[1].mask = "some";

@@ -85,7 +85,7 @@ TEST(CullView, PlanesAreThoseOfTheProjection) {
         }
 }
 
-TEST(CullView, SizesArePixelsByWhatIsAllowed) {
+TEST(CullView, SizesAreRelativeToTheAllowedPixels) {
     CrowdView view{.eye = {1, 2, 3},
                    .pixels = 600,
                    .lod_pixels = 2,

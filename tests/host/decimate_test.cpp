@@ -77,7 +77,7 @@ std::map<std::pair<uint32_t, uint32_t>, int> edges_of(const Indices& indices) {
     return edges;
 }
 
-TEST(FourTriangles, HaveTheDistancesOfEach) {
+TEST(FourTriangles, DistancesEqualThoseOfSingleTriangles) {
     Random random(1);
     const auto place = [&] { return Vec3<double>{random.unit(), random.unit(), random.unit()}.as<float>(); };
     for (int i = 0; i < 2000; ++i) {
@@ -123,7 +123,7 @@ TEST(WeldedMesh, HasOnePointForVerticesThatStayTogether) {
 }
 
 // Must not compare all pairs of vertices, which would take forever.
-TEST(WeldedMesh, AnyNumberOfVerticesLieAtOnePlace) {
+TEST(WeldedMesh, ManyVerticesAtOnePlaceAreFast) {
     Mesh mesh;
     constexpr uint32_t kVertices = 100'000, kTexcoords = 1000;
     for (uint32_t i = 0; i < kVertices; ++i) {
@@ -238,7 +238,7 @@ TEST(WeldedMesh, FindsNoVertexOfAnotherSection) {
     EXPECT_EQ(welded.most_like(0, welded.point_of(5)).vertex, kNone);
 }
 
-TEST(Decimate, WhatIsFlatLosesAlmostAll) {
+TEST(Decimate, FlatMeshesLoseAlmostAllTriangles) {
     Mesh mesh;
     add_grid(mesh, {}, 0);
     const Indices few = mesh.decimated(2);
@@ -246,7 +246,7 @@ TEST(Decimate, WhatIsFlatLosesAlmostAll) {
     EXPECT_LT(furthest(mesh.indices, few, mesh.rest), 1e-6f);
 }
 
-TEST(Decimate, WhatBendsInAPoseKeepsWhatItBendsBy) {
+TEST(Decimate, TrianglesThatBendInAPoseAreKept) {
     Mesh mesh;
     add_grid(mesh, {}, 0);
     Places bent = mesh.rest;
@@ -287,7 +287,7 @@ TEST(Decimate, GapsStayOpen) {
     }
 }
 
-TEST(Decimate, WhatIsClosedStaysClosed) {
+TEST(Decimate, ClosedMeshesStayClosed) {
     Mesh mesh;
     constexpr uint32_t kAround = 24, kDown = 12;
     for (uint32_t row = 0; row <= kDown; ++row)
@@ -359,7 +359,7 @@ TEST(Decimate, SectionsKeepTheirVerticesAndMeet) {
     EXPECT_GE(heights[0].size(), 2u);
 }
 
-TEST(Decimate, NothingVanishes) {
+TEST(Decimate, NoPieceVanishes) {
     Mesh mesh;
     constexpr uint32_t kPieces = 50;
     for (uint32_t i = 0; i < kPieces; ++i) {
@@ -382,7 +382,7 @@ TEST(Decimate, NoPointVanishesWithItsLastTriangle) {
 
 // Two parts of the mesh touch at vertex 1. When vertex 0 collapses into 2, it loses the triangle that connected it to
 // the other part, and may no longer collapse into that part.
-TEST(Decimate, PlansBesideABorderAreMadeAnew) {
+TEST(Decimate, CollapsesBesideABorderAreReplanned) {
     Mesh mesh;
     for (const Vec3<float>& place :
          {Vec3<float>{0, 0, 0}, {1, 0, 0}, {0.2f, 0.02f, 0}, {-1, 0.5f, 0}, {-1, -0.5f, 0}, {2, -1, 0}, {2, 1, 0}})
@@ -391,7 +391,7 @@ TEST(Decimate, PlansBesideABorderAreMadeAnew) {
     EXPECT_EQ(mesh.decimated(1), (Indices{2, 3, 4, 1, 5, 6}));
 }
 
-TEST(Decimate, RaggedMeshesStayMeshes) {
+TEST(Decimate, RaggedMeshesStayValid) {
     Random random(4);
     float worst = 0;
     for (int round = 0; round < 40; ++round) {
@@ -418,7 +418,7 @@ TEST(Decimate, RaggedMeshesStayMeshes) {
 }
 
 // The work must not grow with the square of the number of triangles around a point.
-TEST(Decimate, ManyTrianglesAroundOnePointTakeNoAges) {
+TEST(Decimate, ManyTrianglesAroundOnePointAreFast) {
     Mesh mesh;
     constexpr uint32_t kAround = 30'000;
     const uint32_t middle = mesh.add({});
@@ -432,7 +432,7 @@ TEST(Decimate, ManyTrianglesAroundOnePointTakeNoAges) {
     EXPECT_LT(furthest(mesh.indices, few, mesh.rest), 1e-4f);
 }
 
-TEST(Decimate, PlacesThatAreTooFarAwayOrAllTheSameDoNoHarm) {
+TEST(Decimate, ExtremeOrEqualPositionsAreHandled) {
     for (const float scale : {0.0f, 1e-30f, 1e25f}) {
         Mesh mesh;
         add_grid(mesh, {}, 0);
@@ -443,7 +443,7 @@ TEST(Decimate, PlacesThatAreTooFarAwayOrAllTheSameDoNoHarm) {
     }
 }
 
-TEST(Decimate, IsTheSameEachTime) {
+TEST(Decimate, IsDeterministic) {
     Mesh mesh;
     add_grid(mesh, {}, 0);
     EXPECT_EQ(mesh.decimated(40), mesh.decimated(40));

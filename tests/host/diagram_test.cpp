@@ -34,7 +34,7 @@ std::vector<ScanMethod> flow_methods() {
 }
 
 TEST(Diagram, EveryMethodMakesEachJointsChain) {
-    THRONG_SKIP_WHERE_SANITIZED();  // TheDocumentationHasTheCurrentOnes covers the simulation of each method there
+    THRONG_SKIP_WHERE_SANITIZED();  // TheDocumentationIsUpToDate covers the simulation of each method there
     for (const ScanMethod& method : flow_methods())
         for (const ScanRig& rig : rigs())
             for (const FlowSettings& settings : {FlowSettings{}, kDiagramSettings}) {
@@ -101,7 +101,7 @@ TEST(Diagram, EveryMethodOfThePaperHasAPicture) {
         EXPECT_TRUE(method.origin != ScanOrigin::kPaper || pictures.contains(std::string(method.name))) << method.name;
 }
 
-TEST(Diagram, TheDocumentationHasTheCurrentOnes) {
+TEST(Diagram, TheDocumentationIsUpToDate) {
     for (const Diagram& diagram : scan_diagrams()) {
         const std::string text = test::read_file(std::string(THRONG_SOURCE_DIR) + "/docs/scan/" + diagram.name +
                                                  ".svg");

@@ -40,7 +40,7 @@ TEST(DirtyRanges, MergeWhatTouches) {
     EXPECT_EQ(pairs_of(dirty.take()), Ranges{}) << "taken twice";
 }
 
-TEST(DirtyRanges, WhatWasTakenMayBePutBack) {
+TEST(DirtyRanges, TakenRangesCanBePutBack) {
     DirtyRanges dirty;
     dirty.add(60, 10);
     dirty.take();
@@ -52,7 +52,7 @@ TEST(DirtyRanges, WhatWasTakenMayBePutBack) {
 }
 
 // 300 numbers, so that ranges begin, end and meet at every bit of a word, also beyond the highest number added so far.
-TEST(DirtyRanges, AreThoseOfASet) {
+TEST(DirtyRanges, MatchASetOfNumbers) {
     std::mt19937 random(1);
     const auto below = [&](uint32_t end) { return static_cast<uint32_t>(random() % end); };
     DirtyRanges dirty;

@@ -6,7 +6,7 @@ namespace {
 
 using namespace test;
 
-TEST(GoldenReference, HasTheirPoses) {
+TEST(GoldenReference, MatchesTheGoldenPoses) {
     THRONG_SKIP_WITHOUT(shared_folder("goldens"));
     size_t answer_count = 0;
     for (const Golden& golden : load_goldens()) {

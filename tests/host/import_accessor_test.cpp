@@ -21,12 +21,12 @@ TEST(Import, AccessorsALittleTooLongAreReadAsFarAsTheyGo) {
         return b;
     };
     const Asset asset = loaded(with_colors(20, 18));
-    EXPECT_TRUE(has_warning(asset, "accessors[10]: 2 of 20 elements lie beyond its buffer view: they are 0"));
+    EXPECT_TRUE(has_warning(asset, "accessors[10]: 2 of 20 elements lie beyond its buffer view: they are set to 0"));
     EXPECT_EQ(asset.warnings.size(), 1u);
     const auto& colors = asset.meshes[0].primitives[0].colors;
     ASSERT_EQ(colors.size(), 20u);
     for (size_t v = 0; v < colors.size(); ++v) EXPECT_EQ(colors[v][0], v < 18 ? 0.5f : 0) << v;
-    expect_refused(with_colors(20, 17), "accessors[10]", "a tenth of them may be missing");
+    expect_refused(with_colors(20, 17), "accessors[10]", "at most a tenth of them may be missing");
     expect_refused(with_colors(20, 0), "accessors[10]", "do not fit");
     GlbBuilder many = with_colors(20, 18);
     many.json["accessors"].back()["count"] = 4'000'000'000u;
@@ -34,7 +34,7 @@ TEST(Import, AccessorsALittleTooLongAreReadAsFarAsTheyGo) {
 }
 
 // Replacing missing keys or matrices with zeros would be worse than leaving them out.
-TEST(Import, WhatLiesBeyondABufferViewIsNoKeyAndNoMatrix) {
+TEST(Import, KeysAndMatricesBeyondABufferViewAreLeftOut) {
     constexpr size_t kCount = 20;
     const auto with_keys = [&](size_t times_there, size_t values_there) {
         GlbBuilder b = tiny_character();
@@ -56,7 +56,7 @@ TEST(Import, WhatLiesBeyondABufferViewIsNoKeyAndNoMatrix) {
         EXPECT_EQ(asset.warnings.size(), size_t(times_there < 20) + size_t(values_there < 20));
         EXPECT_TRUE(has_warning(asset, "2 of 20 elements lie beyond its buffer view: they are left out"));
     }
-    expect_refused(with_keys(17, 20), "accessors[8]", "a tenth of them may be missing");
+    expect_refused(with_keys(17, 20), "accessors[8]", "at most a tenth of them may be missing");
 
     GlbBuilder b = tiny_character();
     b.json["skins"][0]["joints"] = {1, 2, 1, 2, 1, 2, 1, 2, 1, 2};

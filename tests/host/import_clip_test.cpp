@@ -113,7 +113,7 @@ TEST(Import, KeyTimesThatGoBackAreSorted) {
     // last.
     asset = expect_keys(with_keys({0, 0.5f, 0.5f, 0.5f, 1}), {0, before(0.5f), 0.5f, 1}, {1, 2, 4, 5});
     EXPECT_EQ(asset.warnings.size(), 1u);
-    EXPECT_TRUE(has_warning(asset, input + "2 of the clip's 5 keys have the time of another one"));
+    EXPECT_TRUE(has_warning(asset, input + "2 of the clip's 5 keys have the time of another key"));
     asset = expect_keys(with_keys({1, 0.5f, 1, 0.5f}), {before(0.5f), 0.5f, before(1.0f), 1}, {2, 4, 1, 3});
     EXPECT_TRUE(has_warning(asset, input + "2 of the clip's 4 keys are earlier"));
     EXPECT_TRUE(has_warning(asset, input + "2 of the clip's 4 keys have the time"));
@@ -129,7 +129,7 @@ TEST(Import, KeyTimesThatGoBackAreSorted) {
 }
 
 // Which of the file's keys to keep is known only while they are read.
-TEST(Import, WhatSortsKeysIsGivenBack) {
+TEST(Import, KeySortingMemoryIsGivenBack) {
     GlbBuilder b = tiny_character();
     b.json["buffers"][0]["byteLength"] = b.bin.size();
     overwrite(b, kTimes, 0, 2.0f);
@@ -146,7 +146,7 @@ TEST(Import, WhatSortsKeysIsGivenBack) {
     EXPECT_FALSE(has_room(file.budget, gltf::kMemoryLimitBytes - kept_bytes + 1));
 }
 
-TEST(Import, MendedKeysAreOneWarningAClip) {
+TEST(Import, RepairedKeysGiveOneWarningPerClip) {
     GlbBuilder b = with_keys({0, 2, 1, 1});
     GltfJson& clip = b.json["animations"][0];
     clip["channels"].push_back(channel(b));  // uses the sampler again
@@ -159,12 +159,12 @@ TEST(Import, MendedKeysAreOneWarningAClip) {
     EXPECT_EQ(asset.warnings.size(), 2u);
     const std::string place = "animations[0].samplers[0].input: ";
     EXPECT_TRUE(has_warning(asset, place + "2 of the clip's 8 keys are earlier"));
-    EXPECT_TRUE(has_warning(asset, place + "2 of the clip's 8 keys have the time of another"));
+    EXPECT_TRUE(has_warning(asset, place + "2 of the clip's 8 keys have the time of another key"));
     EXPECT_TRUE(has_warning(loaded(with_keys({0, 3, 2, 1})), place + "2 of the clip's 4 keys are earlier"));
 }
 
 // Keys that share a time play as in three.js. Keys that go back in time play as if they had been sorted.
-TEST(Import, MendedKeysPlay) {
+TEST(Import, RepairedKeysPlay) {
     const auto tip_x = [](const GlbBuilder& b, double time_s) {
         const Character character = *compile_character(loaded(b));
         const auto pose = reference_pose(character, {.first = {.clip = 0, .time_s = time_s, .loop = false}});

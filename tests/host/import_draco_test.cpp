@@ -104,7 +104,7 @@ TEST(Import, BrokenDraco) {
     expect_refused(b, place + ".bufferView", "index 99");
     b = good;
     extension(b)["attributes"]["POSITION"] = 77;
-    expect_refused(b, place + ".attributes.POSITION", "no attribute of this id");
+    expect_refused(b, place + ".attributes.POSITION", "no attribute with this id");
     extension(b)["attributes"]["POSITION"] = 1;
     expect_refused(b, place + ".attributes.POSITION", "has 4 components, but its accessor is VEC3");
     b = good;

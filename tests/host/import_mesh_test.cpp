@@ -5,7 +5,7 @@
 namespace throng::test {
 namespace {
 
-TEST(Import, NormalsThatAreMissingAreMade) {
+TEST(Import, MissingNormalsAreComputed) {
     GlbBuilder b = tiny_character();
     attributes(b).erase("NORMAL");
     Asset asset = loaded(b);
@@ -163,7 +163,7 @@ TEST(Import, VerticesAreNamedByTheirNumbersInTheFile) {
     expect_refused(b, place + ".targets[0].POSITION", "vertex 4 is not finite");
     b = good;
     overwrite<uint8_t>(b, of["attributes"]["JOINTS_0"], 4 * 4, 2);
-    expect_refused(b, place + ".attributes.JOINTS_0", "vertex 4 follows joint 2, but skins[0] has 2");
+    expect_refused(b, place + ".attributes.JOINTS_0", "vertex 4 follows joint 2, but skins[0] has 2 joints");
 }
 
 TEST(Import, VerticesThatTrianglesNameAllKeepTheirOrder) {
@@ -237,7 +237,8 @@ TEST(Import, TheLargestJointOfAMeshIsChecked) {
     const size_t joints = b.add<uint8_t>({0, 5, 0, 0, 1, 0, 0, 0, 3, 0, 0, 0}, "VEC4", kUint8);
     overwrite<uint8_t>(b, kVertexJoints, 4, 2);
     b.json["meshes"][0]["primitives"][1]["attributes"]["JOINTS_0"] = joints;
-    expect_refused(b, "meshes[0].primitives[1].attributes.JOINTS_0", "vertex 0 follows joint 5, but skins[0] has 2");
+    expect_refused(b, "meshes[0].primitives[1].attributes.JOINTS_0",
+                   "vertex 0 follows joint 5, but skins[0] has 2 joints");
     b.json["nodes"][0].erase("skin");
     EXPECT_TRUE(load(b).ok());
 }
@@ -262,7 +263,7 @@ TEST(Import, Influences) {
     overwrite<uint8_t>(b, kVertexJoints, 3, 200);  // with weight 0
     EXPECT_EQ(loaded(b).meshes[0].primitives[0].influence_joints[3], 0);
     overwrite<uint8_t>(b, kVertexJoints, 4, 2);
-    expect_refused(b, place + ".JOINTS_0", "vertex 1 follows joint 2, but skins[0] has 2");
+    expect_refused(b, place + ".JOINTS_0", "vertex 1 follows joint 2, but skins[0] has 2 joints");
     b.json["nodes"][0].erase("skin");  // nothing uses the joints
     EXPECT_TRUE(load(b).ok());
     b = tiny_character();

@@ -116,13 +116,13 @@ TEST(Import, MeshoptOfKhronos) {
     GlbBuilder newer = renamed(good);
     const GltfJson& extension = newer.json["bufferViews"][0]["extensions"]["KHR_meshopt_compression"];
     newer.bin[extension["byteOffset"]] = std::byte{0xA1};
-    expect_refused(load(newer), ErrorCode::kUnsupported, place, "version 1 of their codec");
+    expect_refused(load(newer), ErrorCode::kUnsupported, place, "with version 1 of their codec");
     GlbBuilder colors = renamed(good);
     colors.json["bufferViews"][0]["extensions"]["KHR_meshopt_compression"]["filter"] = "COLOR";
     expect_refused(load(colors), ErrorCode::kUnsupported, place, "COLOR");
 }
 
-TEST(Import, WhatMeshoptHasDecompressedIsGivenBack) {
+TEST(Import, MeshoptMemoryIsGivenBack) {
     GlbBuilder b = meshopt_character();
     b.json["buffers"][0]["byteLength"] = b.bin.size();
     OpenedBuffers file(b);

@@ -59,7 +59,7 @@ TEST(Import, MorphTargets) {
         b.json["meshes"][0]["extras"] = {{"targetNames", names}};
         asset = loaded(b);
         EXPECT_TRUE(asset.meshes[0].target_names.empty());
-        EXPECT_TRUE(has_warning(asset, "meshes[0].extras.targetNames: is not a name for each morph target"));
+        EXPECT_TRUE(has_warning(asset, "meshes[0].extras.targetNames: does not have a name for each morph target"));
     }
     b.json["meshes"][0]["extras"] = 5;
     EXPECT_TRUE(loaded(b).meshes[0].target_names.empty());

@@ -131,7 +131,7 @@ TEST(Import, Scenes) {
     b.json["scenes"] = {{{"nodes", {2}}}};
     asset = loaded(b);
     EXPECT_EQ(asset.mesh_instances.at(0).node, 2u);
-    EXPECT_TRUE(has_warning(asset, "scenes[0].nodes[0]: is not a root"));
+    EXPECT_TRUE(has_warning(asset, "scenes[0].nodes[0]: is not a root node"));
     b.json.erase("scenes");
     EXPECT_EQ(loaded(b).mesh_instances.size(), 3u);
     b.json["scene"] = 0;
@@ -145,7 +145,7 @@ TEST(Import, Scenes) {
     expect_refused(b, "nodes[0].skin", "index 1, but skins has 1 entry");
 }
 
-TEST(Import, WhatIsHiddenIsNotDrawn) {
+TEST(Import, HiddenNodesAreNotDrawn) {
     const auto hide = [](GlbBuilder& b, size_t node, const GltfJson& visible) {
         b.json["nodes"][node]["extensions"]["KHR_node_visibility"]["visible"] = visible;
     };

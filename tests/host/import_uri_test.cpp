@@ -9,7 +9,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-TEST(ImportUri, NamesStayInTheFolder) {
+TEST(ImportUri, UrisCannotLeaveTheFolder) {
     const TemporaryFolder outer;
     const GlbBuilder b = tiny_character();
     const std::string content(reinterpret_cast<const char*>(b.bin.data()), b.bin.size());

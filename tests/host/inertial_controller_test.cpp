@@ -49,7 +49,7 @@ double angle_between(const AffineT<double>& a, const AffineT<double>& b) {
 }
 
 // Between clips that stand still, so that the offset has no speed: the quintic is then 1 - s^3 (10 - 15 s + 6 s^2).
-TEST(InertialController, TheDifferenceToThePoseBeforeDiesAway) {
+TEST(InertialController, TheOffsetToThePreviousPoseDecays) {
     const Character character = make_character({.joint_count = 4, .scale_spread = 0});
     const Controller controller = direct_layers(1, {}, true);
     const ClipPlayback first{.clip = 0, .time_s = 0.25, .speed = 0}, second{.clip = 1, .time_s = 1.25, .speed = 0};
@@ -98,7 +98,7 @@ float begun_by(std::vector<ControllerLayer> layers, const std::vector<std::pair<
     return begun_s;
 }
 
-TEST(InertialController, OfSeveralThatBeginTheHighestLayersCounts) {
+TEST(InertialController, OfSeveralTransitionsTheHighestLayersIsUsed) {
     const auto going = [](const char* name, float fade_s) { return going_layer(name, FadeKind::kInertial, fade_s); };
     const auto told = [](const char* name) { return ControllerLayer{.name = name, .inertial_plays = true}; };
     EXPECT_EQ(begun_by({going("low", 0.5f), going("high", 2)}), 2);

@@ -7,7 +7,7 @@ namespace throng::bench {
 namespace {
 
 // A SIMD has 1024 registers of 32 lanes and 16 subgroup slots; four SIMDs share 128 KiB of shared memory.
-TEST(IsaMachines, OccupancyIsTheLeastOfPlacesRegistersAndSharedMemory) {
+TEST(IsaMachines, OccupancyIsLimitedBySlotsRegistersAndSharedMemory) {
     const Simd& simd = *find_family("navi21");
     const auto expect = [&](const KernelNeeds& kernel, double subgroups, const char* limit) {
         const Occupancy occupancy = occupancy_of(kernel, simd);
@@ -84,7 +84,7 @@ TEST(IsaPrediction, TheLongestOfIssueWaitsAndMemory) {
     EXPECT_DOUBLE_EQ(predict(work, machine).issue_ms, 80e-6);
 }
 
-TEST(IsaMachines, EachStandsForAFamilyThatIsCompiled) {
+TEST(IsaMachines, EachHasACompiledFamily) {
     EXPECT_EQ(machines().size(), 6u);
     for (const Machine& machine : machines()) EXPECT_TRUE(find_family(machine.code)) << machine.name;
     EXPECT_EQ(find_family("navi"), nullptr);

@@ -20,7 +20,7 @@ Playback some_playback(uint32_t i) {
             .weight = static_cast<float>(i % 5) / 4};
 }
 
-TEST(JointSampler, GivesTheReferencesJoints) {
+TEST(JointSampler, MatchesTheReference) {
     const Character character = make_character({.joint_count = 120});
     const std::vector<uint32_t> joints{119, 0, 57, 3};
     const Result<JointSampler> sampler = JointSampler::create(character, joints);
@@ -57,7 +57,7 @@ TEST(JointSampler, ServesManyThreads) {
     for (std::thread& thread : threads) thread.join();
 }
 
-TEST(JointSampler, RefusesWhatIsWrong) {
+TEST(JointSampler, RefusesInvalidArguments) {
     const Character character = make_character({.joint_count = 9});
     const std::vector<uint32_t> beyond{3, 9}, none;
     EXPECT_EQ(JointSampler::create(character, beyond).error().code, ErrorCode::kInvalidArgument);

@@ -13,7 +13,7 @@ std::string error_of_reading(const auto& what) {
     return result ? "" : result.error().text();
 }
 
-TEST(Json, APlaceNamesItsWay) {
+TEST(Json, PlacesNameTheirPath) {
     EXPECT_EQ(place_of("", "nodes"), "nodes");
     EXPECT_EQ(place_of("nodes", size_t{3}, "name"), "nodes[3].name");
     EXPECT_EQ(place_of("masks", "left arm"), "masks[\"left arm\"]");
@@ -31,15 +31,15 @@ TEST(Json, MembersKeepTheirOrder) {
     EXPECT_EQ(text.view().optional_array("none").size() + text.view().optional_members("none").size(), 0u);
 }
 
-TEST(Json, OfSeveralKeysThatAProgramWritesTheLastCounts) {
+TEST(Json, DuplicateKeysAreRefusedOnlyFromPeople) {
     const char* twice = "{\"a\": 1, \"b\": 2,\n\"a\": 3}";
     const JsonText text(twice, JsonAuthor::kProgram);
     EXPECT_EQ(text.view().required_uint("a"), 3u);
     EXPECT_EQ(error_of_reading([&] { JsonText(twice, JsonAuthor::kPerson, "x.json"); }),
-              "x.json:2: 'a' stands twice in one object, first in line 1; rename or remove one");
+              "x.json:2: duplicate key 'a' in one object, first in line 1; rename or remove one");
 }
 
-TEST(Json, ProgramsAndPeopleAreToldWhatTheyNeed) {
+TEST(Json, ErrorsDifferForProgramsAndPeople) {
     const char* json = R"({"n": 7, "big": 1e39, "list": [1, 2]})";
     const JsonText by_program(json, JsonAuthor::kProgram), by_person(json, JsonAuthor::kPerson);
     const JsonView p = by_program.view(), q = by_person.view();
@@ -60,7 +60,7 @@ TEST(Json, ProgramsAndPeopleAreToldWhatTheyNeed) {
               "big: there is no field 'big'; did you mean 'bug'? There are: n, bug, list");
 }
 
-TEST(Json, OfManyNamesThoseThatContainWhatWasAskedForComeFirst) {
+TEST(Json, SuggestionsStartWithNamesThatContainTheInput) {
     KnownNames clips("clip");
     const std::vector<std::string> names{"Idle",      "Jump_A", "Sit",   "Running", "Walking_Backwards",
                                          "Walking_A", "Lie",    "Hit",   "Death",   "Wave",
@@ -69,7 +69,7 @@ TEST(Json, OfManyNamesThoseThatContainWhatWasAskedForComeFirst) {
     EXPECT_EQ(
         clips.unknown("walk"),
         "there is no clip 'walk'; did you mean 'Walking_A'? There are: Walking_Backwards, Walking_A, Idle, Jump_A, "
-        "Sit, Running, Lie, Hit, Death, Wave, Block, Cheer, … (14)");
+        "Sit, Running, Lie, Hit, Death, Wave, Block, Cheer, … (14 in all)");
     EXPECT_EQ(clips.unknown("jmp_a").substr(0, 60), "there is no clip 'jmp_a'; did you mean 'Jump_A'? There are: ");
     EXPECT_EQ(clips.unknown("it").substr(0, 46), "there is no clip 'it'; did you mean 'Sit'? The")
         << "a letter is missing";
@@ -86,7 +86,7 @@ TEST(Json, APlaceHasItsLine) {
     EXPECT_EQ(text.located("f", "ab"), "f:6: ab") << "that of the key";
 }
 
-TEST(Json, TooMuchIsRefused) {
+TEST(Json, TooDeepNestingIsRefused) {
     const std::string deep(kProgramNestingLimit + 1, '[');
     EXPECT_EQ(error_of_reading([&] { JsonText(deep, JsonAuthor::kProgram); }),
               "the JSON is nested deeper than the limit of 64");
@@ -118,7 +118,7 @@ TEST(Json, LongKeysAreCutInPlaces) {
 }
 
 // std::tolower() depends on the locale: in Turkish, 'I' is not the upper case of 'i'.
-TEST(Text, CaseIsThatOfAscii) {
+TEST(Text, CaseConversionIsAsciiOnly) {
     EXPECT_EQ(ascii_lower("AZaz09[@`{_\xC4\xB0\xDD"), "azaz09[@`{_\xC4\xB0\xDD");
     std::string alphanumeric;
     for (int c = 0; c < 256; ++c)

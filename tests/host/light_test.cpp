@@ -27,7 +27,7 @@ Vec3<double> direction(double height, double turn_rad) {
 
 // At grazing angles a non-metal may reflect up to a fifth too much: the diffuse part does not account for all that the
 // facets reflect.
-TEST(Light, GoesBothWaysAlikeAndNoMoreLeavesMetalThanArrives) {
+TEST(Light, IsReciprocalAndMetalsConserveEnergy) {
     for (const double metallic : {0.0, 0.5, 1.0})
         for (const double roughness : {0.3, 0.6, 1.0})
             for (const double height : {0.2, 0.5, 0.9}) {
@@ -48,7 +48,7 @@ TEST(Light, GoesBothWaysAlikeAndNoMoreLeavesMetalThanArrives) {
 }
 
 // A guarantee of the Khronos PBR Neutral tone mapper.
-TEST(Light, ColoursStayWhatTheyAreUntilTheyAreBright) {
+TEST(Light, ToneMappingKeepsColoursThatAreNotBright) {
     const io::DrawScene scene{.eye = {0, 0, 0, 1}};
     const auto pictured = [&](double red, double green, double blue) {
         return pictured_reference(scene, {}, {red, green, blue});

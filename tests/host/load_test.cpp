@@ -148,7 +148,7 @@ struct WithSideFiles {
 
 // ---- From memory ----
 
-TEST(LoadFromMemory, RealFilesAreWhatTheyAreOnDisk) {
+TEST(LoadFromMemory, RealFilesMatchThoseOnDisk) {
     const fs::path characters = shared_folder("characters");
     THRONG_SKIP_WITHOUT(characters);
     size_t count = 0;
@@ -203,7 +203,7 @@ TEST(LoadFromMemory, ABufferThatTheResolverDoesNotHandOverIsAnError) {
     EXPECT_TRUE(with(resolver_of(made.files)).ok()) << "and then as if nothing had been";
 }
 
-TEST(LoadFromMemory, AnImageThatIsNotThereIsLeftOut) {
+TEST(LoadFromMemory, AMissingImageIsLeftOut) {
     const WithSideFiles made;
     const auto with = [&](const Result<Bytes>& image) {
         return load_gltf(made.b, [&](std::string_view path) {
@@ -222,7 +222,7 @@ TEST(LoadFromMemory, AnImageThatIsNotThereIsLeftOut) {
                  "full");
 }
 
-TEST(LoadFromMemory, WhatIsNoRelativePathDoesNotReachTheResolver) {
+TEST(LoadFromMemory, OnlyRelativePathsReachTheResolver) {
     GlbBuilder b = tiny_character();
     std::vector<std::string> asked;
     const Files none;
@@ -267,7 +267,7 @@ TEST(LoadFromMemory, WithoutAResolverThereAreNoSideFiles) {
     EXPECT_TRUE(load_asset(bytes_of(tiny_character().gltf()), "file.gltf").ok()) << "all in data: URIs";
 }
 
-TEST(LoadFromMemory, TheNameStandsInMessages) {
+TEST(LoadFromMemory, MessagesContainTheName) {
     const std::string glb = tiny_character().glb();
     const auto load = [&](std::string_view name) { return load_asset(bytes_of(glb), name); };
     EXPECT_EQ(load("pak:/a/fox.glb").expect().name, "pak:/a/fox.glb");
@@ -279,7 +279,7 @@ TEST(LoadFromMemory, TheNameStandsInMessages) {
     EXPECT_LT(load_asset(bytes_of("?"), std::string(5000, 'x')).error().text().size(), 300u);
 }
 
-TEST(LoadFromMemory, IsBoundedAsFilesAre) {
+TEST(LoadFromMemory, HasTheSizeLimitOfFiles) {
     const std::byte one{};
     const std::span<const std::byte> huge(&one, gltf::kFileLimitBytes + 1);  // refused before its bytes are read
     expect_error(load_asset(huge, "huge.glb"), ErrorCode::kLimit, "huge.glb", "2 GiB");
@@ -357,7 +357,7 @@ TEST_F(LoadHooksTest, EachPollMayCancel) {
     }
 }
 
-TEST_F(LoadHooksTest, WhatAHookThrowsIsAnError) {
+TEST_F(LoadHooksTest, AnExceptionOfAHookIsAnError) {
     for (const Call& call : calls_) {
         const auto expect = [&](const LoadHooks& hooks, ErrorCode code, const std::string& text) {
             const Result<void> result = call.run(hooks);
@@ -377,7 +377,7 @@ TEST_F(LoadHooksTest, WhatAHookThrowsIsAnError) {
     }
 }
 
-TEST_F(LoadHooksTest, WhatFailsDoesNotReachOne) {
+TEST_F(LoadHooksTest, ProgressOfAFailedLoadStaysBelowOne) {
     Listener listener;
     EXPECT_FALSE(load_asset(bytes_of(text_), "file.gltf", resolver_of({}), listener.hooks()).ok());
     ASSERT_FALSE(listener.parts.empty());

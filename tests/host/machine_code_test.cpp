@@ -8,7 +8,7 @@ namespace {
 
 using enum InstructionClass;
 
-TEST(MachineCode, LoopsInLoopsAndInstructionsByClass) {
+TEST(MachineCode, NestedLoopsAndInstructionClassesAreFound) {
     const MachineCode code = read_machine_code(
         "BB0:\n"
         "\ts_mov_b32 s0, 0                   ; be800380\n"

@@ -26,7 +26,7 @@ double largest(const Character& character, const GuardedBytes& skin, std::span<c
     return worst;
 }
 
-TEST(NativeAdjust, PosesFromOutsideLieOverTheClips) {
+TEST(NativeAdjust, PoseOverridesFollowTheReference) {
     constexpr uint32_t kInstances = 19;
     double worst_of_all = 0;
     for (const NamedCharacter& named : native_characters()) {

@@ -79,7 +79,7 @@ TEST(NativeController, AgreesWithTheReferenceOfAnyController) {
 }
 
 TEST(NativeController, AgreesWithTheReferenceAsADragon) { follow_example<NativeKernels>("dragon", 100, 1000); }
-TEST(NativeController, LayersPlayWhatTheyAreTold) { follow_direct_layers<NativeKernels>(); }
+TEST(NativeController, DirectLayersFollowPlayCommands) { follow_direct_layers<NativeKernels>(); }
 
 }  // namespace
 }  // namespace throng::test

@@ -220,7 +220,7 @@ TEST(NativeCrowd, TerrainLiftsPlacements) {
 }
 
 // Only instance 1, with two palette entries, is interpolated. Tests of bind and skin cover all formats.
-TEST(NativeCrowd, MatricesGoOnTowardsTheirTarget) {
+TEST(NativeCrowd, MatricesAreInterpolatedToTheirTarget) {
     constexpr uint32_t kPalette = 3;
     Random random(10);
     std::vector<Affine> previous, target;

@@ -59,10 +59,10 @@ TEST(NativeKernels, ControlAdvancesClips) {
                                                        double{clip.duration_s}, from.loop != 0);
             const double off = std::abs(to.time_s - wanted);
             EXPECT_LE(std::min(off, std::abs(double{clip.duration_s} - off)), 1e-6);
-            const io::ClipCursor there = cursor_at(character, from.clip, double{to.time_s});
-            EXPECT_EQ(cursors[i].first.first_track, there.first_track);
-            EXPECT_EQ(cursors[i].first.earlier, there.earlier);
-            EXPECT_NEAR(cursors[i].first.fraction, there.fraction, 1e-6);
+            const io::ClipCursor expected = cursor_at(character, from.clip, double{to.time_s});
+            EXPECT_EQ(cursors[i].first.first_track, expected.first_track);
+            EXPECT_EQ(cursors[i].first.earlier, expected.earlier);
+            EXPECT_NEAR(cursors[i].first.fraction, expected.fraction, 1e-6);
             EXPECT_EQ(cursors[i].weight, before[i].weight);
         }
     }

@@ -32,7 +32,7 @@ void expect_too_many_rows(const Character& character) {
     const std::optional<Error> error = error_of_rig(character);
     ASSERT_TRUE(error);
     EXPECT_EQ(error->code, ErrorCode::kLimit);
-    EXPECT_TRUE(contains(error->message, "1024 MiB of rows")) << error->text();
+    EXPECT_TRUE(contains(error->message, "more than the limit of 1024 MiB of rows")) << error->text();
 }
 
 // Two joints, 1,000 times the character's size apart. The first alternates between two rotations from key to key.

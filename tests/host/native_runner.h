@@ -24,7 +24,7 @@ class NativeRun {
 public:
     // `constants`: values for constant_id 1, 2, …
     explicit NativeRun(const NativeKernel* kernel, std::vector<uint32_t> constants = {}, uint32_t workgroup_size = 0)
-        : kernel_(there(kernel)),
+        : kernel_(checked(kernel)),
           workgroup_size_(workgroup_size != 0 ? workgroup_size : kernel->workgroup_size),
           constants_(std::move(constants)) {
         constants_.insert(constants_.begin(), workgroup_size_);
@@ -53,7 +53,7 @@ public:
     }
 
 private:
-    static const NativeKernel& there(const NativeKernel* kernel) {
+    static const NativeKernel& checked(const NativeKernel* kernel) {
         if (!kernel) throw std::runtime_error("the kernel is not among THRONG_NATIVE_KERNELS of CMakeLists.txt");
         return *kernel;
     }

@@ -184,7 +184,7 @@ TEST(Pack, BoundsOutsideTheRangeAreRefused) {
     for (const double good : {1e-6, 0.1}) EXPECT_TRUE(compile_character(asset, {.error = good}));
 }
 
-TEST(Pack, TheRestPoseIsConstants) {
+TEST(Pack, TheRestPoseIsStoredAsConstants) {
     Asset asset = make_asset({.joint_count = 40, .clip_count = 0});
     asset.nodes[7].parent_from_node.rotation = {0.6, 0, 0, -0.8};
     const Character exact = compiled(asset), packed = compiled(asset, {.error = 1e-4});
@@ -291,7 +291,7 @@ TEST(Pack, UniformScaleStaysUniform) {
     expect_within(one.asset, {1e-3}, 1000);
 }
 
-TEST(Pack, RotationsThroughHalfAndWholeTurns) {
+TEST(Pack, RotationsOfHalfAndWholeTurnsKeepTheBound) {
     for (const double turns : {0.4, 0.5, 1.0, 2.5})
         for (const double key_degrees : {9.0, 36.0, 90.0, 179.0})
             for (const Vec3<double>& axis : {Vec3<double>{0, 0, 1}, Vec3<double>{1, 0, 0}, Vec3<double>{1, -2, 0.5}}) {
@@ -306,7 +306,7 @@ TEST(Pack, RotationsThroughHalfAndWholeTurns) {
             }
 }
 
-TEST(Pack, AnUnreachableBoundIsSaid) {
+TEST(Pack, AnUnreachableBoundIsReported) {
     OneJoint one;
     one.spin(2, 9, {1, 2, 3});  // full rotations have 16 bits
     const Character exact = compiled(one.asset), packed = compiled(one.asset, {.error = 1e-6});
@@ -392,7 +392,7 @@ TEST(Pack, AJumpIsNoArc) {
 }
 
 // Only 1 of 65 rows shows the joint, and sensitivities are not sampled there.
-TEST(Pack, WhatIsHiddenInMostRowsMovesWhenItIsShown) {
+TEST(Pack, JointsHiddenInMostRowsMoveWhenShown) {
     OneJoint one;
     std::vector<float> times_s, scales, rotations;
     for (int key = 0; key < 65; ++key) {

@@ -19,7 +19,7 @@ std::string place(RigShape shape, uint32_t joint_count, uint32_t pieces) {
            " pieces";
 }
 
-TEST(Pieces, EachJointIsInOnePieceThatHangsTogether) {
+TEST(Pieces, EachJointIsInOneConnectedPiece) {
     for (const RigShape shape :
          {RigShape::kChain, RigShape::kStar, RigShape::kComb, RigShape::kBinary, RigShape::kRandom, RigShape::kBushy}) {
         for (const uint32_t joint_count : {1u, 2u, 9u, 64u, 300u, 2000u}) {
@@ -69,7 +69,7 @@ TEST(Pieces, AChainIsCutEvenlyAndAStarToo) {
 }
 
 // Walks the table with a stack, as the shader does: each joint's parent must be where its word says.
-TEST(Pieces, TheTableLeadsEachWalkToItsParents) {
+TEST(Pieces, TheTableLinksEachJointToItsParent) {
     for (const RigShape shape :
          {RigShape::kChain, RigShape::kStar, RigShape::kComb, RigShape::kBinary, RigShape::kRandom, RigShape::kBushy}) {
         constexpr uint32_t kThreads = 16;
@@ -104,7 +104,7 @@ TEST(Pieces, TheTableLeadsEachWalkToItsParents) {
 
 // ../shared/design/gpu.md found with a prototype: 376 to 508 multiplications for 300 joints in 32 pieces, 18 to 27 on
 // the longest lane.
-TEST(Pieces, DoLittleMoreThanOneMultiplicationAJoint) {
+TEST(Pieces, NeedLittleMoreThanOneMultiplicationPerJoint) {
     for (const RigShape shape : {RigShape::kRandom, RigShape::kBushy, RigShape::kComb, RigShape::kChain}) {
         const ScanRig rig(make_parents(shape, 300));
         const PieceTable table = piece_table(rig, 32, kRowsOfAffine);

@@ -87,7 +87,7 @@ TEST(Planner, SortsItsPredictionsAndLeavesOutWhatDoesNotApply) {
     }
 }
 
-TEST(Planner, TakesWhatIsAskedFor) {
+TEST(Planner, UsesTheRequestedMethod) {
     const ScanRig rig = random_rig(100, false);
     EXPECT_EQ(name_of(choose_scan("compressed", rig, 10, kSoftware, kSoftwareCosts).choice), "compressed");
     EXPECT_EQ(name_of(choose_scan("subgroup:4", rig, 10, kSoftware, kSoftwareCosts).choice), "subgroup:4");
@@ -105,14 +105,14 @@ TEST(Planner, RefusesWhatDoesNotExistOrApply) {
         EXPECT_NE(error.text().find(wanted), std::string::npos) << error.text();
     };
     refused("quick", ErrorCode::kInvalidArgument, "gateau2012_walk");
-    refused("subgroup:", ErrorCode::kInvalidArgument, "behind the colon");
-    refused("subgroup:8x", ErrorCode::kInvalidArgument, "behind the colon");
+    refused("subgroup:", ErrorCode::kInvalidArgument, "the colon must be followed by the number");
+    refused("subgroup:8x", ErrorCode::kInvalidArgument, "the colon must be followed by the number");
     refused("subgroup:3", ErrorCode::kUnsupported, "1, 2, 4, 8");
     refused("serial_quaternion", ErrorCode::kUnsupported, "scale");
     refused("serial_transposed", ErrorCode::kUnsupported, "transposed");
 }
 
-TEST(Planner, SaysWhyInOneLine) {
+TEST(Planner, ExplainsItsChoiceInOneLine) {
     const std::string reason = choose_scan("auto", random_rig(300, false), 1000, kSoftware, kSoftwareCosts).reason;
     EXPECT_NE(reason.find("1000 x 300 joints"), std::string::npos) << reason;
     EXPECT_NE(reason.find("next "), std::string::npos) << reason;
@@ -120,7 +120,7 @@ TEST(Planner, SaysWhyInOneLine) {
 }
 
 // With many characters a GPU is bound by memory, however deep the skeletons are. With few it has idle invocations.
-TEST(Planner, AGpuStreamsManyAndSharesFew) {
+TEST(Planner, AGpuStreamsManyCharactersAndSharesFew) {
     for (const uint32_t vendor : {0x10DEu, 0x1002u, 0x8086u, 0u}) {
         const ScanCosts costs = built_in_hardware_costs(vendor);
         for (const uint32_t levels : {15u, 30u, 60u, 120u}) {

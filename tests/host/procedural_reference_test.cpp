@@ -9,7 +9,7 @@
 namespace throng::test {
 namespace {
 
-TEST(ProceduralPlan, ASubtreeBecomesItsLongestChainsInRanks) {
+TEST(ProceduralPlan, ASubtreeIsSplitIntoItsLongestChains) {
     Character character = make_character({.joint_count = 31, .shape = RigShape::kBinary});
     const ProceduralRules rules{
         .targets = {},
@@ -43,7 +43,7 @@ TEST(ProceduralPlan, ASubtreeBecomesItsLongestChainsInRanks) {
 }
 
 // A spring must come after the rule that moves its collider, and before a rule that moves the collider again.
-TEST(ProceduralPlan, CollidersAreReadWhenTheyStandStill) {
+TEST(ProceduralPlan, CollidersAreReadBetweenRulesThatMoveThem) {
     const Character character = make_character({.joint_count = 31, .shape = RigShape::kBinary});
     const auto child_from = [&](size_t first) {
         return static_cast<size_t>(std::find(character.rig.parents.begin() + static_cast<std::ptrdiff_t>(first),
@@ -81,7 +81,7 @@ TEST(ProceduralReference, WithoutWindNothingBends) {
     EXPECT_EQ(local, rest_of(character));
 }
 
-TEST(ProceduralReference, WindBendsAChainItsWayAndNotPastIt) {
+TEST(ProceduralReference, WindBendsAChainUpToItsDirection) {
     const Character character = chain(9);
     for (const float strength : {1.0f, 10.0f, 1e6f}) {
         const ProceduralRules rules{.targets = {},
@@ -103,7 +103,7 @@ TEST(ProceduralReference, WindBendsAChainItsWayAndNotPastIt) {
 }
 
 // Sway is equally precise however long the crowd has run: the wind clock keeps its precision.
-TEST(ProceduralReference, SwayGoesOnAfterDays) {
+TEST(ProceduralReference, SwayStaysPreciseAfterDays) {
     WindClock clock;
     clock.set({.velocity = {1, 0, 0}, .gust = 1, .wavelength = 0.3f});
     for (int i = 0; i < 1000; ++i) clock.advance(1000.25);
@@ -242,7 +242,7 @@ TEST(ProceduralReference, ReachPutsTheJointAtItsTargetOrAsNearAsItGets) {
     }
 }
 
-TEST(ProceduralReference, WeightsGoPartOfTheWay) {
+TEST(ProceduralReference, PartialWeightsMovePartOfTheWay) {
     const Character character = chain(6);
     const auto end_with = [&](double target_weight, float rule_weight) {
         const ProceduralRules rules{.targets = {"a"},

@@ -74,7 +74,7 @@ Reaching reach_somewhere(const Character& character, Random& random, bool is_str
     return limb;
 }
 
-TEST(ProceduralRules, ALimbBendsToTheSideToWhichThePoseHasItBent) {
+TEST(ProceduralRules, ALimbBendsToTheSideOfThePose) {
     const Character character = chain(6);
     Random random(5);
     for (int i = 0; i < 300; ++i) {

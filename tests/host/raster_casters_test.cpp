@@ -17,7 +17,7 @@ bool may_read(uint32_t cell, float least, float greatest) {
     return greatest >= first && least < end;
 }
 
-TEST(RasterCasters, AreCountedWhereTheirHeightsAreRead) {
+TEST(RasterCasters, AreCountedInCellsThatReadTheirHeights) {
     Random random(5);
     for (uint32_t count = 0; count < 40; ++count) {
         std::vector<raster::Draw> draws(count);

@@ -49,7 +49,7 @@ struct Square {
     std::array<RasterTriangle, 2> triangles;
 };
 
-TEST(RasterMask, PicturesHaveWhatPasses) {
+TEST(RasterMask, PicturesShowSamplesThatPassTheMask) {
     for (const uint32_t samples : {1u, 4u}) {
         const Square masked(samples, true), whole(samples, false);
         const auto place_at = [&](double x, double y) { return masked.picture.at(masked.triangles[0], false, x, y); };
@@ -74,7 +74,7 @@ TEST(RasterMask, PicturesHaveWhatPasses) {
     }
 }
 
-TEST(RasterMask, ShadowsHaveWhatPasses) {
+TEST(RasterMask, ShadowsShowTexelsThatPassTheMask) {
     const Square masked(1, true), whole(1, false);
     const auto place_at = [&](double x, double y) { return masked.picture.at_map(masked.triangles[0], x, y); };
     const uint32_t size = masked.picture.frame.map_size;
@@ -96,7 +96,7 @@ TEST(RasterMask, ShadowsHaveWhatPasses) {
 }
 
 // Wherever the map begins, its grid's texels are covered alike, so shadows do not shimmer while the map moves.
-TEST(RasterMask, WhatIsBlendedIsCoveredByTheGridOfTheMap) {
+TEST(RasterMask, BlendedShadowsFollowTheGridOfTheMap) {
     constexpr uint32_t kMoved[2]{5, 3};
     const auto map_of = [&](NativeIsa isa, bool is_moved) {
         Square square(1, true);

@@ -284,7 +284,7 @@ TEST_P(RasterTest, TilesAndOrderChangeNothing) {
             }
 }
 
-TEST_P(RasterTest, LeavesOutBacksOfMaterialsWithOneSide) {
+TEST_P(RasterTest, CullsBackFacesOfOneSidedMaterials) {
     // Clockwise, with y down, also in the map
     const ScreenTriangle t{{{34 * 256, 34 * 256}, {60 * 256, 34 * 256}, {34 * 256, 60 * 256}}};
     const ScreenTriangle small{{{34 * 256, 34 * 256}, {35 * 256, 34 * 256}, {34 * 256, 35 * 256}}};
@@ -334,7 +334,7 @@ private:
     double offset_ = 0;
 };
 
-TEST(Raster, ClipsWhatReachesBehindTheEyeOrFarAway) {
+TEST(Raster, ClipsTrianglesBehindTheEyeOrFarAway) {
     enum Wanted : uint8_t { kNothing, kTriangle, kEither };
     Random random(9);
     size_t inside = 0, outside = 0;
@@ -367,7 +367,7 @@ TEST(Raster, ClipsWhatReachesBehindTheEyeOrFarAway) {
     EXPECT_GT(outside, 100'000u);
 }
 
-TEST_P(RasterTest, TheMapHasTheGreatestHeightsLessTheirSlope) {
+TEST_P(RasterTest, TheMapHoldsTheGreatestHeightsLessTheirSlope) {
     Random random(11);
     RasterFrame frame(1);
     raster::Material& material = frame.material();
@@ -410,7 +410,7 @@ TEST_P(RasterTest, TheMapHasTheGreatestHeightsLessTheirSlope) {
 }
 
 // Most of these reach so far out that floats cannot represent their subpixels exactly.
-TEST_P(RasterTest, ClipsWhatReachesFarOutOfTheMap) {
+TEST_P(RasterTest, ClipsTrianglesFarOutsideTheMap) {
     Random random(17);
     size_t inside = 0, outside = 0;
     for (int round = 0; round < 200; ++round) {
@@ -456,7 +456,7 @@ TEST_P(RasterTest, ClipsWhatReachesFarOutOfTheMap) {
 }
 
 // With extreme scales, drawing must stay inside its memory. Triangles with a NaN corner are left out.
-TEST_P(RasterTest, TakesCornersThatAreExtremeOrNoNumbers) {
+TEST_P(RasterTest, AcceptsExtremeAndNonFiniteCorners) {
     constexpr float kMaximum = std::numeric_limits<float>::max();
     Random random(19);
     for (const float extreme :

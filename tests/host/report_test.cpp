@@ -69,7 +69,7 @@ TEST(Report, HasEachMethodInFigureTableAndLegend) {
     EXPECT_EQ(count_of(html, "<b>75.0</b>"), 1u) << "the fastest of 15 levels is bold";
 }
 
-TEST(Report, NeedsNothingBeyondItself) {
+TEST(Report, IsSelfContained) {
     std::vector<Json> records = records_of("levels");
     for (const char* experiment : {"joints", "characters", "on_chip", "grid"}) {
         const std::vector<Json> more = records_of(experiment);
@@ -80,7 +80,7 @@ TEST(Report, NeedsNothingBeyondItself) {
             EXPECT_EQ(count_of(page, external), 0u) << external;
 }
 
-TEST(Report, TakesNoTextForMarkupOrForACommand) {
+TEST(Report, EscapesMarkupAndCommands) {
     const TemporaryFolder folder;
     const std::filesystem::path untouched = folder.write("untouched", "");
     const std::string remove = "rm " + untouched.string();
@@ -126,7 +126,7 @@ TEST(Report, TheLastRecordOfACaseCounts) {
     EXPECT_NE(html.find("67.0"), std::string::npos);
 }
 
-TEST(Report, EndsOnNoRecord) {
+TEST(Report, AcceptsIncompleteRecords) {
     std::vector<Json> records{Json::object(), {{"bench", "update"}},   {{"bench", "scan"}},
                               {{"bench", 3}}, {{"bench", "baseline"}}, {{"bench", "scan"}, {"method", "serial"}}};
     for (const char* experiment : {"levels", "joints", "characters", "on_chip", "grid"}) {
@@ -302,7 +302,7 @@ TEST(Summary, AMillionIsPredictedByItsOwnRecords) {
     EXPECT_EQ(count_of(summary(of_other_view), "| 0.100 |"), 0u);
 }
 
-TEST(Summary, WhatIsPredictedWasNotMeasured) {
+TEST(Summary, PredictionsAreNotMeasuredTimes) {
     const Json of_machine_code{{"bench", "million"}, {"configuration", "a million"}, {"family", "navi21"}};
     Json prediction = of_machine_code, none = of_machine_code;
     prediction.update({{"machine", "RTX 3080"}, {"ms", {{"median", 0.1}}}});
@@ -335,7 +335,7 @@ TEST(Summary, ScansArePredictedInMemoryAndOfTheSameSkeleton) {
         EXPECT_FALSE(is_predicted_by(field, 7)) << field;
 }
 
-TEST(Report, NamesTheLineThatIsNoRecord) {
+TEST(Report, NamesTheLineOfAnInvalidRecord) {
     const auto read = [](const std::string& content) {
         const TemporaryFolder folder;
         return read_records(folder.write("records.jsonl", content));

@@ -12,13 +12,13 @@ namespace {
 
 const Error kError{ErrorCode::kFile, "fox.glb", "cannot be opened"};
 
-TEST(Result, GivesItsValueOrAnother) {
+TEST(Result, ValueOrReturnsTheValueOrTheDefault) {
     EXPECT_EQ(Result<int>(3).value_or(4), 3);
     EXPECT_EQ(Result<int>(kError).value_or(4), 4);
     EXPECT_EQ(*Result<std::unique_ptr<int>>(std::make_unique<int>(5)).value_or(nullptr), 5);
 }
 
-TEST(Result, WhatIsExpectedIsThereOrTheProgramEnds) {
+TEST(Result, ExpectReturnsTheValueOrExits) {
     EXPECT_EQ(Result<int>(3).expect(), 3);
     EXPECT_EQ(*Result<std::unique_ptr<int>>(std::make_unique<int>(5)).expect(), 5);
     Result<void>().expect();
@@ -27,7 +27,7 @@ TEST(Result, WhatIsExpectedIsThereOrTheProgramEnds) {
     EXPECT_EXIT(Result<void>(kError).expect(), testing::ExitedWithCode(1), one_line);
 }
 
-TEST(Result, LookingAtWhatIsNotThereSaysWhyAndAborts) {
+TEST(Result, AccessWithoutAValueAbortsWithTheError) {
     const auto aborts = testing::KilledBySignal(SIGABRT);
     const Result<std::string> failed(kError);
     const auto its_error = "^throng::Result without a value: fox.glb: cannot be opened\n$";

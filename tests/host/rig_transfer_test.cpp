@@ -70,7 +70,7 @@ void expect_near(const Vec3<double>& got, const Vec3<double>& wanted, const char
                                           << wanted.x << ", " << wanted.y << ", " << wanted.z;
 }
 
-TEST(RigTransfer, FitRigsThatAreHeldInAnotherWay) {
+TEST(RigTransfer, FitsRigsWithOtherArmatureTransforms) {
     const Quaternion<double> none, lying = axis_angle<double>({1, 0, 0}, -1.5707963267948966);
     const Quaternion<double> upright{-lying.x, -lying.y, -lying.z, lying.w};
     const auto at = [](double x, double y, double z) { return Trs<double>{.translation = {x, y, z}}; };
@@ -144,7 +144,7 @@ TEST(RigTransfer, FitRigsThatAreHeldInAnotherWay) {
 }
 
 // Only a few of many bones.
-TEST(RigTransfer, LegsKeepTheirLengthAmongManyBonesThatAreAlike) {
+TEST(RigTransfer, LegsKeepTheirLengthAmongManyEqualBones) {
     std::vector<Part> parts{{"Hips", kNone, {.translation = {0, 1, 0}}},
                             {"Thigh", 0, {.translation = {0, -0.5, 0}}},
                             {"Shin", 1, {.translation = {0, -0.5, 0}}}};
@@ -166,7 +166,7 @@ TEST(RigTransfer, LegsKeepTheirLengthAmongManyBonesThatAreAlike) {
 }
 
 // "Spine2" is missing in the rig, so its descendants cannot turn with it.
-TEST(RigTransfer, NameWhatTurnsAndIsNotThere) {
+TEST(RigTransfer, NamesMissingJointsThatRotate) {
     const auto at = [](double y) { return Trs<double>{.translation = {0, y, 0}}; };
     const Quaternion<double> turn = axis_angle<double>({0, 0, 1}, 1);
     const std::vector<Part> parts{
@@ -188,7 +188,7 @@ TEST(RigTransfer, NameWhatTurnsAndIsNotThere) {
 }
 
 // Clothes are often exported with their own copy of the skeleton.
-TEST(RigTransfer, MoveAllJointsOfAName) {
+TEST(RigTransfer, MovesAllJointsWithTheSameName) {
     const auto at = [](double y) { return Trs<double>{.translation = {0, y, 0}}; };
     Asset asset = rig_of(
         "clothed.glb", {{"Hips", kNone, at(1)}, {"Spine", 0, at(0.5)}, {"Hips", kNone, at(1)}, {"Spine", 2, at(0.5)}});

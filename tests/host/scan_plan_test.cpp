@@ -66,7 +66,7 @@ TEST(ScanPlan, CountsOfSmallRigsAreThoseByHand) {
 }
 
 // The longest chain inside a block and the hops between blocks, counted joint by joint.
-TEST(ScanPlan, MultiplicationsAreThoseOfTheDefinitions) {
+TEST(ScanPlan, MultiplicationsMatchTheDefinitions) {
     for (const RigShape shape :
          {RigShape::kChain, RigShape::kStar, RigShape::kComb, RigShape::kBinary, RigShape::kRandom, RigShape::kBushy}) {
         const ScanRig rig(make_parents(shape, 300, 3));
@@ -122,7 +122,7 @@ TEST(ScanPlan, CountsArePlausible) {
     }
 }
 
-TEST(ScanPlan, APlanNamesItsObstacle) {
+TEST(ScanPlan, PlansNameWhyTheyDoNotApply) {
     const ScanRig uniform(make_parents(RigShape::kBinary, 30), true),
         stretched(make_parents(RigShape::kBinary, 30), false);
     for (const ScanMethod& method : scan_table()) {
@@ -141,7 +141,7 @@ TEST(ScanPlan, APlanNamesItsObstacle) {
 }
 
 // A shared array has at least one element, even if the rig needs none.
-TEST(ScanPlan, WhatIsDeclaredInSharedMemoryIsCounted) {
+TEST(ScanPlan, DeclaredSharedMemoryIsCounted) {
     const ScanRig single(make_parents(RigShape::kChain, 1)), star(make_parents(RigShape::kStar, 9)),
         chain(make_parents(RigShape::kChain, 5));
     ScanLimits limits = kSmallGpu;

@@ -78,7 +78,7 @@ TEST(StreamPlan, EachJointIsTheProductOfItsAncestors) {
 }
 
 // A subgroup's stores then fill whole cache lines.
-TEST(StreamPlan, JointsOfAChunkLieSideBySide) {
+TEST(StreamPlan, JointsOfAChunkAreConsecutive) {
     for (const RigShape shape : kRigShapes)
         for (const uint32_t joint_count : {160u, 300u, 1024u}) {
             const StreamPlan plan = plan_stream(ScanRig(make_parents(shape, joint_count, 7)), {.lanes = 32});
@@ -89,7 +89,7 @@ TEST(StreamPlan, JointsOfAChunkLieSideBySide) {
 }
 
 // A character's bits then do not depend on which others share its subgroup.
-TEST(StreamPlan, CharactersThatShareChunksAreAlike) {
+TEST(StreamPlan, CharactersThatShareChunksArePlannedAlike) {
     uint32_t shared = 0;
     for (const RigShape shape : kRigShapes)
         for (const uint32_t joint_count : {2u, 7u, 12u, 19u, 41u}) {

@@ -6,7 +6,7 @@
 namespace throng::test {
 namespace {
 
-TEST(TestRig, WhatIsNoNumberIsTheWorstError) {
+TEST(TestRig, NanIsTheWorstError) {
     EXPECT_EQ(worse_of(1, 2), 2);
     EXPECT_EQ(worse_of(2, 1), 2);
     EXPECT_EQ(worse_of(kNan, 1), kInfinity);

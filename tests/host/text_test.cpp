@@ -39,7 +39,7 @@ TEST(Printable, ReplacesBytesThatAreNoUtf8) {
     EXPECT_EQ(printable("\xF4\x90\x80\x80\xFF"), "?????") << "beyond the last character";
 }
 
-TEST(Printable, ReplacesWhatTurnsTheDirectionOfWritingAround) {
+TEST(Printable, ReplacesBidirectionalControls) {
     for (uint32_t code = 0x202A; code <= 0x202E; ++code) EXPECT_EQ(printable(utf8_of(code)), "?") << code;
     for (uint32_t code = 0x2066; code <= 0x2069; ++code) EXPECT_EQ(printable(utf8_of(code)), "?") << code;
     for (const uint32_t code : {0x2027u, 0x202Fu, 0x2065u, 0x206Au})

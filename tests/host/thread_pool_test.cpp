@@ -42,7 +42,7 @@ TEST(ThreadPool, TakesAsManyThreadsAsAskedFor) {
 }
 
 // Whatever rounding mode the application has set for its own threads, one of which may have created the pool.
-TEST(ThreadPool, RoundsToTheNearest) {
+TEST(ThreadPool, JobsRoundToNearest) {
     const auto third = [] {
         volatile float three = 3;
         return 1 / three;

@@ -146,7 +146,7 @@ TEST(TriangleIndex, WithoutTrianglesNothingIsNear) {
 }
 
 // Non-finite positions also end the search.
-TEST(TriangleIndex, PlacesWithoutEnd) {
+TEST(TriangleIndex, NonFinitePositionsEndTheSearch) {
     Random random(4);
     const IndexedMesh mesh = soup(random, 100, 1, 0.1);
     const TriangleIndex index(mesh.indices, mesh.positions);
@@ -198,7 +198,7 @@ TEST(TriangleIndex, DistancesAreRightOfThinTrianglesToo) {
 
 // The number of boxes and triangles visited grows with the number of levels, not triangles: for adjacent places and
 // random ones, each about as far from the mesh as its triangles are long.
-TEST(TriangleIndex, LooksAtFewTriangles) {
+TEST(TriangleIndex, VisitsFewTriangles) {
     Random random(6);
     std::vector<double> beside, at_random;
     for (const uint32_t side : {20u, 200u}) {

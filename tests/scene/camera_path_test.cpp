@@ -100,7 +100,7 @@ TEST(CameraPath, FollowsOneFromBehind) {
     EXPECT_LT(length(path.at(0, subject).eye - camera.eye - Vec3<float>{2, 2, 2}), 1e-5f);
 }
 
-TEST(CameraPath, ParametersMean) {
+TEST(CameraPath, ParametersChangeThePath) {
     const CameraSubject& subject = kSubjects[0];
     const Vec3<float> centre = centre_of(subject.bounds);
     const auto eye = [&](const char* text) { return CameraPath(text).at(0, subject).eye - centre; };

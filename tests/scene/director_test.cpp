@@ -6,7 +6,7 @@
 namespace throng::tools {
 namespace {
 
-TEST(Director, RangesAreWhatControllersAskAbout) {
+TEST(Director, ParameterRangesCoverTheControllersConditions) {
     const Result<Controller> controller = parse_controller(
         R"({
       "parameters": {"speed": 0, "side": 0, "brave": false, "jump": "trigger", "weight": 1, "height": 0, "depth": 5},

@@ -47,7 +47,7 @@ bool equal(const std::vector<Place>& a, const std::vector<Place>& b) {
     });
 }
 
-TEST(Placement, IsApartWhateverItsCount) {
+TEST(Placement, PlacesDoNotOverlapForAnyCount) {
     for (const Formation formation : kFormations)
         for (const uint32_t count : {1u, 2u, 3u, 7u, 10u, 100u, 1500u}) {
             const std::vector<PlacementKind> kinds{{count, 0.7}};
@@ -58,7 +58,7 @@ TEST(Placement, IsApartWhateverItsCount) {
         }
 }
 
-TEST(Placement, GivesEachKindItsRoom) {
+TEST(Placement, EachKindHasEnoughSpace) {
     const std::vector<PlacementKind> kinds{{800, 1}, {5, 12.5}, {0, 30}, {40, 4}, {100, 1}};
     for (const Formation formation : kFormations) {
         const std::vector<Place> places = placed(formation, kinds);
@@ -111,7 +111,7 @@ TEST(Placement, HeadingsFollowTheFormation) {
     }
 }
 
-TEST(Placement, WhatIsInfinitelyLargeIsRefused) {
+TEST(Placement, HugeOrNonFinitePitchesAreRefused) {
     for (const double pitch :
          {1e200, std::numeric_limits<double>::infinity(), std::numeric_limits<double>::quiet_NaN()})
         EXPECT_THROW(placed(Formation::kGrid, {{4, pitch}}), CommandError) << pitch;
@@ -125,7 +125,7 @@ Character of_clips(size_t count) {
     return character;
 }
 
-TEST(Scatter, CharactersKeepTheirClipsWhateverTheirNumber) {
+TEST(Scatter, CharactersKeepTheirClipsForAnyCount) {
     const std::vector<Character> characters{of_clips(5), of_clips(3)};
     const Scatter few = scatter(characters, {.counts = {6, 4}}), many = scatter(characters, {.counts = {50, 70}});
     const auto same = [](const Playback& a, const Playback& b) {
@@ -138,7 +138,7 @@ TEST(Scatter, CharactersKeepTheirClipsWhateverTheirNumber) {
     EXPECT_FALSE(same(few.playback[0], scatter(characters, {.counts = {6, 4}, .seed = 2}).playback[0]));
 }
 
-TEST(Scatter, TakesTheLargestBounds) {
+TEST(Scatter, AcceptsTheLargestBounds) {
     Character character = of_clips(1);
     character.bounds_min.x = -3e38f;
     character.bounds_max.x = 3e38f;

@@ -38,7 +38,7 @@ protected:
     std::optional<std::string> before_;
 };
 
-TEST_F(ViewLoader, WhatIsReplacedIsNotReadToItsEnd) {
+TEST_F(ViewLoader, AReplacedLoadIsCancelled) {
     view::Loader loader;
     loader.start({file("large.glb")}, {});
     loader.start({file("small.glb")}, {});
@@ -49,7 +49,7 @@ TEST_F(ViewLoader, WhatIsReplacedIsNotReadToItsEnd) {
     EXPECT_EQ(kept_count(), 1) << "the small one alone";
 }
 
-TEST_F(ViewLoader, WhatIsReadAtTheEndIsNotReadToItsEnd) {
+TEST_F(ViewLoader, ALoadInProgressIsCancelledAtExit) {
     {
         view::Loader loader;
         loader.start({file("large.glb")}, {});

@@ -49,7 +49,7 @@ void expect_chosen_clips(const view::Scene& scene) {
     EXPECT_EQ(scene.playback_of(2).first.clip, 3u);
 }
 
-TEST_F(ViewScene, ClipsStayWhereLooksChange) {
+TEST_F(ViewScene, ClipsStayTheSameWhenLooksChange) {
     view::Scene scene = scene_of(1);
     choose_clips(scene);
     scene.set_looks({looks_for(scene.cast().characters[0])});
@@ -74,7 +74,7 @@ TEST_F(ViewScene, ParametersStayWithTheirController) {
     EXPECT_EQ(scene.parameters(1)[speed], 0) << "of a new controller";
 }
 
-TEST_F(ViewScene, StaysAsItWasWhereItCannotBeMadeAnew) {
+TEST_F(ViewScene, IsUnchangedIfRebuildingFails) {
     view::Scene scene = scene_of(1);
     choose_clips(scene);
     view::SceneSettings wanted = scene.settings();

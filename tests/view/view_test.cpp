@@ -147,7 +147,7 @@ TEST_F(View, ListsItsKeys) {
     EXPECT_FALSE(state_["shows_keys"]);
 }
 
-TEST_F(View, AClickInspects) {
+TEST_F(View, AClickSelectsAnInstance) {
     static constexpr Rectangle kInspector{360, 24, 610, 60};
     view("0 hold space\n1 let space\n3 shot " + file("none.png") +
              "\n4 move 475 120\n5 press left\n6 release left\n9 shot " + file("one.png") + "\n",
@@ -183,7 +183,7 @@ TEST_F(View, DrawsSkeletonsInTheColoursOfTheirLevels) {
     EXPECT_GT(changed_to([](int r, int, int b) { return b > r + 60; }), 1e-4) << "blue";
 }
 
-TEST_F(View, ADroppedControllerDrives) {
+TEST_F(View, ADroppedControllerIsUsed) {
     const Outcome run = view(
         "2 drop " THRONG_SOURCE_DIR
         "/examples/controllers/guard.json\n5 move 475 120\n6 press left\n7 release left\n12 move 630 20\n",
@@ -200,14 +200,14 @@ TEST_F(View, ADroppedControllerDrives) {
 constexpr const char* kGuard = THRONG_SOURCE_DIR "/examples/controllers/guard.json";
 constexpr const char* kClickOnTheOne = "5 move 475 120\n6 press left\n7 release left\n12 move 630 20\n";
 
-TEST_F(View, ADroppedControllerDoesNotWaitForAnotherThatIsWrong) {
+TEST_F(View, AnInvalidControllerDoesNotBlockAnother) {
     const std::string wrong = write("wrong.json", "{");
     const Outcome run = view("2 drop " + wrong + " " + kGuard + "\n" + kClickOnTheOne, {"--count", "1"});
     EXPECT_NE(run.err.find("wrong.json"), std::string::npos) << run;
     EXPECT_EQ(state_["controller"]["leading"], nlohmann::json::array({0})) << state_;
 }
 
-TEST_F(View, AControllerForCharactersThatDoNotComeIsNotUsed) {
+TEST_F(View, AControllerForUnreadableCharactersIsNotUsed) {
     const std::string broken = write("broken.glb", "glTF, it says");
     const Outcome run = view("2 drop " + broken + " " + kGuard + "\n" + kClickOnTheOne, {"--count", "1"});
     EXPECT_NE(run.err.find("broken.glb"), std::string::npos) << run;
@@ -215,7 +215,7 @@ TEST_F(View, AControllerForCharactersThatDoNotComeIsNotUsed) {
     EXPECT_TRUE(state_["controller"].is_null()) << state_;
 }
 
-TEST_F(View, DroppedLooksAreWorn) {
+TEST_F(View, DroppedLooksAreApplied) {
     const std::string material = json_of("info " + file("one.glb"))["section_materials"][0];
     const std::string looks = write("looks.json", R"({"colors": {")" + material + R"(": ["#ff0000"]}})");
     const Outcome run = view(std::string(kStill) + "4 shot " + file("plain.png") + "\n5 drop " + looks + "\n10 shot " +
@@ -230,7 +230,7 @@ TEST_F(View, DroppedLooksAreWorn) {
     EXPECT_GT(red(seen("red.png")), 0.05);
 }
 
-TEST_F(View, ChangesTheNumber) {
+TEST_F(View, ChangesTheInstanceCount) {
     view("2 move 188 76\n3 press left\n6 release left\n10 shot " + file("many.png") + "\n", {"--count", "2"});
     EXPECT_GT(state_["count"], 200) << "the middle of the slider, which is logarithmic";
     EXPECT_LT(state_["count"], 500);
@@ -240,7 +240,7 @@ TEST_F(View, ChangesTheNumber) {
     EXPECT_EQ(state_["count"], 10) << "the same in one frame";
 }
 
-TEST_F(View, TheWholeCrowdIsSeenWhateverLeadsTheCamera) {
+TEST_F(View, ResetShowsTheWholeCrowdForAnyCameraPath) {
     const std::string whole = "4 type r\n8 move 630 20\n";
     view(whole);
     const Json eye = state_["eye"];
@@ -248,7 +248,7 @@ TEST_F(View, TheWholeCrowdIsSeenWhateverLeadsTheCamera) {
     EXPECT_EQ(state_["eye"], eye);
 }
 
-TEST_F(View, WhoIsSelectedStaysSoWhereTheNumberChanges) {
+TEST_F(View, TheSelectionSurvivesCountChanges) {
     const std::string click = "0 hold space\n1 let space\n4 move 540 120\n5 press left\n6 release left\n";
     view(click + "20 move 630 20\n", {file("other.glb"), "--count", "2"});
     ASSERT_EQ(state_["selected"], 1) << "the first of the second file";
@@ -260,14 +260,14 @@ TEST_F(View, WhoIsSelectedStaysSoWhereTheNumberChanges) {
     EXPECT_TRUE(state_["selected"].is_null() || state_["selected"] == 0) << state_;
 }
 
-TEST_F(View, TheSeedIsTakenWhenItsFieldIsLeft) {
+TEST_F(View, TheSeedIsAppliedWhenItsFieldLosesFocus) {
     view(
         "2 move 188 100\n3 press left\n4 release left\n6 hold ctrl\n6 hold a\n7 let a\n7 let ctrl\n8 type 81\n"
         "12 move 600 200\n14 press left\n15 release left\n20 move 630 20\n");
     EXPECT_EQ(state_["seed"], 81);
 }
 
-TEST_F(View, TheWayToAPressIsNoDrag) {
+TEST_F(View, MovingBeforeAPressIsNotADrag) {
     view("0 hold space\n1 let space\n4 move 475 120\n12 move 475 120\n");
     const Json eye = state_["eye"];
     view("0 hold space\n1 let space\n4 move 475 120\n8 move 600 60\n8 press left\n9 release left\n12 move 600 60\n");
@@ -288,7 +288,7 @@ TEST_F(View, EscapeClosesAList) {
     EXPECT_EQ(state_["selected"], 0) << "one thing at a time";
 }
 
-TEST_F(View, LeavesOutTheHiddenAndAnimatesSmallOnesLessOften) {
+TEST_F(View, CullsHiddenAndUpdatesSmallInstancesLessOften) {
     const Outcome run = view(std::string(kStill) + "4 shot " + file("all.png") + "\n5 type u\n6 type o\n14 shot " +
                                  file("skipped.png") + "\n20 move 630 20\n",
                              {"--count", "60"});
@@ -310,13 +310,13 @@ TEST_F(View, CountsWhatIsDrawn) {
     EXPECT_EQ(drawn("type l"), std::vector{40u}) << "without culling";
 }
 
-TEST_F(View, PicturesAreNotWrittenOverWhatWasDropped) {
+TEST_F(View, PicturesDoNotOverwriteDroppedFiles) {
     const std::string dropped = file("dropped.glb");
     fs::copy_file(file("other.glb"), dropped);
     const Outcome run = run_tool({"view", file("one.glb"), "--size", "640x400", "--script",
                                   write("events.txt", "2 drop " + dropped + "\n5 shot " + dropped + "\n")},
                                  {.environment = {{"DISPLAY", display_->name()}}, .time_limit_s = 120});
-    EXPECT_TRUE(run.refused("dropped.glb: would be written over ")) << run;
+    EXPECT_TRUE(run.refused("dropped.glb: would overwrite ")) << run;
     EXPECT_EQ(read_file(dropped), read_file(file("other.glb")));
 }
 
@@ -399,7 +399,7 @@ TEST_F(View, EndsAfterItsFramesWithAPicture) {
     }
 }
 
-TEST_F(View, RefusesInOneLine) {
+TEST_F(View, RefusesInvalidInputInOneLine) {
     const auto refused = [](std::vector<std::string> arguments, const std::string& named, const std::string& display) {
         arguments.insert(arguments.begin(), "view");
         const Outcome run = run_tool(arguments, {.environment = {{"DISPLAY", display}}, .time_limit_s = 120});
@@ -416,7 +416,7 @@ TEST_F(View, RefusesInOneLine) {
             display_->name());
     refused({file("one.glb"), "--count", "3", "--camera", "follow:character=3"}, "there are 3 characters",
             display_->name());
-    refused({file("one.glb"), "--eye", "0,2,0", "--target", "0,2,0"}, "apart", display_->name());
+    refused({file("one.glb"), "--eye", "0,2,0", "--target", "0,2,0"}, "must be different points", display_->name());
     refused({file("one.glb"), "--script", write("wrong.txt", "1 move 2\n")}, "wrong.txt:1", display_->name());
     const RunSettings in_window{.environment = {{"DISPLAY", display_->name()}}, .time_limit_s = 120};
     EXPECT_EQ(run_tool({"view", file("one.glb"), "--count", "200000"}, in_window).exit_code, 2) << "a wrong option";
@@ -452,7 +452,7 @@ TEST(ViewKeyPresses, AHeldKeyThatStepsCountsInEachFrame) {
     }
 }
 
-TEST(ViewDevice, IsTheSameOfSeveralWithOneName) {
+TEST(ViewDevice, IsFoundAmongSeveralWithOneName) {
     const std::vector<std::string> names{"slow", "fast", "fast", "native"}, others{"fast", "slow", "fast"};
     EXPECT_EQ(view::same_device(names, 0, others), 1u);
     EXPECT_EQ(view::same_device(names, 1, others), 0u);
@@ -460,7 +460,7 @@ TEST(ViewDevice, IsTheSameOfSeveralWithOneName) {
     EXPECT_EQ(view::same_device(names, 3, others), std::nullopt);
 }
 
-TEST(ViewOrbit, GoesWhereTheHandGoes) {
+TEST(ViewOrbit, FollowsTheMouse) {
     using view::Orbit;
     Orbit orbit;
     orbit.reset({.eye = {0, 3, 10}, .target = {0, 1, 0}});
@@ -513,7 +513,7 @@ TEST(ViewOrbit, ACameraShowsItsTargetInAPartOfAPicture) {
     }
 }
 
-TEST(ViewProjection, UndoesItself) {
+TEST(ViewProjection, RaysInvertTheProjection) {
     const Camera camera{.eye = {3, 4, 9}, .target = {0, 1, -2}};
     const view::Projection projection(camera, 1.6f);
     const Vec3<float> middle = projection.project(camera.target);
@@ -527,7 +527,7 @@ TEST(ViewProjection, UndoesItself) {
     EXPECT_LT(projection.project(camera.eye * 2.0f).z, 0) << "behind";
 }
 
-TEST(ViewPick, MeetsBoxesWhereTheyStand) {
+TEST(ViewPick, HitsPlacedBoxes) {
     // Turned by a quarter about y, twice as large, and moved: x from -4 to 0, z from -6 to 2.
     const view::PlacedBox box{
         {-2, 0, -1},

@@ -218,20 +218,20 @@ void add_bench(Command app) {
     Command command = app.add_subcommand(kBench.command, kBench.description);
     auto options = std::make_shared<BenchOptions>();
     Option files = command.add_option("files", options->files, "glTF 2.0 files (default: a generated creature)");
-    command.add_option("--joints", options->creature.joint_count, "of the generated creature")
+    command.add_option("--joints", options->creature.joint_count, "joints of the generated creature")
         .excludes(files)
         .capture_default_str();
-    command.add_option("--levels", options->creature.level_count, "of the generated creature")
+    command.add_option("--levels", options->creature.level_count, "levels of the generated creature")
         .excludes(files)
         .capture_default_str();
-    command.add_option("--seed", options->seed, "of clips, times and blends").capture_default_str();
+    command.add_option("--seed", options->seed, "seed of clips, times and blends").capture_default_str();
     command.add_option("--count", options->count, "characters in all")
         .check(range(1u, 10'000'000u))
         .capture_default_str();
     add_samples_option(command, options->samples);
     add_path_option(command, options->path);
     add_error_option(command, options->compile);
-    command.add_option("--scan", options->scan, "method of the Hierarchy-Scan, or all of them")
+    command.add_option("--scan", options->scan, "method of the Hierarchy-Scan, or all")
         .check(scan_name({"all", "auto"}))
         .capture_default_str();
     add_device_option(command, options->device);

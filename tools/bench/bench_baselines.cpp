@@ -213,7 +213,7 @@ void print_baselines_table(const std::vector<Json>& records) {
 
 std::vector<Json> compare(const Device& device, const Character& character, const std::string& file,
                           const BaselineOptions& options) {
-    if (character.clips.empty()) throw CommandError(file + ": it has no clips to bake");
+    if (character.clips.empty()) throw CommandError(file + ": has no clips to bake");
     const bench::BakeSettings settings{.rate = options.rate, .limit_bytes = device.info().storage_buffer_range_bytes};
     std::vector<Character> stored;
     for (const bench::Baseline& baseline : bench::baselines()) {
@@ -232,7 +232,7 @@ std::vector<Json> compare(const Device& device, const Character& character, cons
 }
 
 void run_baselines(const BaselineOptions& options) {
-    keep_inputs(options.files, {options.json});
+    protect_inputs(options.files, {options.json});
     const Device device = open_vulkan_device(options.device);
     Measured measured;
     const auto run = [&](const Character& character, const std::string& file) {
@@ -270,8 +270,10 @@ void add_bench_baselines(Command bench) {
     auto options = std::make_shared<BaselineOptions>();
     Option files = command.add_option("files", options->files,
                                       "glTF 2.0 files, in metres (default: generated creatures)");
-    command.add_option("--joints", options->joints, "of the generated creatures").excludes(files).capture_default_str();
-    command.add_option("--levels", options->levels, "of the generated creatures")
+    command.add_option("--joints", options->joints, "joints of the generated creatures")
+        .excludes(files)
+        .capture_default_str();
+    command.add_option("--levels", options->levels, "levels of the generated creatures")
         .excludes(files)
         .delimiter(',')
         .capture_default_str();
@@ -282,7 +284,7 @@ void add_bench_baselines(Command bench) {
     command.add_option("--rate", options->rate, "frames a second of baked clips")
         .check(range(0.1, 10'000.0))
         .capture_default_str();
-    command.add_option("--seed", options->seed, "of creatures, clips, times and blends").capture_default_str();
+    command.add_option("--seed", options->seed, "seed of creatures, clips, times and blends").capture_default_str();
     add_json_file_option(command, options->json);
     add_device_option(command, options->device);
     command.footer(

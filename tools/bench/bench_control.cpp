@@ -75,7 +75,7 @@ void add_bench_control(Command bench) {
         .delimiter(',')
         .check(range(1u, 1'000'000u))
         .capture_default_str();
-    command.add_option("--joints", options->joints, "joints of each; fewer where all together would pass 4,000,000")
+    command.add_option("--joints", options->joints, "joints of each; fewer where all together would exceed 4,000,000")
         .check(range(40u, 1000u))
         .capture_default_str();
     command.add_option("--levels", options->levels, "levels of the skeletons, at most a third of the joints")
@@ -83,7 +83,7 @@ void add_bench_control(Command bench) {
         .capture_default_str();
     add_path_option(command, options->path);
     add_samples_option(command, options->samples);
-    command.add_option("--seed", options->seed, "of creatures and parameters").capture_default_str();
+    command.add_option("--seed", options->seed, "seed of creatures and parameters").capture_default_str();
     add_json_flag(command, options->json);
     add_device_option(command, options->device);
     command.footer(

@@ -135,19 +135,19 @@ void add_bench_cpu(Command bench) {
                                            "checked, then timed beside a fill of the same bytes; needs no device");
     auto options = std::make_shared<CpuOptions>();
     Option files = command.add_option("files", options->files, "glTF 2.0 files (default: generated creatures)");
-    command.add_option("--characters", options->characters, "how many (default: several cases)")
+    command.add_option("--characters", options->characters, "number of characters (default: several cases)")
         .check(range(1u, 10'000'000u));
-    command.add_option("--joints", options->joints, "of each generated creature")
+    command.add_option("--joints", options->joints, "joints of each generated creature")
         .excludes(files)
         .check(range(2u, 65'535u));
-    command.add_option("--levels", options->levels, "of its skeleton").excludes(files).check(range(2u, 65'535u));
+    command.add_option("--levels", options->levels, "levels of its skeleton").excludes(files).check(range(2u, 65'535u));
     command.add_option("--clips", options->clips, "clips that each character plays")
         .check(is_member({"1", "2", "all"}))
         .capture_default_str();
     add_threads_option(command, options->threads);
     add_isa_option(command, options->isa);
     add_samples_option(command, options->samples);
-    command.add_option("--seed", options->seed, "of creatures, clips, times and blends").capture_default_str();
+    command.add_option("--seed", options->seed, "seed of creatures, clips, times and blends").capture_default_str();
     add_json_flag(command, options->json);
     command.footer(
         "Examples:\n  throng bench cpu\n  throng bench cpu fox.glb --characters 20000\n  throng bench cpu --characters "

@@ -170,17 +170,19 @@ void add_bench_draw(Command bench) {
         .needs(files)
         .check(range(1u, 10'000'000u))
         .capture_default_str();
-    command.add_option("--size", options->size, "of the picture (with files)").needs(files).capture_default_str();
+    command.add_option("--size", options->size, "size of the picture (with files)").needs(files).capture_default_str();
     // Generated crowds have cameras of their own
     for (Option camera : add_camera_options(command, options->camera)) camera.needs(files);
     Option vulkan = command.add_flag("--against-vulkan", options->vulkan,
-                                     "also by lavapipe, Mesa's software device (mesa-vulkan-drivers)");
-    command.add_option("--device", options->device, "by this one instead of lavapipe: its number or a part of its name")
+                                     "also draw with lavapipe, Mesa's software device (mesa-vulkan-drivers)");
+    command
+        .add_option("--device", options->device,
+                    "the device to use instead of lavapipe: its number or a part of its name")
         .needs(vulkan);
     add_threads_option(command, options->threads);
     add_isa_option(command, options->isa);
     add_samples_option(command, options->samples, "pictures timed");
-    command.add_option("--seed", options->seed, "of places, clips, times and blends").capture_default_str();
+    command.add_option("--seed", options->seed, "seed of places, clips, times and blends").capture_default_str();
     add_json_flag(command, options->json);
     command.footer(
         "Examples:\n  throng bench draw\n  throng bench draw --against-vulkan --samples 3\n  throng bench draw fox.glb "

@@ -121,7 +121,7 @@ private:
 };
 
 void run_frame(const FrameOptions& options) {
-    keep_inputs(options.files, {options.report});
+    protect_inputs(options.files, {options.report});
     check_report(options.report);
     FrameRun run(options);
     for (const std::string& file : options.files) run.measure_file(file);
@@ -143,7 +143,7 @@ void add_bench_frame(Command bench) {
         .check(range(1u, 10'000'000u));
     Option samples = add_samples_option(command, options->samples, "rounds timed");
     add_error_option(command, options->compile);
-    command.add_option("--seed", options->seed, "of creatures, clips, times and blends").capture_default_str();
+    command.add_option("--seed", options->seed, "seed of creatures, clips, times and blends").capture_default_str();
     command.add_flag("--quick", options->quick, "a tenth of the characters, and 3 rounds");
     add_json_flag(command, options->json);
     add_report_option(command, options->report);

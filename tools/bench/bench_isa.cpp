@@ -128,7 +128,9 @@ void add_bench_isa(Command bench) {
     IsaOptions& options = command.options_of<IsaOptions>(run_isa);
     std::vector<std::string> families;
     for (const bench::Simd& simd : bench::compiled_families()) families.emplace_back(simd.family);
-    command.add_option("--family", options.family, "of AMD's GPUs").check(is_member(families)).capture_default_str();
+    command.add_option("--family", options.family, "family of AMD's GPUs")
+        .check(is_member(families))
+        .capture_default_str();
     add_json_flag(command, options.json);
     command.footer(
         "Needs AMD's Vulkan driver of Mesa, radv (Debian: mesa-vulkan-drivers), and no GPU.\n"

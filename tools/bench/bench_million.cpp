@@ -133,19 +133,19 @@ void add_bench_million(Command bench) {
         "what GPUs would need");
     auto options = std::make_shared<MillionOptions>();
     add_field_options(command, options->field);
-    command.add_option("--size", options->size, "of the picture that the cameras take").capture_default_str();
-    command.add_option("--blending", options->blending, "part of the characters that are between two clips")
+    command.add_option("--size", options->size, "size of the picture that the cameras take").capture_default_str();
+    command.add_option("--blending", options->blending, "part of the characters that blend two clips")
         .check(finite())
         .check(range(0.0, 1.0))
         .capture_default_str();
-    command.add_option("--capacity", options->capacity, "characters that may have poses of their own at a time")
+    command.add_option("--capacity", options->capacity, "how many characters may have their own poses at a time")
         .check(range(1u, 10'000'000u))
         .capture_default_str();
-    command.add_option("--poses-per-second", options->poses_per_s, "of each clip, that characters share")
+    command.add_option("--poses-per-second", options->poses_per_s, "shared poses per second of each clip")
         .check(finite())
         .check(range(0.01, 1000.0))
         .capture_default_str();
-    command.add_option("--shared-pixels", options->shared_pixels, "pixels by which a shared pose may be off")
+    command.add_option("--shared-pixels", options->shared_pixels, "by how many pixels a shared pose may be off")
         .check(finite())
         .check(range(0.0, 1000.0))
         .capture_default_str();

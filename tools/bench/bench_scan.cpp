@@ -82,27 +82,27 @@ void add_bench_scan(Command bench_command) {
     for (const bench::SkeletonShape shape : bench::kSkeletonShapes) shapes.emplace_back(name_of(shape));
     experiments.push_back("all");
 
-    command.add_option("--methods", options->methods, "all, or names with their invocations a character or without")
+    command.add_option("--methods", options->methods, "all, or names, optionally with their invocations per character")
         .delimiter(',')
         .check(scan_name({"all"}))
         .capture_default_str();
     const std::vector<Option> of_levels{
-        command.add_option("--characters", settings.characters, "of the experiment 'levels'")
+        command.add_option("--characters", settings.characters, "characters in the experiment 'levels'")
             .check(range(1u, 10'000'000u))
             .capture_default_str(),
-        command.add_option("--joints", settings.joints, "of each character there")
+        command.add_option("--joints", settings.joints, "joints of each of these characters")
             .check(range(1u, 65'535u))
             .capture_default_str(),
-        command.add_option("--levels", settings.levels, "of random skeletons; the others' follow from the joints")
+        command.add_option("--levels", settings.levels, "levels of random skeletons; those of other shapes follow")
             .delimiter(',')
             .check(range(1u, 65'535u))
             .capture_default_str(),
-        command.add_option("--shape", options->shape, "of the skeleton")
+        command.add_option("--shape", options->shape, "shape of the skeleton")
             .check(is_member(shapes))
             .capture_default_str()};
-    command.add_option("--seed", settings.seed, "of skeletons and poses").capture_default_str();
+    command.add_option("--seed", settings.seed, "seed of skeletons and poses").capture_default_str();
     Option samples = add_samples_option(command, settings.sampling.samples,
-                                        "of each method in each case, where the time suffices");
+                                        "samples of each method in each case, if the time suffices");
     Option chosen = command
                         .add_option("--experiments", settings.experiments,
                                     "levels: the paper's; joints: 16 to 4096; characters: 1 to 100,000; on_chip: "
@@ -112,7 +112,7 @@ void add_bench_scan(Command bench_command) {
                         .capture_default_str();
     Option budget = command
                         .add_option("--budget", settings.sampling.budget_s,
-                                    "seconds; what is slow gets fewer samples then, but 3 at least")
+                                    "seconds for the whole run; slow cases get fewer samples, but at least 3")
                         .check(range(1.0, 1e6))
                         .capture_default_str();
     command.add_flag("--quick", settings.quick, "less of everything: under a minute");

@@ -15,7 +15,7 @@ struct SummaryOptions {
 void run_summary(const SummaryOptions& options) {
     std::vector<std::string> inputs = options.files;
     if (!options.predictions.empty()) inputs.push_back(options.predictions);
-    keep_inputs(inputs, {options.out});
+    protect_inputs(inputs, {options.out});
     const std::vector<Json> records = bench::read_records(options.files);
     std::vector<Json> predictions;
     if (!options.predictions.empty()) predictions = bench::read_records(options.predictions);
@@ -28,7 +28,7 @@ void add_bench_summary(Command bench_command) {
     Command command = bench_command.add_subcommand(
         "summary", "records of 'throng bench' as Markdown, a line for each time, beside what was predicted");
     auto options = std::make_shared<SummaryOptions>();
-    command.add_option("records", options->files, "files of records, one a line").required();
+    command.add_option("records", options->files, "files of records, one per line").required();
     command.add_option("--predictions", options->predictions,
                        "records of 'throng bench isa' and 'throng bench million'");
     add_out_option(command, options->out, "the .md file to write");

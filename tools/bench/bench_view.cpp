@@ -85,11 +85,11 @@ void add_bench_view(Command bench) {
                                            "small; checked, then timed beside an update of everything");
     auto options = std::make_shared<ViewOptions>();
     add_field_options(command, options->field);
-    command.add_option("--size", options->size, "of the picture that the camera takes").capture_default_str();
+    command.add_option("--size", options->size, "size of the picture that the camera takes").capture_default_str();
     add_camera_options(command, options->camera);
     command
         .add_option("--lod-pixels", options->lod_pixels,
-                    "pixels by which coarser levels of detail, and their joints, may be off")
+                    "by how many pixels coarser levels of detail, and their joints, may be off")
         .check(finite())
         .check(range(0.01, 1000.0))
         .capture_default_str();

@@ -12,11 +12,11 @@ void add_field_options(Command command, FieldOptions& options) {
     Option file = command.add_option("file", options.file,
                                      "a glTF 2.0 or .throng file (default: a generated creature)");
     command.add_option("--count", options.count, "characters").check(range(1u, 10'000'000u)).capture_default_str();
-    command.add_option("--joints", options.joints, "of the generated creature").excludes(file).capture_default_str();
-    command.add_option("--levels", options.levels, "of the generated creature").excludes(file).capture_default_str();
-    command.add_option("--faces", options.faces, "of the generated creature").excludes(file).capture_default_str();
+    command.add_option("--joints", options.joints, "joints of the creature").excludes(file).capture_default_str();
+    command.add_option("--levels", options.levels, "levels of the creature").excludes(file).capture_default_str();
+    command.add_option("--faces", options.faces, "faces of the creature").excludes(file).capture_default_str();
     add_error_option(command, options.compile);
-    command.add_option("--seed", options.seed, "of creature, clips, times and blends").capture_default_str();
+    command.add_option("--seed", options.seed, "seed of creature, clips, times and blends").capture_default_str();
 }
 
 Field make_field(const FieldOptions& options) {

@@ -18,11 +18,11 @@ Option add_samples_option(Command command, uint32_t& samples, const std::string&
 }
 
 void add_json_flag(Command command, bool& json) {
-    command.add_flag("--json", json, "a JSON record a line; its commit is taken from THRONG_COMMIT");
+    command.add_flag("--json", json, "one JSON record per line; its commit is taken from THRONG_COMMIT");
 }
 
 void add_json_file_option(Command command, std::string& file) {
-    command.add_option("--json", file, "a file for the records, one a line; their commit is taken from THRONG_COMMIT")
+    command.add_option("--json", file, "a file for the records, one per line; their commit is taken from THRONG_COMMIT")
         .check(writable_file());
 }
 
@@ -31,7 +31,7 @@ void add_report_option(Command command, std::string& file) {
 }
 
 void add_isa_option(Command command, std::string& isa) {
-    command.add_option("--isa", isa, "instruction set: sse2, avx2, avx-512, neon").capture_default_str();
+    command.add_option("--isa", isa, "instruction set: sse2, avx2, avx-512, neon or all").capture_default_str();
 }
 
 std::vector<NativeIsa> chosen_isas(const std::string& isa) {
@@ -42,7 +42,7 @@ std::vector<NativeIsa> chosen_isas(const std::string& isa) {
         known += (known.empty() ? "" : ", ") + name;
         if (isa == "all" || isa == name) chosen.insert(chosen.begin(), one);
     }
-    if (chosen.empty()) throw UsageError("--isa: this machine has no '" + isa + "', but " + known);
+    if (chosen.empty()) throw UsageError("--isa: this machine has no '" + isa + "'; it has: " + known);
     return chosen;
 }
 
@@ -109,7 +109,7 @@ bool print_untimed(const Json& record, const char* not_done, const std::string& 
     else if (record.contains("wrong") && record.contains(field) && std::isnan(bench::number(record, field)))
         std::printf("WRONG, not timed: a number is missing or not finite\n");
     else if (record.contains("wrong") && record.contains(field))
-        std::printf("WRONG, not timed: it is %s%s\n", record[field].dump().c_str(), off.c_str());
+        std::printf("WRONG, not timed: %s%s\n", record[field].dump().c_str(), off.c_str());
     else if (record.contains("wrong"))
         std::printf("WRONG, not timed\n");
     else

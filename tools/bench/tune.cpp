@@ -26,7 +26,7 @@ void run_predicted(const TuneOptions& options) {
     print_progress("");
     std::printf("%s", to_json(costs).c_str());
     if (options.json) return;
-    std::printf("from %u scans; what is chosen by them takes %.2f times as long as the fastest, at most %.2f times\n",
+    std::printf("from %u scans; methods chosen by these take %.2f times as long as the fastest, at most %.2f times\n",
                 scan_count, median_slack, largest_slack);
 }
 
@@ -34,14 +34,15 @@ void run_predicted(const TuneOptions& options) {
 void check_cache(const std::filesystem::path& file) {
     std::error_code error;
     if (!std::filesystem::create_directories(file.parent_path(), error) && error)
-        throw CommandError(file.parent_path().string() + ": cannot be made: " + error.message());
+        throw CommandError(file.parent_path().string() + ": cannot be created: " + error.message());
     if (const std::string wrong = writable_file().what_is_wrong(file.string()); !wrong.empty())
         throw CommandError(wrong);
 }
 
 void run_tune(const TuneOptions& options) {
     if (!options.predicted.empty()) {
-        if (!options.device.empty()) throw UsageError("--predicted is for a GPU that is not here: without --device");
+        if (!options.device.empty())
+            throw UsageError("--predicted is for a GPU that is not in this machine; leave out --device");
         return run_predicted(options);
     }
     const Device device = open_vulkan_device(options.device);
@@ -71,7 +72,7 @@ void run_tune(const TuneOptions& options) {
     if (options.dry_run) return;
     const std::string text = to_json(costs);
     write_file(file, std::as_bytes(std::span(text)));
-    if (!options.json) std::printf("kept in %s\n", file.c_str());
+    if (!options.json) std::printf("saved to %s\n", file.c_str());
 }
 
 }  // namespace
@@ -80,18 +81,20 @@ void add_tune(Command app) {
     Command command = app.add_subcommand(kTune.command, kTune.description);
     auto options = std::make_shared<TuneOptions>();
     add_device_option(command, options->device);
-    const Option quick = command.add_flag("--quick", options->quick, "fewer and smaller scans: seconds, and less sure");
-    command.add_flag("--dry-run", options->dry_run, "print the costs, and keep nothing");
+    const Option quick = command.add_flag("--quick", options->quick,
+                                          "fewer and smaller scans: takes seconds, is less exact");
+    command.add_flag("--dry-run", options->dry_run, "print the costs, and save nothing");
     std::vector<std::string> machines;
     for (const bench::Machine& machine : bench::machines()) machines.emplace_back(machine.name);
     command
         .add_option("--predicted", options->predicted,
-                    "a GPU that is not here: the costs that its machine code predicts (throng bench isa), kept nowhere")
+                    "print the costs of a GPU that is not in this machine, as its machine code predicts them (throng "
+                    "bench isa), and save nothing")
         .check(is_member(machines))
         .excludes(quick);
     command.add_flag("--json", options->json, "the costs as JSON");
     command.footer(
-        "Takes about a minute. The costs are kept in $XDG_CACHE_HOME/throng or ~/.cache/throng, a file a device.\n"
+        "Takes about a minute. The costs are saved in $XDG_CACHE_HOME/throng or ~/.cache/throng, one file per device.\n"
         "Examples:\n  throng tune\n  throng tune --device cpu --dry-run\n  throng tune --predicted 'RTX 3080'");
     command.callback([options] { run_tune(*options); });
 }

@@ -27,7 +27,7 @@ struct CompileOptions {
 Character compile(const CompileOptions& options) {
     std::vector<std::string> inputs = options.clips;
     inputs.push_back(options.file);
-    keep_inputs(inputs, {options.out});
+    protect_inputs(inputs, {options.out});
     for (const std::string& input : inputs) {
         if (!is_compiled_file(input)) continue;
         unwrap(load_character(input));  // reports damage first
@@ -37,9 +37,9 @@ Character compile(const CompileOptions& options) {
     std::error_code unknown;
     if (std::filesystem::exists(options.out, unknown) && !is_compiled_file(options.out))
         throw CommandError(options.out +
-                           " is there, and not a compiled character; give --out another name, or remove it");
+                           " exists and is not a compiled character; give --out another name, or remove it");
     if (is_gltf_name(options.out))
-        throw UsageError(options.out + ": what is written is no glTF file; give it the ending .throng");
+        throw UsageError(options.out + ": the output is not a glTF file; give a name that ends in .throng");
     print_progress("reading " + options.file);
     Asset asset = unwrap(load_asset(options.file));
     for (const std::string& file : options.clips) {
@@ -81,7 +81,7 @@ nlohmann::json to_json(const CompileOptions& options, const Character& character
 
 void print_text(const CompileOptions& options, const Character& character, size_t bytes) {
     const ClipTotals totals(character);
-    std::printf("%s: %zu bytes, of %s\n", printable(options.out, std::string::npos).c_str(), bytes,
+    std::printf("%s: %zu bytes, compiled from %s\n", printable(options.out, std::string::npos).c_str(), bytes,
                 printable(options.file, std::string::npos).c_str());
     std::printf("  clips      %zu, %.1f KiB: %.1f times smaller than %.1f KiB of raw floats\n", character.clips.size(),
                 static_cast<double>(totals.size_bytes) / 1024, totals.ratio(),
@@ -106,14 +106,14 @@ void run_compile(const CompileOptions& options) {
 
 void add_compile(Command app) {
     Command command = app.add_subcommand(
-        "compile", "compress a .glb or .gltf file's clips, and write what the GPU reads, to be loaded at once");
+        "compile", "compress a .glb or .gltf file's clips, and write what the GPU reads, to be loaded in one read");
     CompileOptions& options = command.options_of(run_compile);
     command.add_option("file", options.file, "a glTF 2.0 file").required();
-    add_out_option(command, options.out, "the .throng file to write; every command takes it in place of its source");
+    add_out_option(command, options.out, "the .throng file to write; other commands take it in place of its source");
     command.add_option(
         "--clips", options.clips,
-        "files whose clips to add, behind the character's: animation alone, or characters with joints of "
-        "the same names");
+        "files whose clips to add after the character's own: files of animation alone, or characters with "
+        "the same joint names");
     add_error_option(command, options.settings);
     add_root_motion_option(command, options.settings);
     command.add_flag("--json", options.json, "as JSON");

@@ -24,7 +24,7 @@ void check_out(const std::string& out) {
     std::string magic(4, '\0');
     std::ifstream(out, std::ios::binary).read(magic.data(), std::ssize(magic));
     if (magic != "glTF")
-        throw CommandError(out + " is there, and not a binary glTF file; give --out another name, or remove it");
+        throw CommandError(out + " exists and is not a binary glTF file; give --out another name, or remove it");
 }
 
 void run_generate(const GenerateOptions& options) {
@@ -50,11 +50,13 @@ void add_generate(Command app) {
     Command command = app.add_subcommand("generate", "make a skinned, animated creature of any size");
     GenerateOptions& options = command.options_of(run_generate);
     command.add_option("kind", options.kind, "dragon, willow, walker or centipede").capture_default_str();
-    command.add_option("--joints", options.joints, "joints, exactly (default: 300, 240, 160 and 1,000, by kind)");
+    command.add_option("--joints", options.joints,
+                       "exact number of joints (default: 300, 240, 160 and 1,000, by kind)");
     command.add_option("--levels", options.levels,
-                       "joints on the longest path from the root, exactly (default: 60, 30, 40 and 330)");
-    command.add_option("--faces", options.faces, "triangles, about (default: 1,500, 3,000, 2,500 and 3,000)");
-    command.add_option("--seed", options.seed, "proportions, colours and phases").capture_default_str();
+                       "exact number of joints on the longest path from the root (default: 60, 30, 40 and 330)");
+    command.add_option("--faces", options.faces,
+                       "approximate number of triangles (default: 1,500, 3,000, 2,500 and 3,000)");
+    command.add_option("--seed", options.seed, "seed of proportions, colours and phases").capture_default_str();
     add_out_option(command, options.out, "the .glb file to write");
     command.footer(
         "Examples:\n  throng generate --out dragon.glb\n  throng generate willow --seed 7 --out willow.glb\n"

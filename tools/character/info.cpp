@@ -278,15 +278,15 @@ void add_info(Command app) {
         "info", "what is in a .glb, .gltf or .throng file, what it costs, and how a crowd of it would be scanned");
     InfoOptions& options = command.options_of(run_info);
     command.add_option("file", options.file, "a glTF 2.0 file, or one that 'throng compile' wrote").required();
-    command.add_option("--count", options.count, "characters of the crowd for which a scan method is chosen")
+    command.add_option("--count", options.count, "number of characters for which a scan method is chosen")
         .check(range(1u, 10'000'000u))
         .capture_default_str();
     add_error_option(command, options.compile);
     add_root_motion_option(command, options.compile);
     add_device_option(command, options.device);
     command.add_flag("--lods", options.compile.lods,
-                     "make levels of detail, as 'compile' does, and print them (those of a compiled file always are)");
-    command.add_flag("--joints", options.joints, "list the joints: their numbers, names, and what they hang on");
+                     "make levels of detail, as 'compile' does, and print them (a compiled file's are always printed)");
+    command.add_flag("--joints", options.joints, "list the joints: their numbers, names and parents");
     command.add_flag("--json", options.json, "as JSON");
     command.footer(
         "Examples:\n  throng info fox.glb\n  throng info fox.glb --joints\n  throng info fox.glb --count 100\n  throng "

@@ -26,7 +26,8 @@ using File = std::unique_ptr<std::FILE, CloseFile>;
 File memory_file(const std::string& program) {
     const int memory = memfd_create(program.c_str(), MFD_CLOEXEC);
     File file(memory < 0 ? nullptr : fdopen(memory, "w+"));
-    if (!file) throw Failure(ErrorCode::kFile, program, std::string("no file in memory: ") + std::strerror(errno));
+    if (!file)
+        throw Failure(ErrorCode::kFile, program, std::string("cannot make a file in memory: ") + std::strerror(errno));
     return file;
 }
 
@@ -44,7 +45,7 @@ int status_of(pid_t child, const std::string& program) {
     while (waitpid(child, &status, 0) < 0)
         if (errno != EINTR)
             throw Failure(ErrorCode::kFile, program,
-                          std::string("it is not known how it ended: ") + std::strerror(errno));
+                          std::string("cannot find out how it ended: ") + std::strerror(errno));
     return status;
 }
 
@@ -56,7 +57,7 @@ ChildOutput run_child_program(std::vector<std::string> name_and_arguments, const
     const bool is_written = std::fwrite(input.data(), 1, input.size(), in.get()) == input.size() &&
                             std::fflush(in.get()) == 0;
     if (!is_written)
-        throw Failure(ErrorCode::kFile, program, std::string("no room for its input: ") + std::strerror(errno));
+        throw Failure(ErrorCode::kFile, program, std::string("cannot store its input: ") + std::strerror(errno));
     std::rewind(in.get());  // the child reads from the file's position
 
     posix_spawn_file_actions_t files;

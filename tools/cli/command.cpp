@@ -38,8 +38,7 @@ RendererSettings parse_size(const std::string& text) {
 
 void check_png_name(const char* option, const std::string& out) {
     if (!out.ends_with(".png"))
-        throw UsageError(std::string(option) + " " + out + ": pictures are .png files" +
-                         (std::filesystem::path(out).has_extension() ? "" : ": give it that ending"));
+        throw UsageError(std::string(option) + " " + out + ": pictures are .png files; give a name that ends in .png");
 }
 
 Device open_device(const std::string& select) { return unwrap(Device::create({.select = select})); }
@@ -47,8 +46,8 @@ Device open_device(const std::string& select) { return unwrap(Device::create({.s
 Device open_vulkan_device(const std::string& select) {
     const Device device = open_device(select);
     if (device.info().type == "native")
-        throw CommandError("this measures a Vulkan device, and " + device.info().name +
-                           " is none: 'throng bench cpu' measures the processor");
+        throw CommandError("this command measures a Vulkan device, and " + device.info().name +
+                           " is not one; 'throng bench cpu' measures the processor");
     return device;
 }
 

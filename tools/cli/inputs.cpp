@@ -33,10 +33,10 @@ std::vector<FileOnDisk> side_files(const std::string& file) {
     std::vector<FileOnDisk> found;
     const std::filesystem::path path = file, folder = path.has_parent_path() ? path.parent_path() : ".";
     const auto add_all = [&] {
-        gltf::Warnings unsaid(file);
+        gltf::Warnings ignored(file);
         const std::vector<std::byte> bytes = read_file(path, gltf::kFileLimitBytes, file);
         gltf::Budget budget(bytes.size());
-        const JsonText json = gltf::parse_json(gltf::open_container(bytes, unsaid).json, budget);
+        const JsonText json = gltf::parse_json(gltf::open_container(bytes, ignored).json, budget);
         for (const char* list : {"buffers", "images"})
             for (const JsonView item : json.view().optional_array(list)) {
                 if (!item.has("uri") || !item.find("uri")->is_string()) continue;
@@ -53,20 +53,20 @@ std::vector<FileOnDisk> side_files(const std::string& file) {
 
 }  // namespace
 
-void keep_inputs(const std::vector<std::string>& inputs, const std::vector<std::filesystem::path>& outs) {
-    std::vector<FileOnDisk> there;
+void protect_inputs(const std::vector<std::string>& inputs, const std::vector<std::filesystem::path>& outs) {
+    std::vector<FileOnDisk> existing;
     for (const std::filesystem::path& out : outs)
-        if (auto file = on_disk(out, out.string())) there.push_back(std::move(*file));
-    if (there.empty()) return;
-    const auto keep = [&](const FileOnDisk& input) {
-        const auto out = std::ranges::find_if(there, [&](const FileOnDisk& file) { return file.is(input); });
-        if (out == there.end()) return;
-        throw CommandError(out->name + ": would be written over " + input.name +
+        if (auto file = on_disk(out, out.string())) existing.push_back(std::move(*file));
+    if (existing.empty()) return;
+    const auto check_input = [&](const FileOnDisk& input) {
+        const auto out = std::ranges::find_if(existing, [&](const FileOnDisk& file) { return file.is(input); });
+        if (out == existing.end()) return;
+        throw CommandError(out->name + ": would overwrite " + input.name +
                            ", which this command reads; give another name");
     };
     for (const std::string& input : inputs) {
-        if (const auto file = on_disk(input, input)) keep(*file);
-        std::ranges::for_each(side_files(input), keep);
+        if (const auto file = on_disk(input, input)) check_input(*file);
+        std::ranges::for_each(side_files(input), check_input);
     }
 }
 

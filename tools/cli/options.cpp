@@ -63,8 +63,8 @@ void refuse_before(const std::string& subcommand, const CLI::App& command) {
     for (const CLI::Option* option : command.get_options()) {
         if (option->count() == 0 || option == command.get_help_ptr() || option == command.get_version_ptr()) continue;
         const std::string word = option->get_positional() ? option->results().front() : option->get_name();
-        throw UsageError(word + " has no effect before '" + subcommand + "': give what '" + subcommand +
-                         "' takes after its name");
+        throw UsageError(word + " has no effect before '" + subcommand + "'; give the arguments of '" + subcommand +
+                         "' after its name");
     }
 }
 
@@ -107,7 +107,7 @@ Check scan_name(const std::vector<std::string>& others) {
     for (const std::string& name : names) list += (list.empty() ? "" : ", ") + name;
     return {[names, list](const std::string& text) {
                 const bool known = std::find(names.begin(), names.end(), text.substr(0, text.find(':'))) != names.end();
-                return known ? std::string() : "'" + text + "' is no scan method; the methods are: " + list;
+                return known ? std::string() : "'" + text + "' is not a scan method; the methods are: " + list;
             },
             "METHOD[:THREADS]:{" + list + "}"};
 }
@@ -123,7 +123,7 @@ Check writable_file() {
             return text + " cannot be written: its folder: " + std::generic_category().message(errno);
         if (type == std::filesystem::file_type::none) return text + " cannot be written: " + error.message();
         if (type == std::filesystem::file_type::not_found || type == std::filesystem::file_type::regular) return {};
-        return text + " is there, and not a plain file";
+        return text + " exists and is not a regular file";
     }};
 }
 
@@ -194,7 +194,7 @@ Option Command::add_numbered(const std::string& names, const std::function<void(
     for (const auto& [name, number] : numbers) all += (all.empty() ? "" : ", ") + name;
     const auto to_number = [numbers, all](std::string& text) {
         const auto found = numbers.find(text);
-        if (found == numbers.end()) return "'" + text + "' is none of " + all;
+        if (found == numbers.end()) return "'" + text + "' is not one of " + all;
         text = std::to_string(found->second);
         return std::string();
     };
@@ -210,7 +210,7 @@ void run_command_line(int argc, char** argv, void (*add_commands)(Command app)) 
     app.name("throng");
     app.set_version_flag("--version", version());
     app.require_subcommand(0, 1);  // a missing one is reported below; 1 would hide the name of a misspelt one
-    app.footer("'throng COMMAND --help' has examples. Exit code: 0 done, 1 failed, more than 1 a wrong option.");
+    app.footer("'throng COMMAND --help' has examples. Exit code: 0 success, 1 failure, more than 1 a wrong option.");
     add_commands(Command(app));
     const auto help_of_command = [&] { return " (" + name_of(innermost(app)) + " --help)"; };
     try {
@@ -231,7 +231,8 @@ void run_command_line(int argc, char** argv, void (*add_commands)(Command app)) 
 void add_device_option(Command command, std::string& select) {
     command.add_option(
         "--device", select,
-        "a device's number, 'cpu', 'native', or a part of its name (default: a hardware GPU if there is one)");
+        "the device to use: its number, 'cpu', 'native', or a part of its name (default: a hardware GPU if there is "
+        "one)");
 }
 
 void add_path_option(Command command, UpdatePath& path) {
@@ -242,21 +243,22 @@ void add_path_option(Command command, UpdatePath& path) {
          {"staged", UpdatePath::kStaged},
          {"native", UpdatePath::kNative},
          {"device", UpdatePath::kDevice}},
-        "fused: sample, blend, scan and bind in one pass; staged: one after another; device: fused where it applies; "
-        "native: by this machine's processor, on software devices; auto: native there, else as device");
+        "how crowds are updated. fused: sample, blend, scan and bind in one pass; staged: one after another; device: "
+        "fused where it applies, else staged; native: by this machine's processor, on software devices; auto: native "
+        "on software devices, else as device");
 }
 
 void add_renderer_option(Command command, DrawPath& path) {
     command.add_choice<DrawPath>(
         "--renderer", path, {{"auto", DrawPath::kAuto}, {"native", DrawPath::kNative}, {"vulkan", DrawPath::kDevice}},
-        "vulkan: the device draws; native: this machine's processor, on native and software devices; auto: native "
-        "there, else vulkan");
+        "what draws. vulkan: the device; native: this machine's processor, on native and software devices; auto: "
+        "native on these, else vulkan");
 }
 
 std::string renderer_name(bool is_native) { return is_native ? "native" : "vulkan"; }
 
 void add_scan_option(Command command, std::string& scan) {
-    command.add_option("--scan", scan, "method of the Hierarchy-Scan, and its invocations a character")
+    command.add_option("--scan", scan, "method of the Hierarchy-Scan, optionally with its invocations per character")
         .check(scan_name({"auto"}))
         .capture_default_str();
 }
@@ -288,10 +290,10 @@ void add_error_option(Command command, CompileSettings& settings) {
             for (const CLI::Option* files : app.get_options([](const CLI::Option* of) { return of->get_positional(); }))
                 for (const std::string& file : files->results())
                     if (is_compiled_file(file))
-                        throw CommandError(file + " is compiled already, " + what + ": leave " + name +
-                                           " out, or give its source");
+                        throw CommandError(file + " is compiled already, " + what + "; leave out " + name +
+                                           ", or give its source");
         };
-        refuse_compiled("--error", "within an error of its own");
+        refuse_compiled("--error", "with its own error bound");
         refuse_compiled("--root-motion", "with its own root motion or none");
     });
 }
@@ -299,8 +301,8 @@ void add_error_option(Command command, CompileSettings& settings) {
 void add_root_motion_option(Command command, CompileSettings& settings) {
     command.app()
         .add_option("--root-motion", settings.root_motion_joint,
-                    "a joint whose way over the ground is taken out of the clips, for characters with a controller to "
-                    "move by")
+                    "a joint whose movement over the ground is taken out of the clips; characters with a controller "
+                    "then move by it")
         ->type_name("JOINT");
 }
 

@@ -14,14 +14,14 @@
 
 namespace throng::tools {
 
-void become(const OwnProgram& program, char** argv) {
+void exec_program(const OwnProgram& program, char** argv) {
     std::error_code failure;
     const std::filesystem::path self = std::filesystem::read_symlink("/proc/self/exe", failure);
     const std::string path = self.parent_path() / program.program;
     if (!failure) ::execv(path.c_str(), argv);
     throw CommandError(std::string(program.command) + ": " + path +
                        " cannot be started: " + std::strerror(failure ? failure.value() : errno) +
-                       ": is it installed? (In a checkout './run build' makes it)");
+                       ": is it installed? (In a checkout, './run build' builds it)");
 }
 
 int run_program(int argc, char** argv, void (*run)(int argc, char** argv)) {

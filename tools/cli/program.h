@@ -10,13 +10,14 @@ struct OwnProgram {
     const char *command, *program, *description;
 };
 inline constexpr OwnProgram kBench{"bench", "throng-bench",
-                                   "milliseconds per stage, checked against the reference first"},
-    kTune{"tune", "throng-bench", "measure what scans cost on this device, for --scan auto to choose by"},
+                                   "measure milliseconds per stage, after a check against the reference"},
+    kTune{"tune", "throng-bench", "measure what scans cost on this device, so that --scan auto chooses by it"},
     kView{"view", "throng-view",
-          "a window with a crowd of one or several files: fly through it, change it, look at one; keys by ?"};
+          "show a crowd of one or several files in a window: fly through it, change it, inspect characters; ? lists "
+          "the keys"};
 
 // Replaces this process by the program, which lies beside this one. Never returns; throws CommandError if it cannot.
-[[noreturn]] void become(const OwnProgram& program, char** argv);
+[[noreturn]] void exec_program(const OwnProgram& program, char** argv);
 
 // Returns the exit code of main(). `run` may throw; the message goes to stderr, as one line.
 int run_program(int argc, char** argv, void (*run)(int argc, char** argv));

@@ -27,8 +27,9 @@ const char* mode_name(LayerMode mode) { return mode == LayerMode::kAdditive ? "a
 
 std::string initial_text(const ControllerParameter& parameter) {
     if (parameter.type == ParameterType::kTrigger) return {};
-    if (parameter.type == ParameterType::kBool) return parameter.initial != 0 ? ", true at first" : ", false at first";
-    return ", " + number_text(parameter.initial) + " at first";
+    if (parameter.type == ParameterType::kBool)
+        return parameter.initial != 0 ? ", initially true" : ", initially false";
+    return ", initially " + number_text(parameter.initial);
 }
 
 nlohmann::json to_json(const Controller& controller, const CheckOptions& options,
@@ -72,7 +73,7 @@ void print_layer(const ControllerLayer& layer, size_t index) {
     std::printf("  layer %-4zu %s: %s%s, weight %s", index, layer.name.c_str(), mode_name(layer.mode), mask.c_str(),
                 factor_text(layer.weight, layer.weight_parameter).c_str());
     if (layer.states.empty())
-        std::printf("; plays what it is told\n");
+        std::printf("; no states: plays what Crowd::play() sets\n");
     else
         std::printf("; %zu states, %zu transitions\n", layer.states.size(), layer.transitions.size());
     for (const ControllerState& state : layer.states) {
@@ -131,7 +132,7 @@ void add_check(Command controller) {
     auto options = std::make_shared<CheckOptions>();
     command.add_option("file", options->file, "a controller's .json file").required();
     command.add_option("--character", options->characters,
-                       "glTF 2.0 or .throng files that must have its clips and joints");
+                       "glTF 2.0 or .throng files to check for the controller's clips and joints");
     command.add_flag("--json", options->json, "as JSON");
     command.footer(
         "Examples:\n  throng controller check guard.json\n  throng controller check guard.json --character knight.glb\n"
@@ -158,7 +159,7 @@ void add_graph(Command controller) {
         "Examples:\n  throng controller graph guard.json -o guard.svg\n"
         "  throng controller graph guard.json -o guard.dot && dot -Tpng guard.dot > guard.png");
     command.callback([options] {
-        keep_inputs({options->file}, {options->out});
+        protect_inputs({options->file}, {options->out});
         const std::string graph = controller_graph(unwrap(load_controller(options->file)));
         const std::string content = options->out.ends_with(".svg") ? run_graphviz(graph) : graph;
         write_file(options->out, std::as_bytes(std::span(content)));
@@ -169,7 +170,7 @@ void add_graph(Command controller) {
 
 void add_controller(Command app) {
     Command command = app.add_subcommand("controller",
-                                         "check and draw controllers: state machines that say what characters play");
+                                         "check and draw controllers: state machines that decide what characters play");
     command.require_subcommand("check or graph");
     command.footer("'throng controller check --help' and 'graph --help' have examples.");
     add_check(command);

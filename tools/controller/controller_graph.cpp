@@ -61,7 +61,8 @@ std::string layer_cluster(const ControllerLayer& layer, size_t index) {
         return prefix + "state" + std::to_string(i);
     };
     std::string text = "  subgraph cluster_" + std::to_string(index) + " {\n    " + layer_label(layer) + ";\n", edges;
-    if (layer.states.empty()) text += "    " + prefix + "direct [label=\"plays what it is told\", style=dashed];\n";
+    if (layer.states.empty())
+        text += "    " + prefix + "direct [label=\"plays what Crowd::play() sets\", style=dashed];\n";
     for (const ControllerState& state : layer.states)
         text += state_node(id_of(state.name), state, &state == layer.states.data());
     bool from_any = false;

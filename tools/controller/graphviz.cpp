@@ -10,8 +10,8 @@ std::string run_graphviz(const std::string& graph) {
     const ChildOutput child = run_child_program({"dot", "-Tsvg"}, graph);
     if (child.start == Start::kMissing)
         throw CommandError(
-            "dot: Graphviz is not installed, and draws the SVG (Debian: apt-get install graphviz); a .dot file needs "
-            "none");
+            "dot: Graphviz is not installed, and is needed to draw the SVG (Debian: apt-get install graphviz); a .dot "
+            "file can be written without it");
     if (child.start == Start::kRefused) throw CommandError("dot: cannot be started: " + child.errors);
     if (child.status != 0) throw CommandError("dot: " + child.errors.substr(0, child.errors.find('\n')));
     return child.output;

@@ -201,7 +201,7 @@ private:
     Result<std::vector<std::byte>> pack(const std::string& name, std::string text) const {
         text.resize((text.size() + 3) / 4 * 4, ' ');
         const uint64_t total = 12 + 8 + text.size() + (binary_.empty() ? 0 : 8 + binary_.size());
-        if (total > 0xFFFFFFFFu) return Error{ErrorCode::kLimit, name, "a .glb file of 4 GiB or more"};
+        if (total > 0xFFFFFFFFu) return Error{ErrorCode::kLimit, name, "the .glb file would have 4 GiB or more"};
         std::vector<std::byte> out;
         out.reserve(total);
         const auto words = [&](auto... values) {

@@ -23,12 +23,12 @@ void run_ffmpeg(std::vector<std::string> arguments, const std::string& place) {
     const ChildOutput child = run_child_program(arguments, "");
     if (child.start == Start::kMissing)
         throw CommandError(
-            "ffmpeg: is not installed, and makes the .mp4 (Debian: apt-get install ffmpeg); pictures such as "
-            "frame_%04d.png need none");
+            "ffmpeg: is not installed, and is needed to make the .mp4 (Debian: apt-get install ffmpeg); pictures such "
+            "as frame_%04d.png can be written without it");
     if (child.start == Start::kRefused) throw CommandError("ffmpeg: cannot be started: " + child.errors);
     if (child.status == 0) return;
     if (WIFSIGNALED(child.status))
-        throw CommandError(place + ": ffmpeg was ended by signal " + std::to_string(WTERMSIG(child.status)));
+        throw CommandError(place + ": ffmpeg was killed by signal " + std::to_string(WTERMSIG(child.status)));
     const std::string errors = child.errors.substr(0, child.errors.find_last_not_of('\n') + 1);
     throw CommandError(place +
                        ": ffmpeg: " + (errors.empty() ? "failed" : errors.substr(errors.find_last_of('\n') + 1)));

@@ -162,7 +162,7 @@ constexpr double kLong_s = 600;  // but only if it is longer than this
 void report_frame(size_t done, size_t all, double left_s) {
     if (done == kMeasured && left_s > kLong_s) {
         print_progress("");
-        std::cerr << "throng: " << all << " frames will take some " << duration_text(left_s) << "\n";
+        std::cerr << "throng: " << all << " frames will take about " << duration_text(left_s) << "\n";
     }
     print_progress("frame " + std::to_string(done) + " of " + std::to_string(all) + ", " + duration_text(left_s) +
                    " left");
@@ -206,7 +206,7 @@ Film draw_frames(const Device& device, const RenderOptions& options, const FilmP
     settings["renderer"] = renderer_of(shot);
     std::error_code failure;
     if (plan.is_film) fs::create_directory(plan.folder, failure);
-    if (failure) throw CommandError(plan.folder.string() + ": cannot be made: " + failure.message());
+    if (failure) throw CommandError(plan.folder.string() + ": cannot be created: " + failure.message());
     plan.files.keep_settings(settings);
     uint32_t next = 0;  // the frame that the characters step to next
     const auto step_to = [&](uint32_t frame) { return frame == 0 ? options.time_s : 1 / options.fps; };
@@ -267,8 +267,8 @@ void print_film(const RenderOptions& options, const std::string& device, const F
 std::vector<uint32_t> missing_frames(const FilmPlan& plan, const Interruption& interruption) {
     const auto report = [&](size_t checked, size_t all) {
         if (interruption.is_asked_for())
-            throw CommandError("interrupted while the " + std::to_string(all) +
-                               " frames that are there were checked: the same command goes on from them");
+            throw CommandError("interrupted while checking the " + std::to_string(all) +
+                               " frames that exist: the same command continues from them");
         print_progress("checking frame " + std::to_string(checked + 1) + " of " + std::to_string(all));
     };
     std::vector<uint32_t> frames = plan.files.missing(plan.range, plan.shard, plan.size.width, plan.size.height,
@@ -280,7 +280,7 @@ std::vector<uint32_t> missing_frames(const FilmPlan& plan, const Interruption& i
 void encode(const RenderOptions& options, const FilmPlan& plan, const Interruption& interruption) {
     if (interruption.is_asked_for())
         throw CommandError("interrupted; all frames are kept in " + plan.folder.string() +
-                           ": the same command makes the film of them");
+                           ": the same command makes the film from them");
     print_progress("encoding " + options.out);
     encode_film({plan.folder, plan.range.first, plan.range.end - plan.range.first, options.fps}, options.out);
     for (const uint32_t frame : plan.range.frames()) fs::remove(plan.files.path(frame));
@@ -293,9 +293,9 @@ void encode(const RenderOptions& options, const FilmPlan& plan, const Interrupti
 
 void render_film(const RenderOptions& options) {
     const FilmPlan plan(options);
-    keep_inputs(input_files(options.scene), outs_of(options, plan));
+    protect_inputs(input_files(options.scene), outs_of(options, plan));
     if (plan.is_film && fs::exists(options.out) && !options.force)
-        throw CommandError("--out " + options.out + ": there is a film already; --force draws it anew");
+        throw CommandError("--out " + options.out + ": the film exists already; --force draws it again");
     const bool encodes = plan.is_film && !plan.is_shared();
     if (encodes) check_ffmpeg();
     const auto asked = static_cast<size_t>(
@@ -308,7 +308,7 @@ void render_film(const RenderOptions& options) {
     if (plan.is_film && fs::exists(options.out) && !options.force) {  // another process has drawn one meanwhile
         if (lock.text_before() == asked_for) return print_film(options, {}, {}, asked);
         throw CommandError("--out " + options.out +
-                           ": another process has just drawn another film there; --force draws this one over it");
+                           ": another process has just drawn a different film there; --force replaces it");
     }
     const Interruption interruption;
     if (!plan.is_shared()) lock.write(asked_for);

@@ -45,7 +45,7 @@ FrameRange parse_frames(const std::string& text) {
     const auto range = parse_pair(text, ':');
     if (!range || range->first >= range->second || range->second > kMaxFrames)
         throw UsageError("--frames " + text +
-                         ": give it as FIRST:END, for example 0:240 for frames 0 to 239; at most to frame " +
+                         ": give it as FIRST:END, for example 0:240 for frames 0 to 239; END is at most " +
                          std::to_string(kMaxFrames));
     return {range->first, range->second};
 }
@@ -105,8 +105,8 @@ void FrameFiles::check_settings(const nlohmann::json& settings) const {
     if (!bytes) {
         const std::filesystem::path frame = some_frame();
         if (frame.empty()) return;
-        throw CommandError(frame.string() + " is there, but not " + place +
-                           ", which says what it was made with; remove the frames, or give another --out");
+        throw CommandError(frame.string() + " exists, but " + place +
+                           ", which records its settings, does not; remove the frames, or give another --out");
     }
     const std::string_view text(reinterpret_cast<const char*>(bytes->data()), bytes->size());
     const nlohmann::json there = nlohmann::json::parse(text, nullptr, false);

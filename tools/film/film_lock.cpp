@@ -25,12 +25,12 @@ bool FilmLock::lock() {
     // O_NOFOLLOW: write() would empty what a link leads to
     file_ = ::open(path_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0666);
     if (file_ < 0 && errno == ELOOP)
-        throw CommandError(path_.string() + ": is a symbolic link, in the place of a film's lock: remove it");
+        throw CommandError(path_.string() + ": is a symbolic link where the film's lock file must be; remove it");
     if (file_ < 0) return true;
     const int operation = kind_ == Kind::kShared ? LOCK_SH : LOCK_EX;
     if (::flock(file_, operation | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
         if (!has_waited_)
-            std::cerr << "throng: another process draws this film; waiting for it (" << path_.string() << ")\n";
+            std::cerr << "throng: another process is drawing this film; waiting for it (" << path_.string() << ")\n";
         has_waited_ = true;
         if (::flock(file_, operation) != 0) return true;
         text_before_.resize(kLongest);

@@ -55,7 +55,7 @@ void run_render(const RenderOptions& options) {
     if (!options.frames.empty()) return render_film(options);
     if (options.out.ends_with(".mp4"))
         throw UsageError("--out " + options.out + ": a film needs --frames, for example 0:240");
-    keep_inputs(input_files(options.scene), {options.out});
+    protect_inputs(input_files(options.scene), {options.out});
     check_png_name("--out", options.out);
     const Device device = open_device(options.device);
     Shot shot(device, options);
@@ -74,14 +74,15 @@ void add_render(Command app) {
     RenderOptions& options = command.options_of(run_render);
     add_scene_options(command, options.scene);
     add_clip_options(command, options.scene);
-    command.add_option("--size", options.size, "of the picture").capture_default_str();
-    command.add_option("--time", options.time_s, "seconds after the start; every character starts at a time of its own")
+    command.add_option("--size", options.size, "size of the picture").capture_default_str();
+    command
+        .add_option("--time", options.time_s, "seconds after the start; each character starts elsewhere in its clips")
         .check(finite())
         .capture_default_str();
     add_camera_options(command, options.camera);
     command.add_flag("--steer", options.scene.steer,
-                     "characters walk, each to the place of another of its kind, and out of each other's way; a "
-                     "controller's parameter \"speed\" is told how fast. Wants --spacing 2 or more");
+                     "each character walks to the place of another of its kind, and avoids the others; a controller's "
+                     "parameter \"speed\" is set to how fast it walks. Use it with --spacing 2 or more");
     Option frames = command.add_option(
         "--frames", options.frames, "FIRST:END: a film, of frames FIRST to END - 1; frame 0 is the picture at --time");
     command.add_option("--fps", options.fps, "frames a second")
@@ -93,7 +94,7 @@ void add_render(Command app) {
         .add_option("--shard", options.shard,
                     "I/N: only the frames whose number divided by N leaves I; the same bytes as without")
         .needs(frames);
-    command.add_flag("--force", options.force, "draw a film.mp4 anew that is there already").needs(frames);
+    command.add_flag("--force", options.force, "draw the .mp4 again if it exists already").needs(frames);
     add_out_option(command, options.out,
                    "the .png file to write; with --frames a film.mp4, or pictures such as frame_%04d.png. Whole frames "
                    "of an interrupted run are kept (those of an .mp4 in a folder .mp4.frames, "
@@ -101,37 +102,36 @@ void add_render(Command app) {
     add_device_option(command, options.device);
     add_renderer_option(command, options.renderer);
     Option lod = command
-                     .add_option(
-                         "--lod-pixels", options.lod_pixels,
-                         "pixels of the picture by which coarser levels of detail may be off where they are drawn")
+                     .add_option("--lod-pixels", options.lod_pixels,
+                                 "by how many pixels coarser levels of detail may be off where they are drawn")
                      .check(finite())
                      .check(range(0.01, 1000.0))
                      .capture_default_str();
     Option own_poses = command
                            .add_option("--own-poses", options.scene.own_poses,
-                                       "characters of each file that have skin matrices of their own at a time, at "
-                                       "most; those far away share poses, where a pixel does not tell (default: all)")
+                                       "how many characters of each file may have their own skin matrices at a time; "
+                                       "those far away share poses that are off by at most a pixel (default: all)")
                            .check(range(1u, 10'000'000u));
     command
         .add_flag("--everything", options.everything,
-                  "animate and draw all, at full detail, also what the picture does not show")
+                  "animate and draw all characters at full detail, even those that the picture does not show")
         .excludes(lod)
         .excludes(own_poses);
     const std::map<std::string, SkinBlend> blends{{"linear", SkinBlend::kLinear},
                                                   {"dual-quaternion", SkinBlend::kDualQuaternion}};
     command.add_choice("--skinning", options.skin_blend, blends,
-                       "linear, or dual-quaternion: joints that twist keep their girth");
+                       "linear, or dual-quaternion, by which twisting joints keep their girth");
     command
         .add_flag(
             "--skin-once", options.skins_once,
-            "skin vertices once a frame, in compute, not once for the shadows and once for the picture (the native "
-            "renderer does that once anyway)")
+            "skin vertices once a frame, in compute, instead of once for the shadows and once for the picture (the "
+            "native renderer always does so)")
         .excludes(own_poses);
     command
         .add_flag("--skeletons", options.skeletons,
-                  "a line from each joint to its parent, over everything, coloured by level")
+                  "draw a line from each joint to its parent, over everything, coloured by level")
         .excludes(own_poses);
-    command.add_flag("--bounds", options.bounds, "the boxes that culling goes by");
+    command.add_flag("--bounds", options.bounds, "draw the boxes that culling tests");
     command.add_flag("--json", options.json, "print the stage times as JSON");
     command.footer(
         "Examples:\n  throng render fox.glb --out fox.png\n  throng render fox.glb knight.glb --count 1000 --size "

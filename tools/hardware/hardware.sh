@@ -12,7 +12,7 @@ missing=
 for program in timeout awk sed grep nproc du; do
   command -v $program > /dev/null || missing="$missing $program"
 done
-[ -z "$missing" ] || fail "these programs are missing, of coreutils, awk, sed and grep:$missing"
+[ -z "$missing" ] || fail "these programs of coreutils, awk, sed and grep are missing:$missing"
 time_s=${THRONG_TIME-540}
 case $time_s in
   '' | 0* | *[!0-9]* | ?????????*) time_is_valid= ;;
@@ -194,7 +194,7 @@ run_step() {
   cat "$work/records" >> "$out/records.jsonl"
   result="$(wc -l < "$work/records") records"
   if is_timed_out $status; then
-    result="$result; stopped after its $limit s"
+    result="$result; stopped at its limit of $limit s"
   elif [ $status -ne 0 ]; then
     result="$result; failed ($status): $(grep . "$work/stderr" | tail -n 1 | tr '\r|' '  ' | cut -c1-200)"
   fi
@@ -208,7 +208,7 @@ run_step() {
 
 choose_cpp_library
 "$here/throng" devices > "$work/devices" 2>&1 || fail "the programs do not run here: $(head -n 1 "$work/devices")"
-find_driver || fail "no Vulkan driver was found; name its .json file in VK_DRIVER_FILES"
+find_driver || fail "no Vulkan driver was found; if there is one, name its .json file in VK_DRIVER_FILES"
 for file in records.jsonl report.html SUMMARY.md log.txt; do rm -f "$out/$file"; done
 : > "$out/records.jsonl"; : > "$work/log"; : > "$work/steps"
 "$here/throng" devices > "$work/devices" 2>&1
@@ -252,7 +252,7 @@ cp "$work/log" "$out/log.txt"
 grep -E 'not run|not in this build|stopped|failed' "$work/steps" |
   grep -v ' 0 failed, 0 not ended, 0 not reached' > "$work/open"
 if [ -s "$work/open" ]; then
-  say "what could not be run, or not to its end:"
+  say "these could not be run, or not to the end:"
   sed 's/^| /  /; s/ | /: /; s/ | .*//' "$work/open"
 fi
 say "written to $out: $(cd "$out" && du -ch records.jsonl report.html SUMMARY.md log.txt | tail -n 1 | cut -f1)"

@@ -109,11 +109,11 @@ const std::vector<Preset>& presets() {
     static const std::vector<Preset> presets{
         {"fit", "still, from the front right", fit, {}},
         {"orbit",
-         "once round",
+         "once around the crowd",
          orbit,
          {{"seconds", 20, 0.1, kLongest_s}, {"distance", 1, 0.1, 10}, {"height", 1, 0, 10}}},
-        {"flyover", "round above the heads", flyover, {{"seconds", 40, 0.1, kLongest_s}, {"height", 1, 0.1, 100}}},
-        {"low", "once round at eye level", low, {{"seconds", 60, 0.1, kLongest_s}, {"height", 0.5, 0.01, 10}}},
+        {"flyover", "around, above the heads", flyover, {{"seconds", 40, 0.1, kLongest_s}, {"height", 1, 0.1, 100}}},
+        {"low", "once around at eye level", low, {{"seconds", 60, 0.1, kLongest_s}, {"height", 0.5, 0.01, 10}}},
         {"follow",
          "behind one character and a bit above",
          follow,
@@ -135,7 +135,8 @@ std::string names_of(const std::vector<Parameter>& parameters) {
 CameraPath::CameraPath(const std::string& text) : name_(text.substr(0, text.find(':'))) {
     const auto wrong = [&](const std::string& what) { return UsageError("--camera " + text + ": " + what); };
     const auto preset = find_preset(name_);
-    if (preset == presets().end()) throw wrong("there is no such way; there are fit, orbit, flyover, low and follow");
+    if (preset == presets().end())
+        throw wrong("there is no such camera path; there are fit, orbit, flyover, low and follow");
     for (const Parameter& parameter : preset->parameters) parameters_[parameter.name] = parameter.initial;
     if (name_ == text) return;
     std::istringstream given(text.substr(name_.size() + 1));
@@ -144,8 +145,8 @@ CameraPath::CameraPath(const std::string& text) : name_(text.substr(0, text.find
                           value = item.substr(std::min(name.size() + 1, item.size()));
         const auto parameter = std::ranges::find(preset->parameters, name, &Parameter::name);
         if (parameter == preset->parameters.end())
-            throw wrong("'" + name + "' is none of its parameters" +
-                        (preset->parameters.empty() ? "; it has none" : ": " + names_of(preset->parameters)));
+            throw wrong("'" + name + "' is not a parameter of " + name_ +
+                        (preset->parameters.empty() ? ", which has none" : "; it has " + names_of(preset->parameters)));
         char* end = nullptr;
         const double number = std::strtod(value.c_str(), &end);
         const bool is_index = name == "character";
@@ -171,7 +172,7 @@ Camera CameraPath::at(double time_s, const CameraSubject& subject) const {
 std::vector<Option> add_camera_options(Command app, CameraOptions& options) {
     std::string help;
     for (const Preset& preset : presets()) {
-        help += (help.empty() ? "" : "; ") + std::string(preset.name) + ", " + preset.what;
+        help += (help.empty() ? "" : "; ") + std::string(preset.name) + ": " + preset.what;
         if (!preset.parameters.empty()) help += " (" + names_of(preset.parameters) + ")";
     }
     Option camera = app.add_option("--camera", options.path, help + "; for example orbit:seconds=30,height=2")
@@ -188,7 +189,7 @@ std::vector<Option> add_camera_options(Command app, CameraOptions& options) {
 
 CameraPath make_camera_path(const CameraOptions& options) {
     if (options.eye.empty()) return CameraPath(options.path);
-    if (options.eye == options.target) throw UsageError("--eye and --target: they must be apart");
+    if (options.eye == options.target) throw UsageError("--eye and --target: they must be different points");
     return CameraPath(Camera{.eye = {options.eye[0], options.eye[1], options.eye[2]},
                              .target = {options.target[0], options.target[1], options.target[2]}});
 }

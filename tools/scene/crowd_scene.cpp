@@ -68,8 +68,8 @@ GivenValues given_values(const std::vector<std::string>& files, const std::vecto
                          const std::string& option) {
     GivenValues values{.of_all = {}, .of_one = std::vector<std::string>(files.size())};
     const auto set = [&](std::string& value, const std::string& one, const std::string& given_value) {
-        if (given_value.empty()) throw UsageError(option + " " + one + ": nothing is given behind '='");
-        if (!value.empty()) throw UsageError(option + " " + one + ": there is one already, '" + value + "'");
+        if (given_value.empty()) throw UsageError(option + " " + one + ": nothing is given after '='");
+        if (!value.empty()) throw UsageError(option + " " + one + ": '" + value + "' is given already");
         value = given_value;
     };
     for (const std::string& one : given) {
@@ -98,7 +98,7 @@ struct WantedClips {
                                  " has a controller, which chooses the clips");
             if (!blends.of_one[k].empty() && first[k].empty())
                 throw UsageError("--blend " + blends.of_one[k] + ": " + options.files[k] +
-                                 " has no --clip that it could be blended with");
+                                 " has no --clip to blend it with");
         }
     }
 
@@ -142,17 +142,17 @@ void add_scene_options(Command app, SceneOptions& options) {
         .check(range(0.001, 100000.0));
     app.add_choice("--placement", options.formation, formations,
                    "grid, disc (facing outwards), path (a parade) or random (but apart)");
-    app.add_option("--spacing", options.spacing, "room for each character, in its own width")
+    app.add_option("--spacing", options.spacing, "room for each character, as a multiple of its width")
         .check(finite())
         .check(range(0.1, 100.0))
         .capture_default_str();
     app.add_option("--controller", options.controllers,
-                   "a controller's .json for all files, or FILE=CONTROLLER.json for one; characters are told "
-                   "parameters at random. Without one, each blends two clips");
+                   "a controller's .json for all files, or FILE=CONTROLLER.json for one; its parameters are set at "
+                   "random for each character. Without a controller, each character blends two clips");
     app.add_option("--looks", options.looks,
-                   "a .json of colours and of what is worn, chosen at random for each character, for all files, or "
+                   "a .json of colours and clothing, chosen at random for each character; for all files, or "
                    "FILE=LOOKS.json for one");
-    app.add_option("--seed", options.seed, "of clips, times, blends, places, looks and what controllers are told")
+    app.add_option("--seed", options.seed, "seed of clips, times, blends, places, looks and controller parameters")
         .capture_default_str();
     add_scan_option(app, options.scan);
     add_path_option(app, options.path);
@@ -161,9 +161,10 @@ void add_scene_options(Command app, SceneOptions& options) {
 
 void add_clip_options(Command app, SceneOptions& options) {
     Option clip = app.add_option("--clip", options.clips,
-                                 "name or number of the clip that all play, each from a time of its own, or FILE=CLIP "
-                                 "for one file (default: two at random, blended)");
-    Option blend = app.add_option("--blend", options.blends, "a second clip to blend with, likewise").needs(clip);
+                                 "name or number of the clip that all characters play, each from its own time, or "
+                                 "FILE=CLIP for one file (default: two at random, blended)");
+    Option blend =
+        app.add_option("--blend", options.blends, "a second clip to blend with, or FILE=CLIP for one file").needs(clip);
     app.add_option("--weight", options.weight, "weight of --clip; the second clip has the rest")
         .needs(blend)
         .check(range(0.0, 1.0))
@@ -264,7 +265,7 @@ CrowdScene::CrowdScene(const Device& device, const SceneOptions& options, CrowdS
 void CrowdScene::follow(uint32_t character) {
     if (character >= placement_.size())
         throw UsageError("character " + std::to_string(character) + " cannot be followed: there are " +
-                         std::to_string(placement_.size()) + ", from 0 on");
+                         std::to_string(placement_.size()) + " characters, numbered from 0");
     world_from_followed_ = placement_[character];
     uint32_t end = 0;
     followed_bounds_ = std::ranges::find_if(kinds_, [&](const Kind& kind) {

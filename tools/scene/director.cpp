@@ -47,9 +47,9 @@ Director::Director(std::span<const CrowdGroup> groups, uint64_t seed) : random_(
 }
 
 void Director::direct(Crowd& crowd, double step_s) {
-    constexpr double kTold_per_s = 0.35;
+    constexpr double kChanges_per_s = 0.35;
     for (Cast& cast : casts_) {
-        cast.owed += cast.instance_count * std::min(kTold_per_s * std::abs(step_s), 1.0);
+        cast.owed += cast.instance_count * std::min(kChanges_per_s * std::abs(step_s), 1.0);
         for (; cast.owed >= 1; cast.owed -= 1) {
             const auto instance = cast.first_instance + static_cast<uint32_t>(random_.unit() * cast.instance_count);
             const auto& [parameter, range] =

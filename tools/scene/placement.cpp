@@ -140,14 +140,14 @@ std::vector<Place> cover(Formation formation, double area, double pitch, Random&
 }
 
 // Circles of ground that are taken, looked up by the square they are in. No circle is wider than a square.
-class Taken {
+class OccupiedGround {
 public:
-    explicit Taken(double widest) : square_(widest) {}
+    explicit OccupiedGround(double widest) : square_(widest) {}
 
     void add(const Place& place, double pitch) {
         squares_[key(square_of(place.x), square_of(place.z))].push_back({place, pitch});
     }
-    bool meets(const Place& place, double pitch) const {
+    bool overlaps(const Place& place, double pitch) const {
         const int64_t column = square_of(place.x), row = square_of(place.z);
         for (int64_t z = row - 1; z <= row + 1; ++z)
             for (int64_t x = column - 1; x <= column + 1; ++x)
@@ -185,12 +185,13 @@ std::vector<std::vector<Place>> place_within(Formation formation, double area, s
     pitches.erase(std::unique(pitches.begin(), pitches.end()), pitches.end());
 
     std::vector<std::vector<Place>> placed(kinds.size());
-    Taken taken(pitches.front());
+    OccupiedGround occupied(pitches.front());
     for (const double pitch : pitches) {
         size_t needed = 0;
         for (const PlacementKind& kind : kinds) needed += kind.pitch == pitch ? kind.count : 0;
         std::vector<Place> places = cover(formation, area, pitch, random);
-        if (pitches.size() > 1) std::erase_if(places, [&](const Place& place) { return taken.meets(place, pitch); });
+        if (pitches.size() > 1)
+            std::erase_if(places, [&](const Place& place) { return occupied.overlaps(place, pitch); });
         if (places.size() < needed) return {};
         if (pitches.size() == 1) places.resize(needed);  // as compact as can be
         if (kinds.size() > 1) shuffle(places, random);
@@ -200,7 +201,7 @@ std::vector<std::vector<Place>> place_within(Formation formation, double area, s
             placed[k].assign(next, next + kinds[k].count);
             next += kinds[k].count;
             if (pitch != pitches.back())
-                for (const Place& place : placed[k]) taken.add(place, pitch);
+                for (const Place& place : placed[k]) occupied.add(place, pitch);
         }
     }
     return placed;

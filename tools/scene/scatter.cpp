@@ -55,8 +55,8 @@ void check_room(std::span<const PlacementKind> kinds) {
     }
     if (!(area / (least * least) <= kMaxPlaces))
         throw CommandError(
-            "--sizes: on the ground of the largest there are more than 40,000,000 places for the smallest; give fewer "
-            "of the large ones, or sizes that are closer");
+            "--sizes: the ground of all characters has more than 40,000,000 places for the smallest; give fewer large "
+            "ones, or sizes that differ less");
 }
 
 }  // namespace

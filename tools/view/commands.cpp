@@ -31,23 +31,23 @@ void step_back(State& state) {
 }
 
 constexpr std::array kCommands{
-    Command{{"?", "these keys"}, '?', 0, [](State& s) { s.shows_keys = !s.shows_keys; }},
-    Command{{"space", "pause, go on"}, 0, GLFW_KEY_SPACE, [](State& s) { s.paused = !s.paused; }},
-    Command{{".", "one frame on"}, '.', 0, [](State& s) { s.paused = s.steps = true; }},
+    Command{{"?", "show these keys"}, '?', 0, [](State& s) { s.shows_keys = !s.shows_keys; }},
+    Command{{"space", "pause, continue"}, 0, GLFW_KEY_SPACE, [](State& s) { s.paused = !s.paused; }},
+    Command{{".", "advance one frame"}, '.', 0, [](State& s) { s.paused = s.steps = true; }},
     Command{{"+", "more characters"}, '+', 0, [](State& s) { change_count(s, true); }},
     Command{{"-", "fewer characters"}, '-', 0, [](State& s) { change_count(s, false); }},
     Command{{"l", "culling and levels of detail"}, 'l', 0, [](State& s) { s.wanted.culls = !s.wanted.culls; }},
-    Command{{"o", "leave out who is hidden"}, 'o', 0, [](State& s) { s.drawing.occlusion = !s.drawing.occlusion; }},
+    Command{{"o", "occlusion culling"}, 'o', 0, [](State& s) { s.drawing.occlusion = !s.drawing.occlusion; }},
     Command{{"u", "small ones less often"}, 'u', 0, [](State& s) { s.wanted.skips_updates = !s.wanted.skips_updates; }},
     Command{{"k", "skeletons"}, 'k', 0, [](State& s) { s.drawing.skeletons = !s.drawing.skeletons; }},
-    Command{{"b", "boxes that culling goes by"}, 'b', 0, [](State& s) { s.drawing.bounds = !s.drawing.bounds; }},
+    Command{{"b", "boxes that culling tests"}, 'b', 0, [](State& s) { s.drawing.bounds = !s.drawing.bounds; }},
     Command{{"h", "shadows"}, 'h', 0, [](State& s) { s.drawing.shadows = !s.drawing.shadows; }},
     Command{{"g", "fog"}, 'g', 0, [](State& s) { s.drawing.fog = !s.drawing.fog; }},
     Command{{"r", "see the whole crowd"}, 'r', 0, [](State& s) { s.see_whole_crowd(); }},
     Command{{"f", "fly, or orbit"}, 'f', 0, [](State& s) { s.flies = !s.flies; }},
     Command{{"tab", "panels"}, 0, GLFW_KEY_TAB, [](State& s) { s.shows_panels = !s.shows_panels; }},
     Command{{"p, F12", "screenshot"}, 'p', GLFW_KEY_F12, [](State& s) { s.takes_screenshot = true; }},
-    Command{{"escape", "close, select none"}, 0, GLFW_KEY_ESCAPE, step_back},
+    Command{{"escape", "close, deselect"}, 0, GLFW_KEY_ESCAPE, step_back},
     Command{{"ctrl+q", "quit"}, 0, GLFW_KEY_Q, [](State& s) { s.closes = true; }, true},
 };
 
@@ -57,8 +57,8 @@ constexpr std::array kGestures{
     Gesture{"wheel", "closer, farther"},
     Gesture{"click", "inspect a character"},
     Gesture{"w a s d q e; shift", "fly; faster"},
-    Gesture{"drop .glb, .gltf, .throng", "show them"},
-    Gesture{"drop a .json", "use this controller, these looks"},
+    Gesture{"drop .glb, .gltf, .throng", "show these characters"},
+    Gesture{"drop a .json", "use this controller or these looks"},
 };
 
 void fly_by_keys(State& state) {

@@ -116,11 +116,12 @@ void Gui::take_input(VkExtent2D extent, std::span<const KeyPress> pressed) {
     ImGui_ImplVulkan_NewFrame();
     ImGui_ImplGlfw_NewFrame();
     ImGuiIO& io = ImGui::GetIO();
-    for (const int key : std::exchange(let_go_, {})) io.KeysDown[key] = glfwGetKey(window_.handle(), key) == GLFW_PRESS;
+    for (const int key : std::exchange(keys_to_release_, {}))
+        io.KeysDown[key] = glfwGetKey(window_.handle(), key) == GLFW_PRESS;
     for (const KeyPress& press : pressed) {
         if (press.key <= 0 || io.KeysDown[press.key]) continue;
         io.KeysDown[press.key] = true;
-        let_go_.push_back(press.key);
+        keys_to_release_.push_back(press.key);
     }
     // The canvas may differ in size from the window if the window's size has just changed.
     if (io.DisplayFramebufferScale.x <= 0 || io.DisplayFramebufferScale.y <= 0) io.DisplayFramebufferScale = {1, 1};

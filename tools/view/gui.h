@@ -27,7 +27,7 @@ private:
 
     const Window& window_;
     OwnedDescriptorPool pool_;
-    std::vector<int> let_go_;  // keys to be released in the next frame
+    std::vector<int> keys_to_release_;  // in the next frame
 };
 
 }  // namespace throng::view

@@ -12,7 +12,7 @@ bool clip_rows(const char* title, const Character& character, ClipPlayback& play
     if (playing.clip != kNone) {
         const float duration_s = character.clips[playing.clip].duration_s;
         float time_s = std::min(static_cast<float>(playing.time_s), duration_s);
-        if (slider_row("at", time_s, 0, duration_s, "%.2f s")) {
+        if (slider_row("time", time_s, 0, duration_s, "%.2f s")) {
             playing.time_s = double{time_s};
             changed = true;
         }
@@ -75,7 +75,7 @@ void draw_inspector(State& state, Scene& scene, const Measured& measured) {
     begin_row("joints");
     ImGui::Text("%u in %u levels", character.rig.joint_count(), character.rig.level_count);
     const Affine& world_from_model = scene.box_of(instance).world_from_model;
-    begin_row("stands at");
+    begin_row("position");
     ImGui::Text("%.2f, %.2f, %.2f", double{world_from_model.row[0][3]}, double{world_from_model.row[1][3]},
                 double{world_from_model.row[2][3]});
     ImGui::Spacing();

@@ -23,14 +23,14 @@ constexpr std::array kFormations{Choice{"grid", "row by row"}, Choice{"disc", "a
                                  Choice{"random", "anywhere, but apart"}};
 constexpr std::array kPaths{Choice{"auto", "native on software devices, else fused where it applies"},
                             Choice{"fused", "sample, blend, scan and bind in one pass"},
-                            Choice{"staged", "one after another"},
+                            Choice{"staged", "one pass after another"},
                             Choice{"native", "by this machine's processor, on software devices"},
                             Choice{"device", "by the device, fused where it applies"}};
 constexpr std::array kFormats{Choice{"affine, 48 bytes", "three rows of four floats"},
                               Choice{"half, 24 bytes", "three rows of four half floats"},
                               Choice{"similarity, 32 bytes", "rotation, translation and one scale"}};
 constexpr std::array kBlends{Choice{"linear", "weighted sums of skin matrices"},
-                             Choice{"dual quaternion", "joints that twist keep their girth"}};
+                             Choice{"dual quaternion", "twisting joints keep their girth"}};
 
 std::string id_of(const char* name) { return std::string("##") + name; }
 
@@ -108,7 +108,7 @@ void crowd_section(State& state) {
 void clips_of(Scene& scene, uint32_t group) {
     const Character& character = scene.cast().characters[group];
     GroupPlayback playback = scene.group_playback(group);
-    ImGui::Checkbox("each its own clips", &playback.own);
+    ImGui::Checkbox("own clips for each", &playback.own);
     if (!playback.own) {
         clip_row("first", character, playback.first);
         clip_row("second", character, playback.second);
@@ -128,14 +128,14 @@ void parameters_of(Scene& scene, uint32_t group) {
 }
 
 void animation_section(State& state, Scene& scene) {
-    if (ImGui::Button(state.paused ? "go on" : "pause", {scaled(80), 0})) state.paused = !state.paused;
+    if (ImGui::Button(state.paused ? "continue" : "pause", {scaled(80), 0})) state.paused = !state.paused;
     ImGui::SameLine();
     if (ImGui::Button("one frame")) state.paused = state.steps = true;
     slider_row("speed", state.time_factor, 0, 3, "%.2f");
     const std::vector<Character>& characters = scene.cast().characters;
     const bool has_controllers = std::ranges::any_of(scene.cast().controllers,
                                                      [](const auto& controller) { return controller.has_value(); });
-    if (bool directs = scene.directs(); has_controllers && ImGui::Checkbox("told something now and then", &directs))
+    if (bool directs = scene.directs(); has_controllers && ImGui::Checkbox("random parameters now and then", &directs))
         scene.set_directs(directs);
     for (uint32_t group = 0; group < characters.size(); ++group) {
         ImGui::PushID(static_cast<int>(group));
@@ -158,17 +158,18 @@ void update_section(State& state, Scene& scene) {
     choose_row("path", kPaths, state.wanted.path);
     choose_row("output", kFormats, state.wanted.format);
     choose_row("skinning", kBlends, state.wanted.blend);
-    check_row("vertices once a frame", state.wanted.skins_once, "in compute, for the shadows and the picture");
-    check_row("only what is seen, as fine as it is seen", state.wanted.culls, "culling and levels of detail");
+    check_row("skin vertices once a frame", state.wanted.skins_once, "in compute, for the shadows and the picture");
+    check_row("culling and levels of detail", state.wanted.culls, "only what is seen, only as fine as it is seen");
     if (!state.wanted.culls) return;
     slider_row("detail", state.drawing.lod_pixels, 0.25f, 16, "off by %.2f pixels", ImGuiSliderFlags_Logarithmic);
-    check_row("not who is hidden behind others", state.drawing.occlusion,
-              "by the depths of the last frame; pays where large ones hide many. Native updates do without");
-    check_row("small ones less often", state.wanted.skips_updates,
+    check_row("occlusion culling", state.drawing.occlusion,
+              "leaves out characters hidden behind others, by the depths of the last frame; pays where large ones hide "
+              "many. Native updates do without");
+    check_row("update small ones less often", state.wanted.skips_updates,
               "animated in every 2nd, 4th or 8th frame; in between, matrices go on evenly");
     if (!state.wanted.skips_updates) return;
     slider_row("smaller than", state.drawing.full_rate_pixels, 0, 1000, "%.0f pixels");
-    slider_row("update", state.drawing.budget_ms, 0, 100,
+    slider_row("budget", state.drawing.budget_ms, 0, 100,
                state.drawing.budget_ms > 0 ? "at most %.1f ms" : "as long as it takes", ImGuiSliderFlags_Logarithmic);
 }
 

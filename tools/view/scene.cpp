@@ -56,10 +56,10 @@ Scene::Scene(const Device& device, Cast cast, const SceneSettings& settings)
 void Scene::set_settings(const SceneSettings& settings) {
     Shown wanted = shown_;
     wanted.settings = settings;
-    rebuild_stages(std::move(wanted));
+    rebuild(std::move(wanted));
 }
 
-void Scene::set_cast(Cast cast) { rebuild_stages({std::move(cast), settings()}); }
+void Scene::set_cast(Cast cast) { rebuild({std::move(cast), settings()}); }
 
 void Scene::set_controllers(std::vector<std::optional<Controller>> controllers) {
     Shown wanted = shown_;
@@ -70,7 +70,7 @@ void Scene::set_controllers(std::vector<std::optional<Controller>> controllers) 
         with_them.controllers[group] = std::move(controllers[group]);
     }
     wanted.cast = std::make_shared<const Cast>(std::move(with_them));
-    rebuild_stages(std::move(wanted));
+    rebuild(std::move(wanted));
 }
 
 void Scene::set_looks(std::vector<std::optional<tools::Looks>> looks) {
@@ -79,10 +79,10 @@ void Scene::set_looks(std::vector<std::optional<tools::Looks>> looks) {
     for (size_t group = 0; group < looks.size(); ++group)
         if (looks[group]) with_them.looks[group] = std::move(looks[group]);
     wanted.cast = std::make_shared<const Cast>(std::move(with_them));
-    rebuild_stages(std::move(wanted));
+    rebuild(std::move(wanted));
 }
 
-void Scene::rebuild_stages(Shown wanted) {
+void Scene::rebuild(Shown wanted) {
     std::swap(shown_, wanted);
     Shown& before = wanted;
     const auto places = [](const SceneSettings& of) { return std::tie(of.count, of.seed, of.formation, of.spacing); };
@@ -97,7 +97,7 @@ void Scene::rebuild_stages(Shown wanted) {
             make_crowd();
         } catch (const tools::CommandError& again) {
             throw std::runtime_error(std::string(error.what()) +
-                                     "; nor can the crowd before it be made again: " + again.what());
+                                     "; and the previous crowd cannot be restored: " + again.what());
         }
         throw;
     }

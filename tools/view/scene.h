@@ -133,7 +133,7 @@ private:
         Shown(Cast of, const SceneSettings& made_so);
     };
 
-    void rebuild_stages(Shown wanted);
+    void rebuild(Shown wanted);
     void make_field();
     void begin_playing();
     void make_crowd();

@@ -64,7 +64,7 @@ Script::Script(const std::string& path) {
         const auto frame = tools::parse_number(frame_text);
         if (!frame || !is_known(event.word, event.arguments) || (!events_.empty() && *frame < events_.back().frame))
             throw tools::CommandError(path + ":" + std::to_string(number) + ": '" + line +
-                                      "' is no event, or comes too late");
+                                      "' is not an event, or its frame is before the last event's");
         event.frame = *frame;
         events_.push_back(std::move(event));
     }

@@ -18,7 +18,7 @@ VkSurfaceFormatKHR find_format(const Context& context) {
     });
     if (found == formats.end())
         throw tools::CommandError(
-            "the display takes no pictures of 8 bits a channel from this device: choose another with --device");
+            "the display accepts no pictures of 8 bits a channel from this device: choose another with --device");
     return *found;
 }
 

@@ -9,7 +9,7 @@ namespace {
 void check_size(const RendererSettings& size) {
     constexpr uint32_t kMinWidth = 320, kMinHeight = 200, kMaximum = 16384;
     if (size.width < kMinWidth || size.height < kMinHeight || size.width > kMaximum || size.height > kMaximum)
-        throw UsageError("--size: a window is from 320x200 to 16384x16384 pixels large");
+        throw UsageError("--size: a window must have from 320x200 to 16384x16384 pixels");
 }
 
 }  // namespace
@@ -21,14 +21,14 @@ void add_view(Command app) {
     options->scene.usual_count = 100;
     add_scene_options(command, options->scene);
     add_camera_options(command, options->camera);
-    command.add_option("--size", *size, "of the window").capture_default_str();
+    command.add_option("--size", *size, "size of the window").capture_default_str();
     add_device_option(command, options->device);
     add_renderer_option(command, options->size.path);
-    command.add_option("--after", options->frames, "end after so many frames, of 1/60 s each however long they take")
+    command.add_option("--after", options->frames, "quit after this many frames, each of 1/60 s however long it takes")
         .check(range(1u, 1'000'000u));
     command
         .add_option("--screenshot", options->screenshot,
-                    "the .png file for screenshots; with --after the last frame, with its panels, is one")
+                    "the .png file for screenshots; with --after, the last frame is saved to it, with its panels")
         .check(writable_file());
     command.add_option("--script", options->script, "input events, for tests (tools/view/script.h)").hide();
     command.add_option("--dump", options->dump, "the state at the end as JSON, for tests").hide();

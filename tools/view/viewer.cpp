@@ -67,7 +67,7 @@ std::string free_name() {
 std::vector<std::string> checked_inputs(const ViewOptions& options) {
     std::vector<std::string> inputs = tools::input_files(options.scene);
     inputs.push_back(options.script);
-    tools::keep_inputs(inputs, {options.screenshot, options.dump});
+    tools::protect_inputs(inputs, {options.screenshot, options.dump});
     if (!options.screenshot.empty()) tools::check_png_name("--screenshot", options.screenshot);
     return inputs;
 }
@@ -125,7 +125,7 @@ Viewer::Viewer(const ViewOptions& options)
         state_.camera = options.camera.path;
         if (path.follows() && path.followed_character() >= scene_.settings().count)
             throw tools::UsageError("--camera " + options.camera.path + ": there are " +
-                                    std::to_string(scene_.settings().count) + " characters, from 0 on");
+                                    std::to_string(scene_.settings().count) + " characters, numbered from 0");
     }
 }
 
@@ -273,7 +273,7 @@ void Viewer::measure() {
 
 void Viewer::save_shot() {
     try {
-        tools::keep_inputs(inputs_, {shot_});
+        tools::protect_inputs(inputs_, {shot_});
         unwrap(write_png(shot_, canvas_.read()));
         if (!is_scripted()) state_.say("saved " + shot_.string());
     } catch (const CommandError& error) {

@@ -21,7 +21,7 @@ OwnedMemory allocate_memory(VkPhysicalDevice physical_device, VkDevice device, c
                                               (memory.memoryTypes[type].propertyFlags & properties) == properties))
         ++type;
     if (type == memory.memoryTypeCount)
-        throw tools::CommandError("the device has no memory that fits a picture of the window");
+        throw tools::CommandError("the device has no memory type for a picture of the window");
     const VkMemoryAllocateInfo allocate{
         .sType = VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO, .allocationSize = needs.size, .memoryTypeIndex = type};
     return {device, vkAllocateMemory, allocate, "vkAllocateMemory"};

@@ -105,15 +105,15 @@ private:
         if (clip.error > error_)
             character_.warnings.push_back(joined(printable(character_.name, 120), ": clip '", printable(clip.name),
                                                  "': its packed keys displace the skin by ", percent(clip.error),
-                                                 " of the character's size, not ", percent(error_),
-                                                 "; finer keys would hardly help, but exact ones (error 0)"));
+                                                 " of the character's size, more than the error bound of ",
+                                                 percent(error_),
+                                                 "; finer keys would hardly help, exact keys (error 0) would"));
     }
 
     void check_limit(const char* of, uint64_t size_bytes) const {
         if (size_bytes > kKeyLimit_bytes)
-            throw Failure(
-                ErrorCode::kLimit, printable(character_.name, 120),
-                std::to_string(size_bytes) + " bytes of " + of + "; the limit is " + std::to_string(kKeyLimit_bytes));
+            throw Failure(ErrorCode::kLimit, printable(character_.name, 120), of, " take ", size_bytes,
+                          " bytes; the limit is ", kKeyLimit_bytes);
     }
 
     const std::span<const ExactClip> clips_;
@@ -133,7 +133,7 @@ void check_error_bound(double error, const std::string& place) {
     std::snprintf(text, sizeof(text), "%g", error);
     throw Failure(
         ErrorCode::kInvalidArgument, place,
-        std::string("an error bound of ") + text + "; it is 0 (exact) or 1e-6 to 0.1 of the character's size");
+        std::string("the error bound is ") + text + "; it must be 0 (exact) or 1e-6 to 0.1 of the character's size");
 }
 
 void pack_clips(std::span<const ExactClip> clips, double error, Character& character, const Progress& progress) {
@@ -141,9 +141,9 @@ void pack_clips(std::span<const ExactClip> clips, double error, Character& chara
     for (const ExactClip& clip : clips) row_count += clip.times_s.size();
     const uint64_t joint_rows = row_count * character.rig.joint_count();
     if (joint_rows > kPackingLimit)
-        throw Failure(ErrorCode::kLimit, printable(character.name, 120),
-                      std::to_string(joint_rows) + " poses of a joint in its clips, and the limit of compressing is " +
-                          std::to_string(kPackingLimit) + "; exact keys have no such limit (--error exact)");
+        throw Failure(ErrorCode::kLimit, printable(character.name, 120), "its clips have ", joint_rows,
+                      " poses of a joint (rows times joints); the limit for packing is ", kPackingLimit,
+                      "; exact keys have no such limit (error 0, or --error exact)");
 
     // Clips do not depend on each other: the result is the same with any number of threads.
     constexpr size_t kMaxThreads = 4;  // each may hold some 100 MiB

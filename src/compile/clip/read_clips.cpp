@@ -107,8 +107,8 @@ private:
         if (bytes > kKeyLimit_bytes)
             throw Failure(ErrorCode::kLimit, place_,
                           std::to_string(row_count) + " key times x " + std::to_string(columns_.size()) +
-                              " tracks make " + std::to_string(bytes >> 20) +
-                              " MiB of keys with the clips before; the limit is 256 MiB a character");
+                              " tracks and the clips before make " + std::to_string(bytes >> 20) +
+                              " MiB of keys; the limit is 256 MiB per character");
     }
 
     // Whether interpolating by `w` between two rows gives a value that is near enough to the source.
@@ -133,13 +133,14 @@ private:
             relative_bound_ *= std::pow(1.2 / done, 2);  // row count goes with the inverse square root of the bound
             if (!(relative_bound_ <= kLoosest))
                 throw Failure(ErrorCode::kLimit, place_,
-                              "its cubic tracks would need more than the limit of " + std::to_string(kRefinedKeyLimit) +
-                                  " keys to be followed within 1 % of the character's size");
+                              "approximating its cubic tracks within 1 % of the character's size takes more than the "
+                              "limit of " +
+                                  std::to_string(kRefinedKeyLimit) + " keys");
         }
         if (relative_bound_ > kRelativeBound)
-            character_.warnings.push_back(place_ + ": its cubic tracks are followed within " +
+            character_.warnings.push_back(place_ + ": its cubic tracks are approximated within " +
                                           std::to_string(relative_bound_) +
-                                          " of the character's size, not 0.000001; that would take more than " +
+                                          " of the character's size; 0.000001 would take more than " +
                                           std::to_string(kRefinedKeyLimit) + " keys");
         relative_bound_ = kRelativeBound;
     }
@@ -185,9 +186,9 @@ private:
     // If tracks have few keys at many different times, most keys at the union of these times are redundant. Leaves out
     // rows that their neighbours reproduce. Looks ahead a bounded number of rows, so that the work stays linear.
     void drop_rows() {
-        constexpr uint64_t kFarLarger = 4, kWorthIt = 1 << 16, kLookAhead = 32;
+        constexpr uint64_t kMinRatio = 4, kMinUnionKeys = 1 << 16, kLookAhead = 32;
         const uint64_t union_keys = uint64_t{times_s_.size()} * columns_.size();
-        if (union_keys < kWorthIt || union_keys < kFarLarger * clip_.facts.source_key_count) return;
+        if (union_keys < kMinUnionKeys || union_keys < kMinRatio * clip_.facts.source_key_count) return;
         const std::vector<std::vector<const Column*>> bends = bends_by_row();
         std::vector<float> kept{times_s_.front()};
         size_t from = 0;

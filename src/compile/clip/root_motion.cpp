@@ -68,7 +68,7 @@ public:
         const double row_count = std::max(2.0, std::ceil(duration_s_ * kRowsPerSecond * (1 - kRounding)) + 1);
         if (row_count * sizeof(TrackKey) > kKeyLimit_bytes)
             throw Failure(ErrorCode::kLimit, place,
-                          std::to_string(duration_s_) + " s of root motion; the limit is " +
+                          std::to_string(duration_s_) + " s of root motion take more than the limit of " +
                               std::to_string(kKeyLimit_bytes >> 20) + " MiB of rows");
         row_interval_s_ = duration_s_ / (row_count - 1);
         GroundMove move;
@@ -130,11 +130,11 @@ private:
         return steps() ? move_to(pose, as_read) : as_read;
     }
 
-    struct Left {
+    struct Residual {
         TrackValue rotation, translation;
     };
 
-    Left left_at(double time_s) const {
+    Residual residual_at(double time_s) const {
         const Pose pose = at(time_s);
         const Similarity back = parent_from_model_ * similarity_of(throng::inverse(move_at(time_s, pose)));
         return {value_of(normalized(back.rotation * pose.rotation)), value_of(back.point(pose.position))};
@@ -151,9 +151,9 @@ private:
         }
         std::vector<TrackValue> rotations, translations;
         for (const float time_s : times_s) {
-            const Left left = left_at(time_s);
-            rotations.push_back(left.rotation);
-            translations.push_back(left.translation);
+            const Residual residual = residual_at(time_s);
+            rotations.push_back(residual.rotation);
+            translations.push_back(residual.translation);
         }
         join_hemispheres(rotations);
         return {std::move(times_s), track_of(rotation_, kStill, rotations),
@@ -174,7 +174,7 @@ private:
     // since between rows the motion hardly bends. Keys half a turn apart get one in the middle.
     void add_between(float from_s, float to_s, std::vector<float>& times_s) const {
         const std::vector<float> rows_s = rows_between(from_s, to_s);
-        const Left from = left_at(from_s), to = left_at(to_s);
+        const Residual from = residual_at(from_s), to = residual_at(to_s);
         float middle_s = from_s;
         if (is_half_turn(from.rotation, to.rotation))
             middle_s = from_s + (to_s - from_s) / 2;
@@ -196,15 +196,16 @@ private:
         return times_s;
     }
 
-    bool follows(float from_s, const Left& from, float to_s, const Left& to, const std::vector<float>& rows_s) const {
+    bool follows(float from_s, const Residual& from, float to_s, const Residual& to,
+                 const std::vector<float>& rows_s) const {
         return std::all_of(rows_s.begin(), rows_s.end(), [&](float time_s) {
             const double w = (double{time_s} - from_s) / (double{to_s} - from_s);
-            const Left wanted = left_at(time_s);
-            const auto error = [&](TrackTarget target, TrackValue Left::*track) {
+            const Residual wanted = residual_at(time_s);
+            const auto error = [&](TrackTarget target, TrackValue Residual::*track) {
                 return distance(target, interpolate_reference(target, from.*track, to.*track, w), wanted.*track);
             };
-            return error(TrackTarget::kRotation, &Left::rotation) <= kFollowed &&
-                   error(TrackTarget::kTranslation, &Left::translation) * std::abs(model_from_parent_.scale) <=
+            return error(TrackTarget::kRotation, &Residual::rotation) <= kFollowed &&
+                   error(TrackTarget::kTranslation, &Residual::translation) * std::abs(model_from_parent_.scale) <=
                        kFollowed * size_;
         });
     }
@@ -238,14 +239,14 @@ public:
             JointMotion motion(clip, character_.rig, joint_, model_from_parent(clip), character_.size);
             std::optional<Extracted> extracted = motion.extract(place_);
             if (extracted)
-                take_out(clip, std::move(*extracted));
+                replace_tracks(clip, std::move(*extracted));
             else
                 count_keys(clip, key_count(clip, clip.times_s.size()));
             moves = moves || extracted;
         }
         if (!moves)
             character_.warnings.push_back(printable(character_.name, 120) + ": root motion: joint " + quoted(joint_) +
-                                          " moves over the ground in no clip");
+                                          " does not move over the ground in any clip");
         for (ExactClip& clip : clips_)
             if (moves) std::ranges::stable_sort(clip.tracks, {}, place_in_table);
     }
@@ -267,11 +268,11 @@ private:
                 throw Failure(ErrorCode::kUnsupported, place_,
                               quoted(joint) + ", above " + quoted(joint_) + ", is animated in clip '" +
                                   printable(animated_in[joint]->facts.name, 120) +
-                                  "'; the joint of root motion has nothing animated above it");
+                                  "'; joints above that of root motion must not be animated");
     }
 
     // Replaces the joint's rotation and translation. The other tracks are sampled at the new rows.
-    void take_out(ExactClip& clip, Extracted extracted) {
+    void replace_tracks(ExactClip& clip, Extracted extracted) {
         auto& [times_s, rotation, translation] = extracted.rest;
         std::erase_if(clip.tracks, [&](const ExactTrack& track) {
             return track.joint == joint_ && track.target != TrackTarget::kScale;
@@ -291,17 +292,18 @@ private:
         clip.root_rows = std::move(extracted.root_rows);
         root_row_count_ += clip.root_rows.size();
         if (root_row_count_ * sizeof(TrackKey) > kKeyLimit_bytes)
-            throw Failure(ErrorCode::kLimit, printable(character_.name, 120),
-                          "more than " + std::to_string(kKeyLimit_bytes >> 20) + " MiB of rows of root motion");
+            throw Failure(
+                ErrorCode::kLimit, printable(character_.name, 120),
+                "root motion takes more than the limit of " + std::to_string(kKeyLimit_bytes >> 20) + " MiB of rows");
     }
 
     void count_keys(const ExactClip& clip, uint64_t count) {
         key_count_ += count;
         if (key_count_ * kKey_bytes > kKeyLimit_bytes)
             throw Failure(ErrorCode::kLimit, printable(character_.name, 120),
-                          "clip '" + printable(clip.facts.name, 120) +
-                              "' has too many keys with root motion; the limit is " +
-                              std::to_string(kKeyLimit_bytes >> 20) + " MiB a character");
+                          "with root motion, clip '" + printable(clip.facts.name, 120) +
+                              "' and the clips before have too many keys; the limit is " +
+                              std::to_string(kKeyLimit_bytes >> 20) + " MiB per character");
     }
 
     // Constant in a clip, since nothing above the joint moves.
@@ -319,7 +321,7 @@ private:
                 throw Failure(ErrorCode::kUnsupported, place_,
                               quoted(joint) + ", above " + quoted(joint_) + ", is scaled by " + std::to_string(s.x) +
                                   ", " + std::to_string(s.y) + ", " + std::to_string(s.z) +
-                                  "; above the joint of root motion, scales are the same along x, y and z, and not 0");
+                                  "; scales above the joint of root motion must be uniform, and not 0");
             out = out * Similarity{normalized(quaternion_of(value(TrackTarget::kRotation))),
                                    vector_of(value(TrackTarget::kTranslation)), s.x};
         }

@@ -13,7 +13,7 @@ namespace {
 
 using namespace file;
 
-constexpr const char* kNotWrittenByThrong = "; throng writes no such file: compile it anew from its source";
+constexpr const char* kNotWrittenByThrong = "; throng never writes such a file: compile it again from its source";
 
 class Reader {
 public:
@@ -58,16 +58,18 @@ private:
             refuse(ErrorCode::kInvalidFile, "is not a compiled character");
         Header header;
         if (bytes_.size() < sizeof(header))
-            refuse(ErrorCode::kInvalidFile, "ends within its header; copy it again, or compile it anew");
+            refuse(ErrorCode::kInvalidFile, "ends within its header; copy it again, or compile it again");
         std::memcpy(&header, bytes_.data(), sizeof(header));
         if (header.version != kVersion)
-            refuse(ErrorCode::kUnsupported, "version ", header.version, ", this throng reads version ", kVersion,
-                   "; compile it anew from its source", header.version > kVersion ? ", or update throng" : "");
+            refuse(ErrorCode::kUnsupported, "has version ", header.version, ", but this throng reads version ",
+                   kVersion, "; compile it again from its source",
+                   header.version > kVersion ? ", or update throng" : "");
         if (header.size_bytes != bytes_.size())
-            refuse(ErrorCode::kInvalidFile, "has ", bytes_.size(), " bytes, but ", header.size_bytes,
-                   " by its header; copy it again, or compile it anew");
+            refuse(ErrorCode::kInvalidFile, "has ", bytes_.size(), " bytes, but its header says ", header.size_bytes,
+                   "; copy it again, or compile it again");
         if (header.checksum != checksum_of(bytes_))
-            refuse(ErrorCode::kInvalidFile, "is damaged: its checksum is another; copy it again, or compile it anew");
+            refuse(ErrorCode::kInvalidFile,
+                   "is damaged: its checksum does not match; copy it again, or compile it again");
         if (header.section_count != kSectionCount)
             fail("header", "has ", header.section_count, " sections, not ", kSectionCount);
     }
@@ -76,7 +78,7 @@ private:
     // so no byte is read twice, and what is allocated is bounded by the size of the file.
     void check_table() {
         const uint64_t table_end = sizeof(Header) + sizeof(entries_);
-        if (bytes_.size() < table_end) fail("section table", "ends behind the file");
+        if (bytes_.size() < table_end) fail("section table", "ends beyond the end of the file");
         std::memcpy(entries_.data(), bytes_.data() + sizeof(Header), sizeof(entries_));
         uint64_t end = table_end;
         for (uint32_t i = 0; i < entries_.size(); ++i) {
@@ -89,7 +91,7 @@ private:
             if (begin > bytes_.size() || entry.offset_bytes != begin)
                 fail(id, "begins at byte ", entry.offset_bytes, ", not ", begin);
             if (entry.size_bytes > bytes_.size() - begin)
-                fail(id, "has ", entry.size_bytes, " bytes, and ", bytes_.size() - begin, " are left");
+                fail(id, "has ", entry.size_bytes, " bytes, but only ", bytes_.size() - begin, " are left");
             if (entry.size_bytes % entry.element_bytes != 0 ||
                 entry.element_count != entry.size_bytes / entry.element_bytes)
                 fail(id, entry.element_count, " elements do not make ", entry.size_bytes, " bytes");
@@ -98,7 +100,8 @@ private:
                 fail(id, "is not padded with zeros");
             end = begin + entry.size_bytes;
         }
-        if (end != bytes_.size()) fail("section table", "ends at byte ", end, " of ", bytes_.size());
+        if (end != bytes_.size())
+            fail("section table", "the last section ends at byte ", end, ", but the file has ", bytes_.size());
     }
 
     // ---- Sections
@@ -141,9 +144,9 @@ private:
 
     void read_scalars(const Records& records, Character& character) const {
         const size_t count = records.scalars.size();
-        if (count != 1) fail(SectionId::kScalars, "is there ", count, " times, not once");
+        if (count != 1) fail(SectionId::kScalars, "has ", count, " elements, not 1");
         const ScalarsRecord& scalars = records.scalars.front();
-        if (scalars.reserved != std::array<uint32_t, 2>{}) fail(SectionId::kScalars, "what is reserved is not 0");
+        if (scalars.reserved != std::array<uint32_t, 2>{}) fail(SectionId::kScalars, "a reserved field is not 0");
         read_record(SectionId::kScalars, scalars, character);
     }
 
@@ -151,10 +154,10 @@ private:
     void check_ends(SectionId id, const std::vector<uint64_t>& ends, uint64_t size_bytes) const {
         uint64_t before = 0;
         for (const uint64_t end : ends) {
-            if (end < before) fail(id, "byte ", end, " comes before ", before);
+            if (end < before) fail(id, "byte ", end, " follows byte ", before, ", but ends must ascend");
             before = end;
         }
-        if (before != size_bytes) fail(id, "the last is byte ", before, " of ", size_bytes);
+        if (before != size_bytes) fail(id, "the last end is byte ", before, ", but there are ", size_bytes, " bytes");
     }
 
     void read_images(const Records& records, Character& character) const {

@@ -76,8 +76,8 @@ private:
         assert(entries_.size() == static_cast<size_t>(id));
         const uint64_t offset_bytes = aligned(bytes_.size()), end_bytes = offset_bytes + elements.size() * sizeof(T);
         if (end_bytes > limit_bytes_)
-            throw Failure(ErrorCode::kLimit, place_, "a compiled file of ", end_bytes, " bytes and more; the limit is ",
-                          limit_bytes_);
+            throw Failure(ErrorCode::kLimit, place_, "the compiled file would have at least ", end_bytes,
+                          " bytes; the limit is ", limit_bytes_);
         bytes_.resize(offset_bytes);
         entries_.push_back({.id = static_cast<uint32_t>(id),
                             .element_bytes = sizeof(T),

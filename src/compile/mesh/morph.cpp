@@ -236,10 +236,11 @@ void compile_morphs(const Asset& asset, Character& character, const Progress& pr
         const AssetMesh& mesh = asset.meshes[instance.mesh];
         const std::vector<float>& weights = instance.weights.empty() ? mesh.weights : instance.weights;
         if (character.morphs.size() + weights.size() > kMorphLimit)
-            throw Failure(ErrorCode::kLimit, place, character.morphs.size() + weights.size(),
-                          " and more, each counted for each node that has its mesh; the limit is ", kMorphLimit);
+            throw Failure(ErrorCode::kLimit, place, "at least ", character.morphs.size() + weights.size(),
+                          ", each counted once for every node that shows its mesh; the limit is ", kMorphLimit);
         if (!weights.empty() && !character.morphs.empty() && character.morphs.back().node == instance.node)
-            throw Failure(ErrorCode::kInvalidFile, place, "node ", instance.node, " has two meshes with them");
+            throw Failure(ErrorCode::kInvalidFile, place, "node ", instance.node,
+                          " shows two meshes with morph targets");
         for (uint32_t target = 0; target < weights.size(); ++target)
             character.morphs.push_back(
                 {.name = printable(
@@ -258,8 +259,8 @@ void compile_morphs(const Asset& asset, Character& character, const Progress& pr
         section.first_morph = of_node->second.first;
         section.morph_count = of_node->second.count;
         if (primitive.targets.size() != section.morph_count)
-            throw Failure(ErrorCode::kInvalidFile, place, primitive.targets.size(), " of a primitive, and ",
-                          section.morph_count, " weights of its mesh");
+            throw Failure(ErrorCode::kInvalidFile, place, "a primitive has ", primitive.targets.size(),
+                          ", but its mesh has ", section.morph_count, " weights");
         add_deltas(primitive, section, character, place, progress);
     }
 }

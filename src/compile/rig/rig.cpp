@@ -124,7 +124,7 @@ RigMap build_rig(const Asset& asset) {
             ++map.folded_node_count;
         } else {
             if (map.rig.parents.size() == kJointLimit)
-                throw Failure(ErrorCode::kLimit, asset.name, "more than " + std::to_string(kJointLimit) + " joints");
+                throw Failure(ErrorCode::kLimit, asset.name, "needs more joints than the limit of ", kJointLimit);
             joint = map.rig.joint_count();
             map.joint_of_node[visit.node] = joint;
             map.rig.names.push_back(node.name);

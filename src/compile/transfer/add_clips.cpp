@@ -126,7 +126,7 @@ public:
         }
         NameList list;
         for (uint32_t node = 0; node < from_.nodes.size(); ++node)
-            if (holds_joint[node] && transfer_.animated(node).turns && transfer_.targets(node).empty())
+            if (holds_joint[node] && transfer_.animated(node).rotates && transfer_.targets(node).empty())
                 list.add(from_.nodes[node].name);
         return list.count() == 0 ? "" : joined("; what is below ", list.text(), " will be turned differently");
     }
@@ -174,7 +174,7 @@ private:
         for (size_t i = 0; i < out.values.size() / width; ++i) {
             const float* value = &track.values[i * width];
             if (track.target == TrackTarget::kTranslation && !change.keeps_translations()) {
-                const Vec3<double> t = is_tangent(track, i) ? change.way(vector_of(value))
+                const Vec3<double> t = is_tangent(track, i) ? change.vector(vector_of(value))
                                                             : change.translation(vector_of(value));
                 set(i, t.x, t.y, t.z);
             } else if (track.target == TrackTarget::kRotation && change.is_turned) {
@@ -234,7 +234,7 @@ private:
 };
 
 // Mixamo and FBX files name all of their clips like this.
-bool says_nothing(std::string_view name) {
+bool is_generic_name(std::string_view name) {
     return name.empty() || name.find("Take 001") != name.npos || name.find("mixamo.com") != name.npos;
 }
 
@@ -246,8 +246,8 @@ std::string stem_of(const std::string& file) {
 
 // A name for the clip that is not in `names`; `stem` is the name of its file without extension.
 std::string free_name(const std::string& name, const std::string& stem, const std::unordered_set<std::string>& names) {
-    if (!says_nothing(name) && !names.contains(name)) return name;
-    const std::string base = says_nothing(name) ? stem : stem + " " + name;
+    if (!is_generic_name(name) && !names.contains(name)) return name;
+    const std::string base = is_generic_name(name) ? stem : stem + " " + name;
     std::string numbered = base;
     for (uint32_t number = 2; names.contains(numbered); ++number) numbered = joined(base, " ", number);
     return numbered;
@@ -277,7 +277,7 @@ Result<void> add_clips(Asset& asset, const Asset& from) {
             std::vector<std::string> warnings = new_warnings(asset, from);
             const std::string without = adder.without_target();
             if (clips.empty())
-                refuse(from.name, without.empty() ? "its clips move nothing" : without, " are not in ", asset.name,
+                refuse(from.name, without.empty() ? "its clips move nothing in " : without + " are not in ", asset.name,
                        ", which has ", adder.some_joints(), ", …: clips are added to nodes of the same names");
             const auto warn = [&](const std::string& what, const std::string& effect) {
                 warnings.push_back(joined(from.name, ": ", what, " are not in ", asset.name, effect));

@@ -59,10 +59,10 @@ std::vector<AnimatedNode> animated_nodes(const Asset& asset) {
             node.moves = node.moves || moves;
             if (track.target == TrackTarget::kRotation) {
                 node.has_rotation = true;
-                node.turns = node.turns || moves;
+                node.rotates = node.rotates || moves;
             } else if (track.target == TrackTarget::kTranslation) {
                 node.has_translation = true;
-                node.goes = node.goes || moves;
+                node.translates = node.translates || moves;
                 node.changes_length = node.changes_length || changes_length_of_bone(track);
             }
         }

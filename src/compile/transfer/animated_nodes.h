@@ -22,9 +22,9 @@ bool holds_rest(const Asset& asset, const AssetTrack& track);
 
 struct AnimatedNode {
     bool has_rotation = false, has_translation = false, has_morphs = false;
-    bool turns = false, goes = false;  // rotates or translates away from its rest pose
-    bool moves = false;                // any of its tracks does so, or it has morphs
-    bool changes_length = false;       // its place relative to its parent varies, unlike a bone's
+    bool rotates = false, translates = false;  // away from its rest pose
+    bool moves = false;                        // any of its tracks leaves that, or it has morphs
+    bool changes_length = false;               // its place relative to its parent varies, unlike a bone's
 };
 
 // [node]

@@ -45,7 +45,7 @@ NodeFrame NodeFrame::child(const Trs<double>& parent_from_node) const {
             scale * std::cbrt(std::abs(s.x * s.y * s.z))};
 }
 
-Vec3<double> NodeChange::way(const Vec3<double>& old) const { return rotated(turn, old * scale); }
+Vec3<double> NodeChange::vector(const Vec3<double>& old) const { return rotated(turn, old * scale); }
 
 RigTransfer::RigTransfer(const Asset& from, const Asset& to)
     : from_(from),
@@ -152,8 +152,8 @@ Trs<double> RigTransfer::rest_of(uint32_t node) const {
     if (source == kNone) return rest;
     const AnimatedNode& animated = animated_[source];
     const Trs<double>& old = from_.nodes[source].parent_from_node;
-    if (animated.has_rotation && takes(node, !animated.turns)) rest.rotation = changes_[node].rotation(old.rotation);
-    if (animated.has_translation && takes(node, !animated.goes))
+    if (animated.has_rotation && takes(node, !animated.rotates)) rest.rotation = changes_[node].rotation(old.rotation);
+    if (animated.has_translation && takes(node, !animated.translates))
         rest.translation = changes_[node].translation(old.translation);
     return rest;
 }

@@ -30,9 +30,9 @@ struct NodeChange {
     Vec3<double> old_rest{}, base{};
 
     Quaternion<double> rotation(const Quaternion<double>& old) const { return turn * old; }
-    Vec3<double> translation(const Vec3<double>& old) const { return base + way(old - old_rest); }
+    Vec3<double> translation(const Vec3<double>& old) const { return base + vector(old - old_rest); }
     // The same without the offsets, for vectors such as tangents of splines.
-    Vec3<double> way(const Vec3<double>& old) const;
+    Vec3<double> vector(const Vec3<double>& old) const;
     bool keeps_translations() const {
         return !is_turned && scale == 1 && old_rest == Vec3<double>() && base == Vec3<double>();
     }

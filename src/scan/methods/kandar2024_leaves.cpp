@@ -33,8 +33,8 @@ ScanPlan plan(const ScanRig& rig, const ScanLimits& limits, uint32_t) {
         word_count += 3 + rig.depths[joint];
     }
     if (word_count > kMaxWords)
-        return {.unsupported_reason = "the paths of its leaves take " + std::to_string(word_count) +
-                                      " words, more than " + std::to_string(kMaxWords)};
+        return {.unsupported_reason = "the paths of the rig's leaves take " + std::to_string(word_count) +
+                                      " words, more than the limit of " + std::to_string(kMaxWords)};
     const auto leaf_count = static_cast<uint32_t>(leaves.size());
 
     ScanPlan plan{.links = {leaf_count}, .on_chip = true};

@@ -61,7 +61,7 @@ TEST(Native, TwoClipsFollowTheReference) {
     std::printf("largest displacement %.1e\n", worst_of_all);
 }
 
-TEST(Native, AnyPartOfTheInstancesHasTheSameBits) {
+TEST(Native, UpdatingPartsGivesTheSameBits) {
     for (const size_t k : {size_t{0}, native_characters().size() / 2, native_characters().size() - 1}) {
         const Character& character = native_characters()[k].character;
         const NativeRig rig(character);
@@ -150,7 +150,7 @@ TEST(Native, ModelMatricesAndSocketsAreThoseOfTheJoints) {
     }
 }
 
-TEST(Native, ListedInstancesAreUpdatedAndOthersLeft) {
+TEST(Native, OnlyListedInstancesAreUpdated) {
     const Character& character = native_characters().front().character;
     const NativeRig rig(character);
     const Scene scene(character, 300, 5);
@@ -173,7 +173,7 @@ TEST(Native, ListedInstancesAreUpdatedAndOthersLeft) {
     }
 }
 
-TEST(Native, ALevelOfDetailHasItsJointsAlone) {
+TEST(Native, ALevelOfDetailUpdatesOnlyItsJoints) {
     Character character = compiled(make_asset({.joint_count = 60, .scale_spread = 0}));
     const uint32_t joints = character.rig.joint_count();
     character.joint_lods.assign(joints, 0);
@@ -201,7 +201,7 @@ TEST(Native, ALevelOfDetailHasItsJointsAlone) {
     }
 }
 
-TEST(Native, SaysWhatItCannotDo) {
+TEST(Native, ReportsWhatIsUnsupported) {
     const Character& character = native_characters().front().character;
     EXPECT_EQ(native_unsupported_reason(character, SkinFormat::kAffine), "");
     const Character uneven = compiled(make_asset({.scale_spread = 0.2}));

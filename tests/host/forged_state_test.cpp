@@ -27,7 +27,7 @@ Controller controller_of(const Character& character) {
     return std::move(*controller);
 }
 
-void mend_checksum(std::vector<std::byte>& forged) {
+void fix_checksum(std::vector<std::byte>& forged) {
     const size_t end = forged.size() - sizeof(uint64_t);
     const uint64_t checksum = crc64(std::span(forged).first(end));
     std::memcpy(forged.data() + end, &checksum, sizeof checksum);
@@ -39,11 +39,11 @@ std::vector<std::byte> with_command(std::vector<std::byte> state, const io::Cont
     const auto found = std::ranges::search(state, std::as_bytes(std::span(&waiting, 1)));
     EXPECT_EQ(found.size(), sizeof waiting);
     std::ranges::copy(std::as_bytes(std::span(&other, 1)), found.begin());
-    mend_checksum(state);
+    fix_checksum(state);
     return state;
 }
 
-TEST(ForgedState, NeverACrash) {
+TEST(ForgedState, NeverCrashes) {
     constexpr size_t kHead_bytes = 72;
     const Device device = Device::create({.select = "native"}).value();
     const Character character = make_character({.name = "some", .joint_count = 20});
@@ -79,7 +79,7 @@ TEST(ForgedState, NeverACrash) {
             const size_t at = kHead_bytes + 4 * size_t{words_of_all - 1 - from_end};
             std::memcpy(forged.data() + at, &value, sizeof value);
         }
-        mend_checksum(forged);
+        fix_checksum(forged);
         const Result<void> restored = crowd.restore_state(forged);
         ++(restored ? taken : refused);
         EXPECT_TRUE(restored || restored.error().code == ErrorCode::kInvalidFile);
@@ -95,7 +95,7 @@ TEST(ForgedState, NeverACrash) {
 }
 
 // A group has the data for births and inertial plays only if its settings allow them.
-TEST(ForgedState, CommandsThatItsGroupCannotObeyAreRefused) {
+TEST(ForgedState, CommandsThatAGroupDoesNotSupportAreRefused) {
     const Device device = Device::create({.select = "native"}).value();
     const Character character = make_character({.name = "some", .joint_count = 20});
     const Controller controller = controller_of(character);
@@ -122,9 +122,11 @@ TEST(ForgedState, CommandsThatItsGroupCannotObeyAreRefused) {
                                     .loop = 1,
                                     .value = kValue,
                                     .fade_rate = 2};
-    EXPECT_EQ(restored(0, set, io::kCommandBegin), "crowd state: an instance is born in a group without capacity");
+    EXPECT_EQ(restored(0, set, io::kCommandBegin),
+              "crowd state: an instance is spawned in a group without CrowdGroup::capacity");
     EXPECT_EQ(restored(4, set, io::kCommandBegin), "");
-    EXPECT_EQ(restored(0, played, io::kCommandPlayInertial), "crowd state: a command for a layer that takes none");
+    EXPECT_EQ(restored(0, played, io::kCommandPlayInertial),
+              "crowd state: a command is for a layer that does not exist or does not take it");
     EXPECT_EQ(restored(0, played, io::kCommandPlay), "");
 }
 
