@@ -12,5 +12,9 @@ find_path(LIBDEFLATE_INCLUDE_DIR libdeflate.h REQUIRED)  # libdeflate-dev
 find_library(LIBDEFLATE_LIBRARY deflate REQUIRED)
 find_path(LZMA_INCLUDE_DIR lzma.h REQUIRED)  # liblzma-dev
 find_library(LZMA_LIBRARY lzma REQUIRED)
+find_path(SPNG_INCLUDE_DIR spng.h REQUIRED)  # libspng-dev
+find_library(SPNG_LIBRARY spng REQUIRED)
+find_path(TURBOJPEG_INCLUDE_DIR turbojpeg.h REQUIRED)  # libturbojpeg0-dev
+find_library(TURBOJPEG_LIBRARY turbojpeg REQUIRED)
 find_path(WEBP_INCLUDE_DIR webp/decode.h REQUIRED)  # libwebp-dev
 find_library(WEBP_LIBRARY webp REQUIRED)

@@ -28,7 +28,6 @@ public:
 private:
     std::string place_;
     std::span<const uint8_t> bytes_;
-    bool is_webp_ = false;
     uint32_t width_ = 0, height_ = 0;
 };
 
