@@ -40,7 +40,7 @@ std::vector<ScanCell> cells_of(const std::string& experiment, const ScanBenchSet
     if (cells.empty()) {
         const bool is_known = std::ranges::count(scan_experiments(), experiment) > 0;
         refuse("experiment '" + experiment + "'",
-               is_known ? "ScanBenchSettings::levels is empty" : "no experiment has this name");
+               is_known ? "there are no levels to run" : "no experiment has this name");
     }
     return cells;
 }

@@ -395,7 +395,7 @@ TEST(GpuMemory, ACrowdOfManyGroupsAsksLittleOfTheDriver) {
 }
 
 TEST(GpuMemory, NativelyUpdatedCrowdsMakeNoPipelines) {
-    if (!test_gpu()->processor) GTEST_SKIP() << "the test device is no software device";
+    if (!test_gpu()->processor) GTEST_SKIP() << "the test device is not a software device";
     make_crowds(true);
 }
 

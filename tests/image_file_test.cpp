@@ -177,7 +177,7 @@ TEST(ImageFile, MessagesHoldNoBytesOfTheFile) {
     ImageBytes png{0x89, 'P', 'N', 'G', '\r', '\n', 0x1A, '\n'};
     append_chunk(png, "IHDR", {0, 0, 0, 1, 0, 0, 0, 1, 8, 6, 0, 0, 0});
     append_chunk(png, "A\nB\x1B", {});  // upper case: a chunk that a reader must know
-    expect_refused(encoded_image(png), "cannot be decoded: a damaged PNG file: unknown critical chunk");
+    expect_refused(encoded_image(png), "cannot be decoded: libspng refuses the PNG file: unknown critical chunk");
 }
 
 TEST(ImageFile, DataBehindThePixelsOfAPngAreIgnored) {
@@ -185,30 +185,44 @@ TEST(ImageFile, DataBehindThePixelsOfAPngAreIgnored) {
     EXPECT_EQ(tiny.rgba, ImageBytes(4));
 }
 
-// A progressive JPEG of 8 by 8 grey pixels: one scan for the mean; the others contain nothing.
-AssetImage jpeg_of(int scan_count) {
-    ImageBytes jpeg{0xFF, 0xD8};
-    const auto append_segment = [&](uint8_t marker, const ImageBytes& data) {
-        append_bytes(
-            jpeg, {0xFF, marker, static_cast<uint8_t>((data.size() + 2) >> 8), static_cast<uint8_t>(data.size() + 2)});
-        append_bytes(jpeg, data);
-    };
-    ImageBytes scans_of_others;
-    for (int i = 0; i < 200; ++i) append_bytes(scans_of_others, {0xFF, 0xDA});
-    append_segment(0xE1, scans_of_others);      // as in a thumbnail
-    ImageBytes quantization(65, 1), codes(18);  // one code, for 0
+void append_segment(ImageBytes& jpeg, uint8_t marker, const ImageBytes& data) {
+    append_bytes(jpeg,
+                 {0xFF, marker, static_cast<uint8_t>((data.size() + 2) >> 8), static_cast<uint8_t>(data.size() + 2)});
+    append_bytes(jpeg, data);
+}
+
+// A quantization table, the header of a progressive picture of 8 by 8 pixels, and tables with one code, for 0.
+void append_jpeg_tables(ImageBytes& jpeg, const ImageBytes& components) {
+    ImageBytes quantization(65, 1), codes(18), header{8, 0, 8, 0, 8};
     quantization[0] = 0;
-    append_segment(0xDB, quantization);
-    append_segment(0xC2, {8, 0, 8, 0, 8, 1, 1, 0x11, 0});
+    append_segment(jpeg, 0xDB, quantization);
+    append_bytes(header, components);
+    append_segment(jpeg, 0xC2, header);
     for (const uint8_t table : ImageBytes{0x00, 0x10}) {
         codes[0] = table;
         codes[1] = 1;
-        append_segment(0xC4, codes);
+        append_segment(jpeg, 0xC4, codes);
     }
+}
+
+const ImageBytes kBadCodes = [] {
+    ImageBytes codes(17, 255);
+    codes[0] = 0x13;
+    return codes;
+}();
+
+// A progressive JPEG of 8 by 8 grey pixels: one scan for the mean; the others contain nothing.
+AssetImage jpeg_of(int scan_count, const ImageBytes& behind_scans = {}) {
+    ImageBytes jpeg{0xFF, 0xD8};
+    ImageBytes scans_of_others;
+    for (int i = 0; i < 200; ++i) append_bytes(scans_of_others, {0xFF, 0xDA});
+    append_segment(jpeg, 0xE1, scans_of_others);  // as in a thumbnail
+    append_jpeg_tables(jpeg, {1, 1, 0x11, 0});
     for (int i = 0; i < scan_count; ++i) {
-        append_segment(0xDA, {1, 1, 0, static_cast<uint8_t>(i > 0), static_cast<uint8_t>(i > 0 ? 63 : 0), 0});
+        append_segment(jpeg, 0xDA, {1, 1, 0, static_cast<uint8_t>(i > 0), static_cast<uint8_t>(i > 0 ? 63 : 0), 0});
         jpeg.push_back(0);
     }
+    append_bytes(jpeg, behind_scans);
     append_bytes(jpeg, {0xFF, 0xD9});
     append_bytes(jpeg, scans_of_others);  // as in a video appended to the picture
     return encoded_image(jpeg);
@@ -216,21 +230,54 @@ AssetImage jpeg_of(int scan_count) {
 
 // A table has one code for each of 256 values at most; this one says that it has 4,080.
 TEST(ImageFile, AJpegWithTooManyCodesIsRefused) {
-    ImageBytes jpeg{0xFF, 0xD8, 0xFF, 0xC4, 0, 2 + 17, 0x13};
-    append_bytes(jpeg, ImageBytes(16, 255));
-    expect_refused(encoded_image(jpeg), "cannot be decoded: a damaged JPEG file: Bogus Huffman table definition");
+    ImageBytes jpeg{0xFF, 0xD8};
+    append_segment(jpeg, 0xC4, kBadCodes);
+    expect_refused(encoded_image(jpeg), "cannot be decoded: libjpeg-turbo refuses the JPEG file: Bogus Huffman table");
+    // Also behind bytes that libjpeg only warns of
+    ImageBytes behind{0x12, 0x34};
+    append_segment(behind, 0xC4, kBadCodes);
+    expect_refused(jpeg_of(2, behind), "cannot be decoded: libjpeg-turbo refuses the JPEG file: Bogus Huffman table");
+}
+
+ImageBytes compressed_jpeg(const ImageBytes& pixels, int width, int height, int format) {
+    unsigned char* encoded = nullptr;
+    unsigned long size = 0;
+    const tjhandle encoder = tjInitCompress();
+    EXPECT_EQ(tjCompress2(encoder, pixels.data(), width, 0, height, format, &encoded, &size, TJSAMP_444, 95, 0), 0);
+    const ImageBytes jpeg(encoded, encoded + size);
+    tjFree(encoded);
+    tjDestroy(encoder);
+    return jpeg;
+}
+
+TEST(ImageFile, AJpegThatEndsTooEarlyKeepsItsBeginning) {
+    const Picture noise = some_picture();
+    ImageBytes jpeg = compressed_jpeg(noise.rgba, static_cast<int>(noise.width), static_cast<int>(noise.height),
+                                      TJPF_RGBX);
+    const Picture whole = ImageFile(encoded_image(jpeg)).decode();
+    jpeg.resize(jpeg.size() * 3 / 4);
+    const Picture part = ImageFile(encoded_image(jpeg)).decode();
+    ASSERT_EQ(part.rgba.size(), whole.rgba.size());
+    const auto first_rows = static_cast<ptrdiff_t>(noise.width * 4 * 4);
+    EXPECT_TRUE(std::equal(whole.rgba.begin(), whole.rgba.begin() + first_rows, part.rgba.begin()));
+    EXPECT_FALSE(whole.rgba == part.rgba);
+}
+
+// Chroma of a quarter of the width and half of the height, which TurboJPEG has no name for.
+TEST(ImageFile, JpegsOfUnusualSubsamplingAreDecoded) {
+    ImageBytes jpeg{0xFF, 0xD8};
+    append_jpeg_tables(jpeg, {3, 1, 0x42, 0, 2, 0x11, 0, 3, 0x11, 0});
+    append_segment(jpeg, 0xDA, {3, 1, 0, 2, 0, 3, 0, 0, 0, 0});
+    append_bytes(jpeg, {0, 0, 0xFF, 0xD9});  // ten blocks of one bit each
+    const Picture grey = ImageFile(encoded_image(jpeg)).decode();
+    ASSERT_EQ(grey.rgba.size(), 8u * 8 * 4);
+    EXPECT_EQ(ImageBytes(grey.rgba.begin(), grey.rgba.begin() + 4), (ImageBytes{128, 128, 128, 255}));
 }
 
 TEST(ImageFile, CmykJpegsAreDecoded) {
     ImageBytes cmyk;  // as Adobe's programs store them, complements
     for (int i = 0; i < 8 * 8; ++i) append_bytes(cmyk, {250, 120, 60, 204});
-    unsigned char* encoded = nullptr;
-    unsigned long size = 0;
-    const tjhandle encoder = tjInitCompress();
-    ASSERT_EQ(tjCompress2(encoder, cmyk.data(), 8, 0, 8, TJPF_CMYK, &encoded, &size, TJSAMP_444, 95, 0), 0);
-    const Picture picture = ImageFile(encoded_image(ImageBytes(encoded, encoded + size))).decode();
-    tjFree(encoded);
-    tjDestroy(encoder);
+    const Picture picture = ImageFile(encoded_image(compressed_jpeg(cmyk, 8, 8, TJPF_CMYK))).decode();
     ASSERT_EQ(picture.rgba.size(), 8u * 8 * 4);
     const ImageBytes expected{200, 96, 48, 255};
     for (size_t k = 0; k < 4; ++k) EXPECT_NEAR(picture.rgba[k], expected[k], 2);
@@ -244,6 +291,10 @@ TEST(ImageFile, AJpegHasAtMostOneHundredScans) {
     AssetImage many = jpeg_of(101);
     expect_refused(many, "cannot be decoded: a JPEG file of 101 scans, more than the limit of 100");
     many.encoded.insert(many.encoded.begin() + 2, many.encoded.front());  // a fill byte before a marker
+    expect_refused(many, "cannot be decoded: a JPEG file of 101 scans");
+    many = jpeg_of(101);  // FF 01 has no length, so what follows is not skipped
+    for (const uint8_t byte : ImageBytes{0xFF, 0xFF, 0x01, 0xFF})
+        many.encoded.insert(many.encoded.begin() + 2, std::byte{byte});
     expect_refused(many, "cannot be decoded: a JPEG file of 101 scans");
 }
 

@@ -118,7 +118,7 @@ TEST(Pipelines, AnEqualCrowdCompilesNothing) {
 
 TEST(Pipelines, SoftwareDevicesCompileOnlyForRecordedUpdates) {
     const Device device = another_device();
-    if (!device.gpu()->processor) GTEST_SKIP() << "the test device is no software device";
+    if (!device.gpu()->processor) GTEST_SKIP() << "the test device is not a software device";
     const std::atomic<uint64_t>& made = device.gpu()->counts.pipelines;
     const Character character = make_character({});
     CrowdSettings settings{.groups = {{&character, 2}}, .culling = Culling{}, .skins_once = true};
@@ -144,7 +144,7 @@ TEST(Pipelines, WarmUpCompilesAheadOnSoftwareDevices) {
     const std::array<Affine, 1> place{};
     for (const bool is_warm : {true, false}) {
         const Device device = another_device();
-        if (!device.gpu()->processor) GTEST_SKIP() << "the test device is no software device";
+        if (!device.gpu()->processor) GTEST_SKIP() << "the test device is not a software device";
         const std::atomic<uint64_t>& made = device.gpu()->counts.pipelines;
         Crowd crowd = Crowd::create(device, settings).value();
         if (is_warm) {

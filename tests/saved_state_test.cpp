@@ -320,8 +320,8 @@ TEST_F(SavedState, RefusesTooManyPoseRequests) {
     ASSERT_TRUE(crowd.request_poses(Instances::numbered(0, 3)));
     const Result<void> refused = narrow.restore_state(*crowd.save_state());
     EXPECT_EQ(refusal(refused),
-              "crowd state: it does not fit this crowd: it has 3 requested poses, but "
-              "CrowdSettings::pose_request_capacity is 1");
+              "crowd state: it does not fit this crowd: it has 3 requested poses, more than twice "
+              "CrowdSettings::pose_request_capacity, which is 1");
     ASSERT_FALSE(refused);
     EXPECT_EQ(refused.error().code, ErrorCode::kInvalidArgument);
     ASSERT_TRUE(narrow.update(0.1f));

@@ -23,7 +23,7 @@ static_assert(io::kPackedBitsMask == kPackedBitsMask && io::kPackedLeftOutShift 
               io::kPackedFullBits == kPackedFullBits);
 static_assert(sizeof(io::VertexRows) == sizeof(Vertex));
 
-constexpr size_t kSocketLimit = 64;  // as include/throng/crowd.h says
+constexpr size_t kSocketLimit = 64;  // as include/throng/crowd_settings.h says
 
 // One timeline per clip, and one for the rest pose, which has a single row at time 0. As words.
 std::vector<uint32_t> clip_timelines(const Character& character) {

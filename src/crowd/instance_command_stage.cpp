@@ -25,7 +25,7 @@ static_assert(io::kNothing == static_cast<uint32_t>(CommandKind::kNothing) &&
               io::kSetParameter == static_cast<uint32_t>(CommandKind::kSetParameter) &&
               io::kSetLook == static_cast<uint32_t>(CommandKind::kSetLook));
 
-constexpr uint32_t kMaxCommands = 1u << 20;  // as include/throng/crowd.h says
+constexpr uint32_t kMaxCommands = 1u << 20;  // as include/throng/crowd_settings.h says
 
 uint64_t claim_count(const Group& group) {
     return io::kFirstOtherClaim +

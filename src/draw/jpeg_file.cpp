@@ -5,6 +5,7 @@
 #include <turbojpeg.h>
 
 #include <memory>
+#include <new>
 
 namespace throng {
 namespace {
@@ -13,8 +14,8 @@ constexpr size_t kScanLimit = 100;  // of a JPEG file; encoders write some ten
 
 // The number of scans of a JPEG file. Each is decoded for the whole picture, however little data it has.
 size_t scan_count(std::span<const uint8_t> jpeg) {
-    constexpr uint8_t kBeginsMarker = 0xFF, kFirstRestart = 0xD0, kPictureBegins = 0xD8, kPictureEnds = 0xD9,
-                      kScan = 0xDA;
+    constexpr uint8_t kBeginsMarker = 0xFF, kFirstWithLength = 0xC0, kFirstRestart = 0xD0, kPictureBegins = 0xD8,
+                      kPictureEnds = 0xD9, kScan = 0xDA;
     size_t count = 0;
     for (size_t at = 0; at + 4 <= jpeg.size();) {
         const uint8_t marker = jpeg[at + 1];
@@ -25,9 +26,9 @@ size_t scan_count(std::span<const uint8_t> jpeg) {
         if (marker == kPictureEnds) break;
         if (marker == kScan) ++count;
         at += 2;
-        // These have no length field: FF 00 is a stuffed byte of entropy-coded data, FF D0 to FF D8 are restart markers
-        // and the start of the image
-        if (marker == 0 || (marker >= kFirstRestart && marker <= kPictureBegins)) continue;
+        // These have no length field: FF 00 is a stuffed byte of entropy-coded data; libjpeg skips FF 01 to FF BF; FF
+        // D0 to FF D8 are restart markers and the start of the image
+        if (marker < kFirstWithLength || (marker >= kFirstRestart && marker <= kPictureBegins)) continue;
         at += size_t{jpeg[at]} << 8 | jpeg[at + 1];
     }
     return count;
@@ -37,26 +38,31 @@ class JpegReader {
 public:
     JpegReader(std::span<const uint8_t> jpeg, const std::string& place) : jpeg_(jpeg), place_(place) {
         if (!decoder_) throw std::bad_alloc();
+        // It also fails for unusual but valid subsampling, after it has read the size
         int subsampling = 0;
-        check(tjDecompressHeader3(decoder_.get(), jpeg.data(), jpeg.size(), &width_, &height_, &subsampling, &colors_));
+        (void)tjDecompressHeader3(decoder_.get(), jpeg.data(), jpeg.size(), &width_, &height_, &subsampling, &colors_);
+        if (width_ < 1 || height_ < 1) fail();
     }
 
     ImageSize size() const { return {static_cast<uint32_t>(width_), static_cast<uint32_t>(height_)}; }
 
     std::vector<uint8_t> decode() {
-        const bool is_cmyk = colors_ == TJCS_CMYK || colors_ == TJCS_YCCK;
         std::vector<uint8_t> pixels(size_t{4} * static_cast<size_t>(width_) * static_cast<size_t>(height_));
-        check(tjDecompress2(decoder_.get(), jpeg_.data(), jpeg_.size(), pixels.data(), width_, 0, height_,
-                            is_cmyk ? TJPF_CMYK : TJPF_RGBA, 0));
+        const bool is_cmyk = colors_ == TJCS_CMYK || colors_ == TJCS_YCCK;
+        const bool succeeds = tjDecompress2(decoder_.get(), jpeg_.data(), jpeg_.size(), pixels.data(), width_, 0,
+                                            height_, is_cmyk ? TJPF_CMYK : TJPF_RGBA, 0) == 0;
+        // After a mere warning, for example about data that are cut short, all rows are there, the last alpha too. The
+        // error code does not tell: it also reports a warning if an error came after one.
+        if (!succeeds && (is_cmyk || pixels.back() != 255)) fail();
         if (is_cmyk) make_rgba(pixels);
         return pixels;
     }
 
 private:
-    // A warning, about data that are cut short for example, leaves a picture.
-    void check(int result) const {
-        if (result != 0 && tjGetErrorCode(decoder_.get()) != TJERR_WARNING)
-            throw undecodable(place_, "a damaged JPEG file: ", printable(tjGetErrorStr2(decoder_.get()), 120));
+    [[noreturn]] void fail() const {
+        const std::string why = tjGetErrorStr2(decoder_.get());
+        if (why.find("nsufficient memory") != why.npos) throw std::bad_alloc();
+        throw undecodable(place_, "libjpeg-turbo refuses the JPEG file: ", printable(why, 120));
     }
 
     // Adobe's programs, which write such files, store the complements of cyan, magenta, yellow and black.

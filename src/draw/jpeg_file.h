@@ -11,7 +11,7 @@ namespace throng {
 
 bool is_jpeg(std::span<const uint8_t> bytes);
 
-// Both throw kInvalidFile with `place`.
+// Both throw kInvalidFile with `place`, or std::bad_alloc.
 ImageSize size_of_jpeg(std::span<const uint8_t> jpeg, const std::string& place);
 // 8-bit RGBA, [height][width][4].
 std::vector<uint8_t> decode_jpeg(std::span<const uint8_t> jpeg, const std::string& place);

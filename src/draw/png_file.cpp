@@ -4,11 +4,12 @@
 
 #include <cstring>
 #include <memory>
+#include <new>
 
 namespace throng {
 namespace {
 
-// An ancillary chunk (a colour profile, text) is read before the pixels, and may be compressed.
+// Ancillary chunks (a colour profile, text) are unpacked before the pixels. A file with more of them is refused.
 constexpr size_t kChunkLimit_bytes = 16 << 20, kChunksLimit_bytes = 64 << 20;
 
 class PngReader {
@@ -35,7 +36,7 @@ public:
 private:
     void check(int result) const {
         if (result == SPNG_EMEM) throw std::bad_alloc();
-        if (result != 0) throw undecodable(place_, "a damaged PNG file: ", spng_strerror(result));
+        if (result != 0) throw undecodable(place_, "libspng refuses the PNG file: ", spng_strerror(result));
     }
 
     const std::string& place_;

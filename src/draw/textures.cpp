@@ -77,8 +77,10 @@ std::invoke_result_t<Make> or_white(const AssetImage& image, TextureAccount& acc
         const ErrorCode code = failure.error.code;
         if (code != ErrorCode::kInvalidFile && code != ErrorCode::kLimit && code != ErrorCode::kOutOfMemory) throw;
         account.warnings.push_back(failure.error.text() + "; drawn white");
-        return nullptr;
+    } catch (const std::bad_alloc&) {
+        account.warnings.push_back("image '" + image.name + "': there is not enough memory to decode it; drawn white");
     }
+    return nullptr;
 }
 
 SharedValues::Key texture_key(SharedValue kind, const AssetImage& image, bool is_color) {

@@ -93,7 +93,7 @@ bool RigTransfer::is_as_long(uint32_t node) const {
 
 // Bones keep their length in nearly all clips, so a rest pose shows it even if that is some frame of a clip.
 void RigTransfer::compare_bones() {
-    constexpr double kMaxBones = 0.9;  // of all bones; joints of hips and faces move
+    constexpr double kMinSameShare = 0.9;  // of all bones must keep their length; joints of hips and faces move
     size_t count = 0, same_count = 0;
     double old_sum = 0, new_sum = 0;
     for (uint32_t node = 0; node < sources_.size(); ++node) {
@@ -106,7 +106,7 @@ void RigTransfer::compare_bones() {
         old_sum += old_length(source);
         new_sum += new_length(node);
     }
-    is_same_skeleton_ = static_cast<double>(same_count) >= kMaxBones * static_cast<double>(count);
+    is_same_skeleton_ = static_cast<double>(same_count) >= kMinSameShare * static_cast<double>(count);
     if (same_count < count && old_sum > 0 && new_sum > 0) size_ratio_ = new_sum / old_sum;
 }
 
