@@ -159,7 +159,8 @@ void CrowdState::exchange(StateArchive& archive) {
     // Twice the capacity: discard_last_record() puts the requests of its update back, in front of newer ones.
     if (pose_requests_.size() > 2 * uint64_t{pose_request_capacity_})
         throw Failure(ErrorCode::kInvalidArgument, "crowd state", "it does not fit this crowd: it has ",
-                      pose_requests_.size(), " requested poses, more than twice CrowdSettings::pose_request_capacity, which is ",
+                      pose_requests_.size(),
+                      " requested poses, more than twice CrowdSettings::pose_request_capacity, which is ",
                       pose_request_capacity_);
     if (!archive.reads()) return;
     recorded_pose_requests_.clear();
