@@ -92,7 +92,7 @@ Json measure_control(const Device& device, const ControlCase& control, const Pro
     // Sets parameters as an application would: of nearly all characters at first, and then of a hundredth of them in
     // each update.
     std::mt19937_64 random(control.seed);
-    const auto tell = [&](uint32_t characters) {
+    const auto set_parameters = [&](uint32_t characters) {
         for (uint32_t k = 0; k < characters; ++k) {
             const auto instance = static_cast<uint32_t>(random() % control.count),
                        parameter = static_cast<uint32_t>(random() % controller.parameters.size());
@@ -105,7 +105,7 @@ Json measure_control(const Device& device, const ControlCase& control, const Pro
     };
     const uint32_t changed = std::max(1u, control.count / 100);
     for (uint32_t update = 0; update < kWarmUp; ++update) {
-        tell(update == 0 ? 4 * control.count : changed);
+        set_parameters(update == 0 ? 4 * control.count : changed);
         value_of(crowd.update(kFrame_s));
         for (ReferenceCharacter& reference : references) value_of(reference.update(kFrame_s));
     }
@@ -131,7 +131,7 @@ Json measure_control(const Device& device, const ControlCase& control, const Pro
     UpdateTimes times;
     const GpuLoad load(device.gpu());
     const TimedRun updates{what, [&] {
-                               tell(changed);
+                               set_parameters(changed);
                                times.take(load, crowd);
                            }};
     run_rounds({&updates, 1}, control.samples, progress);

@@ -27,7 +27,7 @@ struct Sampling {
 
 struct TimedRun {
     std::string name;
-    std::function<void()> sample;  // takes one
+    std::function<void()> sample;  // does the work once, and keeps its time
 };
 
 using Progress = std::function<void(const std::string&)>;

@@ -130,7 +130,7 @@ TEST(View, NearObjectsAreVisibleAtAnyTargetDistance) {
     }
 }
 
-TEST(View, ShadowReachFollowsTheHighestInstance) {
+TEST(View, ShadowReachFollowsTheHighestPoint) {
     const Camera camera{.eye = {0, 1, 5}, .target = {0, 1, 0}};
     const DrawOptions options{.to_sun = {0, 0.6f, 0.8f}};
     const Bounds at_rest{{-1, 0.5f, -1}, {1, 1, 1}};

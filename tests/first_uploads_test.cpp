@@ -163,7 +163,7 @@ TEST(FirstUploads, DoNotOverwriteARestoredState) {
 }
 
 // Before its first update a crowd can be drawn, which shows no instances, and saved. There are no matrices to read.
-TEST(FirstUploads, AreNotNeededForDrawingAndSaving) {
+TEST(FirstUploads, AllowDrawingAndSavingBeforeTheFirstUpdate) {
     const Cast cast;
     Crowd listed = cast.make();
     EXPECT_TRUE(drawn_of(listed).empty());

@@ -363,8 +363,9 @@ TEST_F(GroupChanges, IncompatibleCrowdsAreRefused) {
     EXPECT_EQ(refusal(crowd.remove_group(1)), "crowd: group 1 is out of range: this crowd's group numbers are below 1");
     if (!test_gpu()->processor || test_gpu()->is_native()) return;
     const auto on_device = [](CrowdSettings& of) { of.path = UpdatePath::kDevice; };
-    EXPECT_EQ(refused(on_device), "add groups: " + character_.name +
-                                      " is not updated natively, but this crowd is; make it with UpdatePath::kDevice");
+    EXPECT_EQ(refused(on_device),
+              "add groups: " + character_.name +
+                  " is not updated natively, but this crowd is; make this crowd with UpdatePath::kDevice");
     CrowdSettings of = settings(2);
     on_device(of);
     crowd = create(of);

@@ -245,7 +245,7 @@ protected:
     const Character character_ = creature(20, 8);
 };
 
-TEST_F(ShaderCommands, TheLastCommandOfAKindWins) {
+TEST_F(ShaderCommands, TheLastCommandForAPropertyWins) {
     Crowd crowd = create(settings());
     write(crowd, 0,
           std::array{InstanceCommand::set_placement(3, at(5)), InstanceCommand::spawn(3, at(1)),
@@ -439,7 +439,7 @@ TEST_F(ShaderCommands, PendingCommandsAreSaved) {
 }
 
 // Pictures are fitted to the current instances.
-TEST_F(ShaderCommands, PicturesAreFittedToCurrentInstances) {
+TEST_F(ShaderCommands, WorldBoundsFollowThemOnceDrawn) {
     if (const std::string reason = undrawable_reason(DrawPath::kAuto); !reason.empty()) GTEST_SKIP() << reason;
     Crowd crowd = create(settings());
     Renderer renderer = Renderer::create(test_device(), {.width = 64, .height = 64}).value();

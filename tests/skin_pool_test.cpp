@@ -323,7 +323,7 @@ TEST(SkinPool, InstancesNotDrawnHaveNoMatrices) {
     EXPECT_FALSE(crowd.read_positions({1}));
 }
 
-TEST(SkinPool, MemoryDependsOnDrawnInstances) {
+TEST(SkinPool, MatrixMemoryDoesNotGrowWithInstances) {
     const Character character = creature_with_lods();
     const auto bytes = [&](std::optional<SkinPool> pool, uint32_t count) {
         return create({.groups = {{.character = &character, .instance_count = count, .skin_pool = pool}},

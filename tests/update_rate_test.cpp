@@ -21,7 +21,7 @@ namespace throng::test {
 namespace {
 
 const InSubset kUpdateRateUnderValidation({Subset::kGpuAssisted}, {"UpdateRate.AFinerLevelIsAnimatedAtOnce"});
-const InSubset kUpdateRateInSubsets({Subset::kNative}, {"UpdateRate.*", "-UpdateRate.StageTimesAreReportedOnce"});
+const InSubset kUpdateRateInSubsets({Subset::kNative}, {"UpdateRate.*", "-UpdateRate.TakeNewestReturnsEachUpdateOnce"});
 
 constexpr uint32_t kUpdateRateWidth = 160, kUpdateRateHeight = 120;
 
@@ -351,7 +351,7 @@ TEST(UpdateRate, CoarserLevelsAreInterpolatedToo) {
 }
 
 // While updates are pending, the reported times are those of the newest finished one, and each is reported once.
-TEST(UpdateRate, StageTimesAreReportedOnce) {
+TEST(UpdateRate, TakeNewestReturnsEachUpdateOnce) {
     if (!test_gpu()->has_timestamps()) GTEST_SKIP() << "the queue has no timestamps";
     StageTimer timer(test_gpu(), 2);
     EXPECT_FALSE(timer.take_newest());

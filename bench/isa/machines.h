@@ -48,7 +48,7 @@ double subgroups_of(const KernelNeeds& kernel);  // of a workgroup
 
 struct Occupancy {
     double subgroups = 0;    // that a SIMD holds, on average over those that share shared memory
-    std::string_view limit;  // "registers", "shared memory", or "places" where neither limits
+    std::string_view limit;  // "registers", "shared memory", or "places" (Simd::subgroups) where neither limits
 };
 
 Occupancy occupancy_of(const KernelNeeds& kernel, const Simd& simd);

@@ -47,7 +47,8 @@ std::set<double> numbers(const Cells& cells, const char* field);
 using Best = std::map<double, const Json*>;
 Best best_over(const Cells& cells, const char* field, const char* quantity);
 
-// The fastest record among the methods chosen by hand, and the record of the planner's choice; null if there is none.
+// The fastest record that is neither wrong nor the planner's, and the record of the planner's choice; null if there is
+// none.
 const Json* fastest(const Cells& cells);
 const Json* planned(const Cells& cells);
 

@@ -3,7 +3,7 @@
 // Vulkan device with two frames in flight. Once a second a frame is dropped; beasts are loaded while the game runs; and
 // it is saved and restored, after which the same things happen again. Prints how long its calls take.
 //   game creature.glb guard.json lantern.glb beast.glb picture.png [2000]
-// (./run throng generate makes such files; examples/controllers has the controller; the number is the most attackers)
+// (./run throng generate makes such files; examples/controllers has the controller; the number: most attackers at once)
 #include "frames.h"
 #include "times.h"
 
@@ -365,7 +365,7 @@ int main(int argc, char** argv) {
     loop.run(kSaveAt + kReplayed, kFrames);
 
     const World& world = game.world;
-    std::printf("%u attackers came, %u died, %u bodies are left; %u found no room\n", world.born, world.died,
+    std::printf("%u attackers came, %u died, %u are still in the crowd; %u found no room\n", world.born, world.died,
                 (*game.crowd()).alive_count(0).expect(), world.refused);
     std::printf("%u steps, and %u of attackers that were gone when the feedback arrived\n", world.steps,
                 world.steps_of_the_gone);

@@ -189,8 +189,9 @@ Result<Asset> load_asset(std::span<const std::byte> bytes, std::string_view name
 // name, with a warning for those that `asset` lacks; where a mesh has no names for them, by their order, if both have
 // as many.
 //
-// A clip keeps its name. One without a name, or with a name that `asset` has already, is named after `from.name`
-// without its extension.
+// A clip keeps its name. One without a name of its own (none, or one that contains "mixamo.com" or "Take 001") is named
+// after `from.name` without its extension. If `asset` has a clip of this name already, the name of the file is put
+// before it ("more Jump"), and a number behind it if that is taken too ("more Jump 2").
 //
 // Errors: kInvalidArgument: no clips in `from`, none that animates a node whose name `asset` has, or an asset that
 // compile_character() would not take; then `asset` is unchanged.

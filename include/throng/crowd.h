@@ -36,8 +36,8 @@ public:
     //
     // Errors: kInvalidArgument (unknown scan, no instances, a Character that has been modified and no longer is as
     // character.h says), kUnsupported (the scan method, the fused path, the skin format, the skin blend or the skin
-    // pool does not apply to a character), either of them for a controller, sockets or procedural rules that do not
-    // fit, kLimit (names what exceeds which limit of the device), kOutOfMemory.
+    // pool does not apply to a character), kInvalidArgument or kUnsupported (a controller, sockets or procedural rules
+    // that do not fit), kLimit (names what exceeds which limit of the device), kOutOfMemory.
     static Result<Crowd> create(const Device& device, const CrowdSettings& settings);
     // No crowd yet, for example a member that is filled in later. Call nothing on it until another crowd is assigned to
     // it.
@@ -80,8 +80,8 @@ public:
     Result<std::vector<uint32_t>> add_groups(Crowd&& other);
     // Removes a group with all of its instances; instances attached to them stay where they are. The other groups and
     // their instances keep their numbers. The group's memory is freed some ten updates later (record() with a time step
-    // of 0 counts). Errors: kInvalidArgument (no such group; the only one with instances; the second half of an update
-    // for a view with occlusion is still to come).
+    // of 0 counts). Errors: kInvalidArgument (no such group; the only one with instances; the last record() failed; the
+    // second half of an update for a view with occlusion is still to come).
     Result<void> remove_group(uint32_t group);
 
     // Adds instances to a group with CrowdGroup::capacity, one for each placement, or removes some; this takes effect
@@ -210,9 +210,9 @@ public:
     // controller, sockets or steering), kLimit (more than CrowdSettings::watch_capacity).
     Result<void> watch(const Instances& instances);
 
-    // Returns the poses that these instances show after the next record(), once, in its feedback (Feedback::poses): for
-    // ragdolls, which begin where the animation ends. To learn the placements too, watch() the instances in the same
-    // update. feedback() then takes some 0.07 us of CPU time a joint.
+    // Requests the poses that these instances show after the next record(). They come once, in the feedback of that
+    // update (Feedback::poses): for ragdolls, which begin where the animation ends. To learn the placements too,
+    // watch() the instances in the same update. feedback() then takes some 0.07 us of CPU time a joint.
     //
     // The poses are computed from the skin matrices, so they are as exact as SkinFormat; joints that are in no skin
     // have their rest pose. For an instance that the update does not animate because its view does not see it, it is
@@ -259,11 +259,11 @@ public:
     // decided by a box around the poses of all clips, enlarged by CrowdGroup::pose_margin.
     //
     // Errors: kInvalidArgument (no command buffer, or one on a native device; the time step or the view is not finite;
-    // a view and no culling), kUnsupported (CrowdView::occlusion on a native device; on a software device
-    // CrowdGroup::sockets_only, and, with inertial transitions, after a native update()). After these nothing has
-    // changed. After another error (kOutOfMemory, kLimit) half of an update may have been recorded, which cannot be
-    // discarded: restore a saved state before the crowd goes on; after kDeviceLost, restore it into a new crowd on a
-    // new device.
+    // a view and no culling; where there is feedback(), the update of four record()s ago has not finished),
+    // kUnsupported (CrowdView::occlusion on a native device; on a software device CrowdGroup::sockets_only, and, with
+    // inertial transitions, after a native update()). After these nothing has changed. After another error
+    // (kOutOfMemory, kLimit) half of an update may have been recorded, which cannot be discarded: restore a saved state
+    // before the crowd goes on; after kDeviceLost, restore it into a new crowd on a new device.
     Result<void> record(VkCommandBuffer commands, float time_step_s, const CrowdView* view = nullptr);
     // The second half of an update for a view with CrowdView::occlusion, recorded after its record() and the commands
     // that draw the depths. It tests the boxes of everything in view against these depths, and animates the instances

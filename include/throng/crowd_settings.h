@@ -20,8 +20,8 @@ namespace throng {
 // What the outputs of sockets hold: model_from_joint, or world_from_joint (with the instance's placement applied).
 enum class SocketSpace { kModel, kWorld };
 
-// Keeps skin matrices only for the instances that are drawn, so that their memory depends on what is seen and not on
-// how many instances there are. A drawn instance has its own row of the pool, unless it is so far away that the
+// Keeps skin matrices only for the instances that are drawn, so that their memory depends on `capacity` and not on how
+// many instances there are. A drawn instance has its own row of the pool, unless it is so far away that the
 // difference cannot be seen (CrowdView::shared_pose_pixels). Then it is not animated, and shows the nearest of the
 // shared poses, which are sampled from each clip when the crowd is made. With a controller, that happens only while a
 // clip plays alone.

@@ -38,7 +38,7 @@ struct Bounds {
 // none has, instances of groups that shaders populate (CrowdGroup::shaders_populate) do not count.
 Bounds world_bounds(const Crowd& crowd);
 // The same without outliers: the few instances, at most a hundredth (one if there are fewer than a hundred), that stand
-// so far away that a camera fitted to them too would show nothing else.
+// so far away that in a picture fitted to include them all others would be too small to see.
 Bounds main_bounds(const Crowd& crowd);
 Bounds main_bounds(std::span<const Crowd* const> crowds);  // of all of them
 // A camera that looks down on the bounds from the front right and holds them in view. For a crowd of many thousands the

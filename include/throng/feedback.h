@@ -25,7 +25,7 @@ struct PlayedMotion {
     uint32_t loops = 0;       // whole cycles since it was entered
     // How far it has replaced the next, older motion of its layer, 0..1, linear in time (docs/controller.md, step 5)
     float fade = 1;
-    // Of a clip: speed and loop as given to play(). Of a state: always 1 and true, whatever its ControllerState says.
+    // For a clip, the values that play() was given. For a state, always 1 and true: its ControllerState has its own.
     // set_state() ignores both, and `fade` too
     float speed = 1;
     bool loop = true;

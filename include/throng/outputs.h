@@ -140,9 +140,9 @@ struct OutputBlock {
     // or discard before the update that executes the commands, since that may upload the empty buffer again.
     BufferView command{};
 
-    // Instances that are drawn, uint32_t[5 + instance_count], with CrowdSettings::culling. The first word is their
-    // number. The next four say for each level of detail where its instances begin, counted from the sixth word. From
-    // there on are their numbers in the block, level by level, ascending within each.
+    // Instances that are drawn, uint32_t[5 + instance_count], with CrowdSettings::culling. The first word is how many
+    // there are. The next four say for each level of detail where its instances begin, counted from the sixth word.
+    // From the sixth word on come the instances, as indices in the block: level by level, ascending within each.
     BufferView list{};
     // Draw calls for Crowd::mesh(), VkDrawIndexedIndirectCommand[section_count][4 levels of detail], with
     // CrowdSettings::culling; the n-th instance of a call is the n-th of its level in the list. The stride is that of a

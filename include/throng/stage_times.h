@@ -23,7 +23,7 @@ std::span<const char* const> stage_names();
 size_t index_of_stage(std::string_view name);
 
 // Time of each stage in the last finished update, summed over its dispatches, milliseconds: GPU time or, for updates by
-// this machine's processor (UpdatePath::kNative), time by the clock.
+// this machine's processor (UpdatePath::kNative), wall-clock time.
 struct StageTimes {
     std::array<double, kStageLimit> ms{};  // by stage_names(), then zeros; 0 where the crowd does not have the stage
 

@@ -1,7 +1,7 @@
 // controller: one update of each instance's layers: transitions, fades, times, events, root motion. Writes the clips
 // that its pose is made of. One invocation per instance. Defined in docs/controller.md. Whatever decides a state is
-// computed without division and fused multiply-add, so that all devices agree. Loops test at the end of a round: a
-// software device runs a loop that tests first one round longer than any invocation needs.
+// computed without divisions and without fused multiply-adds, so that all devices agree. Loops test at the end of a
+// round: a software device runs a loop that tests first one round longer than any invocation needs.
 #include "gpu/buffers_io.h"
 #include "gpu/stored.glsl"
 #include "control/births.glsl"

@@ -8,7 +8,7 @@ namespace throng {
 inline constexpr size_t kLayerLimit = 16;
 inline constexpr size_t kStateLimit = 1'024;       // of a layer
 inline constexpr size_t kTransitionLimit = 4'096;  // of a layer
-// Of all layers together. A transition from any state counts once for each state of its layer
+// In all layers of a controller; a transition from any state counts once for each state of its layer
 inline constexpr size_t kAllTransitionsLimit = 1'048'576;
 inline constexpr size_t kBlendPointLimit = 64;  // of a state
 inline constexpr size_t kParameterLimit = 256;

@@ -79,8 +79,8 @@ ControllerStage::ControllerStage(const StageContext& context)
 void ControllerStage::add(uint32_t batch, const io::ControlCommand& command) {
     ServedBatch& served = served_[served_of_batch_[batch]];
     if (!served.uploaded) make_uploads(served);  // here, because it may fail, and an update must not fail midway
-    // When numbers are reused between updates, only the commands of the last instance with a number count. Waiting
-    // until the list has doubled visits each command only a few times
+    // If a number is reused between updates, only the commands of the last instance with it count. Superseded ones are
+    // dropped whenever the list has doubled, so that each command is visited only a few times
     constexpr size_t kWorthIt = 1024;
     if (command.kind == io::kCommandBegin && served.pending.size() >= std::max(kWorthIt, 2 * served.kept_count))
         drop_superseded(served);

@@ -60,7 +60,7 @@ void CrowdState::check_goes_with(const CrowdState& other) const {
                           " has CrowdGroup::sockets_only, which needs native updates, and this crowd's are not native");
         if (natively_ && !other.natively_ && !group.is_gone())
             throw Failure(ErrorCode::kUnsupported, kPlace, group.name,
-                          " is not updated natively, but this crowd is; make it with UpdatePath::kDevice");
+                          " is not updated natively, but this crowd is; make this crowd with UpdatePath::kDevice");
     }
     if (uint64_t{instance_count} + other.instance_count > UINT32_MAX)
         throw Failure(ErrorCode::kLimit, kPlace, "more than 4,294,967,295 instances");

@@ -172,7 +172,8 @@ void CrowdState::exchange(StateArchive& archive) {
     if (feedback) watch(handles);
     for (const uint32_t instance : pose_requests_)
         StateArchive::require(instance < instance_count && has_instance(instance) && group_of(instance).pose_of_skin,
-                              "a pose is requested of an instance that is not alive or has no pose");
+                              "a pose is requested of an instance that is not alive, or whose group has no "
+                              "CrowdGroup::pose_capacity");
 }
 
 // Saves zeros as the playbacks of a crowd that has not been updated: the first update writes them all.

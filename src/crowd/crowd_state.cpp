@@ -222,7 +222,7 @@ void CrowdState::record(VkCommandBuffer commands, float time_step_s, const Crowd
     memory_barrier(*gpu, commands, readers | kShaderWrite | kTransferWrite,
                    kShaderRead | kShaderWrite | kTransferWrite);
     check_runs(commands == VK_NULL_HANDLE);
-    if (feedback) feedback->begin(commands);  // first, because it may throw
+    if (feedback) feedback->begin(commands);  // before pending changes are taken up, because it may throw
     for (const auto& uploads : first_uploads_) uploads->begin_update(commands);
     free_what_may_go();
     had_native_ = std::exchange(was_native_, commands == VK_NULL_HANDLE);

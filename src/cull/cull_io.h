@@ -28,7 +28,8 @@ THRONG_IO_CONSTANT kCounters = 16;  // of a workgroup
 // - kAnimated + k: instances that are animated with joint set k;
 // - kAnimatedAhead + k: the same, but for the pose of a later update;
 // - kInterpolated: instances whose skin matrices are interpolated towards that later pose, or only kept;
-// - kAppearing: instances that were not drawn in the last update, or with fewer joints.
+// - kAppearing: instances that were not drawn in the last update, or with fewer joints; only if previous skin matrices
+//   are kept, which are set to the current ones.
 THRONG_IO_CONSTANT kAnimated = 0;
 THRONG_IO_CONSTANT kAnimatedAhead = 4;
 THRONG_IO_CONSTANT kInterpolated = 8;

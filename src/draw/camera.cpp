@@ -72,8 +72,10 @@ CrowdView crowd_view_of(const Camera& camera, uint32_t width, uint32_t height, c
                       "the picture is empty: " + std::to_string(width) + " x " + std::to_string(height) + " pixels");
     const View view = make_view(camera, static_cast<float>(width) / static_cast<float>(height));
     const Vec3<float> to_sun = direction_to_sun(options);
-    constexpr float kHighest = 2;      // above the ground, in heights of the crowd at rest
-    constexpr float kDeepest = 0.25f;  // below it, as above: rest poses may float above the floor that clips walk on
+    constexpr float kHighest = 2;  // above bounds.min.y, in heights of the crowd at rest
+    // How far CrowdView::ground lies below bounds.min.y, in the same unit: rest poses may float above the floor that
+    // clips walk on
+    constexpr float kDeepest = 0.25f;
     const float extent = bounds.max.y - bounds.min.y,
                 above = std::max(kHighest * extent, highest - bounds.min.y + kDeepest * extent),
                 reach = options.shadows ? above / to_sun.y : 0;

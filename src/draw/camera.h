@@ -18,8 +18,8 @@ struct View {
 // Throws kInvalidArgument if the camera is invalid.
 View make_view(const Camera& camera, float aspect_ratio);
 
-// As view_of() of throng/draw.h. `highest`: the greatest y that anything casting a shadow reaches, in any pose. Throws
-// kInvalidArgument if the camera is invalid.
+// As view_of() of throng/draw.h. `highest`: the greatest y of anything that casts a shadow, as far as it is known
+// (CrowdBounds::posed, or else bounds). Throws kInvalidArgument if the camera is invalid.
 CrowdView crowd_view_of(const Camera& camera, uint32_t width, uint32_t height, const Bounds& bounds, float highest,
                         const DrawOptions& options);
 

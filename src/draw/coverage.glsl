@@ -15,7 +15,7 @@ uint hash_of(uint number) {
     return (word >> 22) ^ word;
 }
 
-// The number of one section of one instance, all of whose fragments use the same coverage pattern. Instances are
+// The layer of one section of one instance: a hash that covers() takes, the same for all its fragments. Instances are
 // counted over all crowds of the picture.
 uint coverage_layer(uint instance, uint section) { return hash_of(instance ^ section << 24); }
 

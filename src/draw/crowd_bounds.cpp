@@ -38,9 +38,10 @@ std::pair<float, float> middle_half(std::vector<float>& values) {
     return {low, *rest};
 }
 
-// A box that holds the placements of all instances except outliers: the middle half along each axis, extended on all
-// sides by four times the width of the widest of the three (at least a character's size). (J. W. Tukey's fences,
-// Exploratory Data Analysis, 1977, with a wider margin.)
+// Only outside of this box can an instance be an outlier (bounds_of() decides). It is the middle half of a sample of
+// the placements along each axis, extended on all sides by four times the width of the widest of the three (at least a
+// character's size); unlimited for fewer than kFewest samples. (J. W. Tukey's fences, Exploratory Data Analysis, 1977,
+// with a wider margin.)
 Bounds fence_of(Crowds crowds) {
     constexpr uint32_t kSample = 1024, kFewest = 5;
     constexpr float kWidths = 4;

@@ -13,7 +13,7 @@ namespace throng {
 using Crowds = std::span<CrowdState* const>;
 
 // Outliers are the few instances (at most a hundredth of all, or one if there are fewer than a hundred) that stand so
-// far away from all others that a picture fitted to include them would show nothing else.
+// far away that in a picture fitted to include them all others would be too small to see.
 enum class Outliers { kIncluded, kLeftOut };
 
 // World space, from the instances' placements. If no instance is there, everything except `size` is zero.

@@ -17,7 +17,8 @@ bool has_mirrored_instances(const CrowdState& crowd, const Batch& batch) {
 
 io::DrawPush push_of(const Group& group, const MeshSection& section, const TexturedMaterial<Image>& material) {
     const AssetMaterial& f = material.factors;
-    const float cutoff = f.alpha_mode == AlphaMode::kMask ? f.alpha_cutoff : 0;  // 0: opaque ones keep all fragments
+    // 0 where there is no mask: the pipeline that discards also draws opaque materials of mirrored instances, in full
+    const float cutoff = f.alpha_mode == AlphaMode::kMask ? f.alpha_cutoff : 0;
     return {.first_vertex = section.first_vertex,
             .first_influences = section.first_influences,
             .influence_sets = section.influence_sets,

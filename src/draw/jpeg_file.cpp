@@ -26,8 +26,8 @@ size_t scan_count(std::span<const uint8_t> jpeg) {
         if (marker == kPictureEnds) break;
         if (marker == kScan) ++count;
         at += 2;
-        // These have no length field: FF 00 is a stuffed byte of entropy-coded data; libjpeg skips FF 01 to FF BF; FF
-        // D0 to FF D8 are restart markers and the start of the image
+        // These have no length field. FF 00 is a stuffed byte of entropy-coded data; FF 01 and FF D0 to FF D8 have no
+        // parameters; FF 02 to FF BF are reserved, and where a restart marker is due libjpeg skips them as bogus data
         if (marker < kFirstWithLength || (marker >= kFirstRestart && marker <= kPictureBegins)) continue;
         at += size_t{jpeg[at]} << 8 | jpeg[at + 1];
     }
@@ -51,8 +51,9 @@ public:
         const bool is_cmyk = colors_ == TJCS_CMYK || colors_ == TJCS_YCCK;
         const bool succeeds = tjDecompress2(decoder_.get(), jpeg_.data(), jpeg_.size(), pixels.data(), width_, 0,
                                             height_, is_cmyk ? TJPF_CMYK : TJPF_RGBA, 0) == 0;
-        // After a mere warning, for example about data that are cut short, all rows are there, the last alpha too. The
-        // error code does not tell: it also reports a warning if an error came after one.
+        // `pixels` begins as zeros. If the last alpha is 255, all rows were written, and there was a mere warning, for
+        // example about data that are cut short. The error code does not tell: it also reports a warning if an error
+        // came after one. CMYK has no alpha to look at, so there a warning counts as an error.
         if (!succeeds && (is_cmyk || pixels.back() != 255)) fail();
         if (is_cmyk) make_rgba(pixels);
         return pixels;

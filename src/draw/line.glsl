@@ -47,8 +47,8 @@ WorldLine box_edge(Affine world_from_model, vec3 centre, vec3 half_extent, uint 
                      affine_point(world_from_model, centre + high * half_extent), 0.006, vec3(1.0, 0.75, 0.1));
 }
 
-// A line from a joint to its parent, both given as `model_from_joint`. Coloured by level: from red at the root via
-// yellow, green and blue to violet at the last level.
+// A line from a joint to its parent, both given as `model_from_joint`. Coloured by the joint's level: hues from red at
+// level 0 (roots, which have no line) via yellow, green and blue to violet at the last level.
 WorldLine bone_line(Affine world_from_model, Affine joint, Affine parent, uint level, uint level_count) {
     const float hue = 0.8 * float(level) / max(level_count - 1, 1);
     const vec3 color = clamp(abs(fract(hue + vec3(0, 2, 1) / 3.0) * 6 - 3) - 1, vec3(0), vec3(1));

@@ -11,7 +11,7 @@
 
 namespace throng {
 
-// Appends the edges of the box, except those that lie entirely outside of the picture.
+// Appends the edges of the box, except those that lie entirely beyond one side of the picture.
 void add_box_lines(const io::DrawScene& scene, const Affine& world_from_model, const Bounds& box,
                    std::vector<raster::Line>& lines);
 // `model_from_joint`: an instance's matrices, as many as `joints`.

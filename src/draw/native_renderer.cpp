@@ -54,7 +54,7 @@ std::vector<NativeGroups> NativeRenderer::kept_of(Crowds crowds) {
     for (CrowdState* crowd : crowds) {
         crowd->finish_uploads();
         all.push_back(groups_.of(*crowd, [&](std::span<const uint32_t> new_groups) {
-            crowd->check_last_has_run("render");  // the new groups' buffers are read here, and never again
+            crowd->check_last_has_run("render");  // meshes are copied here once, from buffers that must be filled
             uint64_t room_bytes = kTexturesLimit_bytes;
             std::vector<std::unique_ptr<const NativeGroup>> made;
             for (const uint32_t group : new_groups)

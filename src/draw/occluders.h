@@ -1,4 +1,5 @@
-// Depths of what was visible in the last frame, which hide other instances (Crowd::record_disoccluded).
+// Depths, in this frame, of the instances that were visible in the last one. They hide other instances
+// (Crowd::record_disoccluded).
 #pragma once
 
 #include "draw/depth_pass.h"

@@ -50,8 +50,9 @@ struct CharacterKind {
 struct CharacterPipelines {
     CharacterPipelines(const PipelineSettings& settings, const CharacterKind& kind);
 
-    // By AlphaMode. In the picture, the pipeline for masks also draws opaque batches with mirrored instances, whose
-    // front faces wind the other way. The pipelines for blended materials exist only with CharacterKind::has_blends.
+    // By AlphaMode. In the picture, the pipelines for masks also draw opaque materials of batches with mirrored
+    // instances, whose front faces wind the other way. Those for blended materials exist only with
+    // CharacterKind::has_blends.
     std::array<OwnedPipeline, 3> shadow;                       // into the shadow map
     std::array<OwnedPipeline, 3> occluder;                     // depths alone, of the camera
     std::array<std::array<OwnedPipeline, 2>, 3> into_picture;  // [alpha mode][has_maps]

@@ -9,7 +9,8 @@
 namespace throng {
 namespace {
 
-// Ancillary chunks (a colour profile, text) are unpacked before the pixels. A file with more of them is refused.
+// Ancillary chunks (a colour profile, text) are unpacked before the pixels. The limits are for one chunk and for all
+// that are kept; a file that exceeds one is refused.
 constexpr size_t kChunkLimit_bytes = 16 << 20, kChunksLimit_bytes = 64 << 20;
 
 class PngReader {

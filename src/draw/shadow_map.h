@@ -13,9 +13,9 @@ struct ShadowFit {
     float texel = 0;              // world size of the larger side of one
 };
 
-// Fits the map to everything that the camera may see in shadow and to everything that casts a shadow on it: the bounds
-// of the crowd in all its poses, as far as the picture reaches along the sun's rays. The fit depends on nothing else.
-// The map moves in whole texels, so that shadows do not crawl while the camera moves.
+// Fits the map to what the camera may see in shadow and to what casts those shadows: seen along the sun's rays, the
+// part of `posed` that overlaps the view, which ends where no shadow of `posed` falls any more. In height it holds all
+// of `posed`. The map moves in whole texels, so that shadows do not crawl while the camera moves.
 ShadowFit fit_shadow(const Camera& camera, const View& view, const Bounds& posed, const Vec3<float>& to_sun,
                      uint32_t map_size);
 

@@ -33,7 +33,7 @@ Image upload_texture(Uploads& uploads, std::string_view what, const Picture& pic
 struct TextureAccount {
     std::vector<std::string>& warnings;
     uint64_t& room_bytes;    // left of kTexturesLimit_bytes
-    SharedValues& textures;  // textures shared by image: the renderer's; of native renderers, the device's
+    SharedValues& textures;  // where made textures are found by image: a Vulkan renderer's own, or the device's
 };
 
 // Null, with a warning that the image is drawn white, if it cannot be decoded or there is no room for it.

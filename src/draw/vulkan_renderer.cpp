@@ -167,7 +167,8 @@ void VulkanRenderer::record_all(VkCommandBuffer commands, Crowds crowds, float t
     }
 }
 
-// Draws what each crowd has listed as certainly visible, then lists what those depths do not hide.
+// Draws what each crowd has listed so far (what was visible in its last update and is in view), then lists the rest of
+// what these depths do not hide.
 void VulkanRenderer::record_occlusion(VkCommandBuffer commands, Crowds crowds, Frame& frame) {
     begin_draw(commands, frame);
     occluders_->begin(commands);

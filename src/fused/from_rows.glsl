@@ -7,8 +7,9 @@ READONLY_BUFFER(kRowsBuffer, uvec2, rows);
 READONLY_BUFFER(kRowJointsBuffer, uvec4, row_joints);
 READONLY_BUFFER(kRowPlacesBuffer, uint, row_places);
 READONLY_BUFFER(kRowColumnsBuffer, uint, row_columns);
-CONSTANT(kRowJointsId, uint, kRowJoints, 1);            // number of joints that have columns
-CONSTANT(kOtherColumnsId, bool, kOtherColumns, false);  // of a finer set of joints: row_columns maps joints
+CONSTANT(kRowJointsId, uint, kRowJoints, 1);  // number of joints that have columns
+CONSTANT(kOtherColumnsId, bool, kOtherColumns,
+         false);  // columns are those of a finer set of joints: row_columns[joint]
 CONSTANT(kFineRotationsId, uint, kFineRotations, 0);
 CONSTANT(kMotionsId, uint, kMotions, 0);
 CONSTANT(kFineMotionsId, uint, kFineMotions, 0);
@@ -25,7 +26,7 @@ struct RowPlace {
 struct RowJoint {
     uint column, motion, fine_rotation;
     vec4 middle, step_size;  // map the rotation's words to a quaternion
-    vec4 centre;             // of the translation; w: of the scale
+    vec4 centre;             // translation, w: scale; of a joint with motion rows: the middle of their range
     vec3 pivot;
 };
 

@@ -136,7 +136,7 @@ std::shared_ptr<Gpu> Gpu::create_compiler() {
     return gpu;
 }
 
-// Only software devices do, whose memory is this machine's.
+// Whether kernels may run natively: only on software devices, and only if the CPU can map all of their memory.
 bool Gpu::computes_in_host_memory() const {
     constexpr VkMemoryPropertyFlags kHost = VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT;
     const auto types = std::span(memory_properties.memoryTypes).first(memory_properties.memoryTypeCount);

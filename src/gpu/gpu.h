@@ -82,7 +82,7 @@ public:
 
     bool is_cpu() const { return properties.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU; }
     bool has_graphics() const { return (queue_flags & VK_QUEUE_GRAPHICS_BIT) != 0; }
-    // Whether kernels are compiled with GPU_SOFTWARE (gpu/stored.glsl, gpu/table.glsl).
+    // Whether the device gets the kernels' GPU_SOFTWARE variants (gpu/stored.glsl, gpu/table.glsl).
     bool uses_software_kernels() const { return is_cpu() && has_int64; }
     uint64_t largest_heap_bytes() const;
     bool has_timestamps() const { return timestamp_valid_bits != 0 && properties.limits.timestampPeriod > 0; }
@@ -94,7 +94,7 @@ public:
     VkDevice device = VK_NULL_HANDLE;
     VkQueue queue = VK_NULL_HANDLE;
     uint32_t queue_family = 0;
-    std::vector<uint32_t> sharing_families;  // that use the buffers, with queue_family; empty: only queue_family
+    std::vector<uint32_t> sharing_families;  // all that use the buffers, queue_family included; empty: it alone
     VkQueueFlags queue_flags = 0;
     uint32_t timestamp_valid_bits = 0;
     VolkDeviceTable vk{};

@@ -14,8 +14,8 @@ public:
 
     // Throws where the device or the shader does not allow the settings.
     void check_settings(const Gpu& gpu, const KernelSettings& settings) const;
-    // Made along with the kernel if the device runs kernels. Made on first use if Gpu::processor runs most updates, for
-    // which no pipeline is needed. Thread-safe.
+    // Made with the kernel; where there is a Gpu::processor, made on first use, since most updates run on that and need
+    // no pipeline. Thread-safe.
     VkPipeline pipeline(const Gpu& gpu) const;
 
     SpirvInfo info;

@@ -56,7 +56,7 @@ void warn_of_ignored_extensions(const JsonView& root, Warnings& warnings) {
     for (const JsonView extension : root.optional_array("extensionsUsed")) {
         const std::string_view name = extension.as_string();
         if (name == "EXT_mesh_gpu_instancing")
-            warnings.add(extension.place(), name, " is not supported: only one instance of each mesh is shown");
+            warnings.add(extension.place(), name, " is not supported: each node shows its mesh only once");
         constexpr std::string_view kOfMaterials = "KHR_materials_";
         if (!name.starts_with(kOfMaterials)) continue;
         if (std::ranges::find(kSeen, name.substr(kOfMaterials.size())) != std::end(kSeen))

@@ -5,7 +5,7 @@
 
 namespace throng::gltf {
 
-// What is counted about attributes, for the warnings after the last mesh.
+// Counts what was repaired or ignored in vertex attributes. Each kind gives one warning after the last mesh.
 struct AttributeNotes {
     // One kind of repair, for one warning.
     struct Repair {

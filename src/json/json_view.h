@@ -14,8 +14,8 @@ namespace throng {
 
 using Json = nlohmann::ordered_json;  // members in the order of the text
 
-// Who wrote a JSON file. For a person's file, error messages give the line number. A program's file, such as glTF, is
-// often a single line, so for it they quote the wrong value instead.
+// Decides how error messages point into a JSON file: by the line number if a person wrote it. A file that a program
+// wrote, such as glTF, is often a single line, so they quote the wrong value instead.
 enum class JsonAuthor : uint8_t { kProgram, kPerson };
 
 // The place of a member or an element of `place`: `layers`, `layers[0].states.move`, `masks["left arm"]`.

@@ -112,7 +112,7 @@ private:
             columns.is_fine_motion = std::max(moves.error(0, 3), moves.error(3, 4) * joint.reach) >
                                      kGpuFineError * size;
         }
-        // Those with finer columns come first, so that a finer column has the same number as its motion
+        // Numbers motions with a fine column first, so that a fine column has the same index as its motion
         for (const bool fine : {true, false})
             for (Columns& columns : columns_)
                 if (columns.motion != kNoIndex && columns.is_fine_motion == fine) {

@@ -38,10 +38,11 @@ public:
 
     uint64_t size_bytes() const;
     uint64_t row_bytes() const { return rows_.size_bytes(); }
-    // Returns `masks`, [mask][joint of the rig], 0..1, in the order in which updates read them. Made once for all
+    // Returns `masks`, [mask][joint of the rig], 0..1, in the order in which updates read them. Call it once for all
     // updates.
     native::AlignedBytes masks_in_order(std::span<const float> masks) const;
-    // put_pose() does the same for a pose override, which has pose_floats(). The rig must have been made with all_move.
+    // put_pose() writes a pose override, of pose_floats() floats, in that order and in the spaces of the rows. The rig
+    // must have been made with all_move.
     size_t pose_floats() const { return size_t{kernel_.place_count} * 4; }
     void put_pose(std::span<const Trs<float>> parent_from_joint, std::span<float> pose) const;
     size_t inertia_floats() const { return size_t{kernel_.place_count} * native::kInertiaFloats; }

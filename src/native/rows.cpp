@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kStill = 1e-7;         // of the character's size; less counts as no movement
 constexpr double kFineError = 2e-6;     // of the character's size; above it, a joint gets floats
-constexpr double kPart = 1 / kMaxWord;  // the step of a fraction between two rows, off by half of it
+constexpr double kPart = 1 / kMaxWord;  // step of a fraction between 16-bit rows, which is off by at most half of it
 
 constexpr size_t kLimit_bytes = size_t{1} << 30;  // of rows
 

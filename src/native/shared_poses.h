@@ -1,6 +1,6 @@
 // Poses that distant characters may share, as skin matrices: each clip sampled at equal intervals of time, and the
-// error of showing the nearest sample. This is baked animation, but it is used only where the view does not see the
-// difference.
+// error of showing the nearest sample. This is baked animation, but it is used only where it is off by at most
+// CrowdView::shared_pose_pixels, or where the skin pool is full.
 #pragma once
 
 #include "cull/cull_io.h"
@@ -13,8 +13,8 @@ namespace throng {
 struct SharedPoses {
     std::vector<io::SharedClip> clips;  // [clip_count + 1]; the last is the rest pose
     uint32_t row_count = 0;
-    // Model space: the largest distance between the places of a vertex in two of these poses, and a tenth more, since
-    // blends go a little beyond them (as boxes for culling assume).
+    // Model space: an upper bound of the distance between the places of a vertex in two of these poses, and a tenth
+    // more, since blends go a little beyond them (as boxes for culling assume).
     float spread = 0;
     std::vector<std::byte> skin;  // [row_count][palette_count], in the format that was asked for
 };

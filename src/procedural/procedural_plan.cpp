@@ -194,7 +194,7 @@ private:
     const Character& character_;
     const Rig& rig_;
     uint32_t rule_ = 0;
-    std::vector<double> scales_;            // [joint], largest scale of its model-space axes in the rest pose
+    std::vector<double> scales_;            // [joint], upper bound of its space's scale in the rest pose
     std::vector<uint32_t> read_, written_;  // [joint], 1 + the last rank that reads or writes it
     std::vector<uint32_t> chain_below_;     // [joint], the child that continues its chain
     ProceduralPlan plan_;
@@ -210,7 +210,7 @@ Result<uint32_t> ProceduralRules::target_named(std::string_view target_name) con
 void check_target(uint32_t target, uint32_t target_count, const TargetPlace& value, const ErrorPlace& place) {
     const auto refuse = [&](const std::string& why) { throw Failure(ErrorCode::kInvalidArgument, place, why); };
     if (target >= target_count)
-        refuse(numbered("target", target) + " is out of range: the rules have " + std::to_string(target_count));
+        refuse(joined(numbered("target", target), " is out of range: the rules have ", target_count, " targets"));
     const auto& [x, y, z] = value.world_place;
     for (const float coordinate : {x, y, z})
         if (!(std::abs(coordinate) <= io::kFarthest)) refuse("world_place must be within +-1e15");

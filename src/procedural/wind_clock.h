@@ -16,8 +16,8 @@ inline double rounded_sway_hz(double sway_hz) { return std::round(sway_hz * kSwa
 
 class WindClock {
 public:
-    // Throws kInvalidArgument for numbers that are not finite or out of range. Gusts keep their phases unless direction
-    // or wavelength change.
+    // Throws kInvalidArgument for numbers that are not finite or out of range. The phases of gusts go on, but if
+    // direction or wavelength changes, gusts are suddenly elsewhere.
     void set(const Wind& wind);
     void advance(double time_step_s);
     // Undoes the last advance().

@@ -1,4 +1,4 @@
-// Triangles that reach in front of the near plane, or too far outside of the picture: clipped to polygons.
+// Triangles that reach nearer than the near plane, or too far outside of the picture: clipped to polygons.
 #pragma once
 
 #include "raster/fill.h"

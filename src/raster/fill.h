@@ -13,7 +13,7 @@ struct ScreenTriangle {
     float z[3];
 };
 
-// Greater than 0 where the triangle shows its front, in a picture whose y points down.
+// Greater than 0 if the corners go counter-clockwise on the screen (y down): the front, unless Draw::is_mirrored.
 INLINE int64_t doubled_area(const ScreenTriangle& t) {
     return int64_t{t.x[2] - t.x[0]} * (t.y[1] - t.y[0]) - int64_t{t.x[1] - t.x[0]} * (t.y[2] - t.y[0]);
 }

@@ -115,7 +115,7 @@ struct Frame {
 
     Draw* draws = nullptr;  // in the order of their ids
     uint32_t draw_count = 0;
-    bool has_colors = false;                  // `color` of some draws is not 1
+    bool has_colors = false;                  // `color` of some draws may differ from 1
     uint32_t max_vertices = 0;                // of a draw
     const uint32_t* nearest_first = nullptr;  // [draw_count], draws
     const uint32_t* draw_of_ids = nullptr;    // [id / kIdBlock]

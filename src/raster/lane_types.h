@@ -67,8 +67,8 @@ INLINE Real operator-(Real a) { return Real(-a.v); }
 INLINE Real& operator+=(Real& a, Real b) { return a = a + b; }
 INLINE Real& operator-=(Real& a, Real b) { return a = a - b; }
 INLINE Real& operator*=(Real& a, Real b) { return a = a * b; }
-// a * b + c, rounded once on processors that can. In plain expressions the compiler chooses which products to fuse, and
-// may choose differently wherever it inlines the same code.
+// a * b + c, rounded once if the instruction set has such an operation (SSE2 has not). In plain expressions the
+// compiler chooses which products to fuse, and may choose differently wherever it inlines the same code.
 INLINE Real multiply_add(Real a, Real b, Real c) { return Real(Lanes::multiply_add(a.v, b.v, c.v)); }
 INLINE float multiply_add(float a, float b, float c) { return Lanes::multiply_add(a, b, c); }
 INLINE Mask operator<(Real a, Real b) { return {Lanes::less(a.v, b.v)}; }

@@ -33,7 +33,8 @@ public:
         });
         return hidden == 0 ? Hides::kNothing : hidden < count ? Hides::kSome : Hides::kAll;
     }
-    // Whether a box of the draw's pixels, some of them in the tile, is hidden entirely. Call it after hides(draw).
+    // Whether a box of the draw's pixels, some of them in the tile, is hidden entirely. Call it after hides(draw),
+    // which looks at the samples of cells that are not up to date; until then they hide nothing.
     bool hides(const Draw& draw, float x0, float y0, float x1, float y1) const {
         bool hides_all = true;
         for_cells(cells_of(x0, y0, x1, y1), [&](float farthest, uint32_t, uint32_t) {

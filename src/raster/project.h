@@ -11,8 +11,8 @@ namespace {
 
 // As on Vulkan devices, places are rounded to 1/256 of a pixel.
 constexpr float kSubpixels = 256;
-// The guard band: subpixels of greater magnitude are not exact as floats, so triangles that reach there are clipped
-// first.
+// The guard band: within it, coordinates and their differences (at most 2^24) are exact as floats. Triangles that reach
+// beyond it are clipped first.
 constexpr float kGuard = 0x1p23f;
 constexpr float kFarAway = 0x1p24f;
 

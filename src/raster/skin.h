@@ -155,8 +155,8 @@ public:
     }
 
 private:
-    // Whether all vertices lie in front of the near plane, so that nothing is visible. ToPicture::point() gives such a
-    // vertex these three values.
+    // Whether all vertices lie nearer than the near plane, or behind the eye, so that nothing is visible.
+    // ToPicture::point() gives such a vertex these three values.
     bool lies_before_near() const {
         return least(picture_.x0) >= kFarAway && least(picture_.y0) >= kFarAway && least(farthest_) >= 1;
     }

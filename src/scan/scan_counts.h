@@ -22,7 +22,8 @@ struct ScanCounts {
     uint32_t barriers = 0;         // of the workgroup
     uint32_t shared_bytes = 0;     // a character
     double issue_steps = 0;        // multiplications that a subgroup issues, idle lanes or not
-    // Iterations over all loops, of the subgroup that has the most; may be too high, never too low
+    // Iterations over all loops, of the subgroup that has the most; errs on the high side, except that the loops over
+    // slots on software devices (scan/slots.glsl) are not counted
     uint64_t loop_iterations = 0;
     // Whether the lanes of a subgroup load and store rows that lie a piece or a whole character apart
     bool scattered = false;

@@ -41,7 +41,7 @@ struct ScanPlan {
     ScanCounts counts = {};
 };
 
-enum class ScanOrigin { kPaper, kBaseline, kOurs };  // from the paper; baseline; throng's own
+enum class ScanOrigin { kPaper, kBaseline, kOurs };  // named by the paper; common practice to compare with; throng's
 // [instance][joint], as in all other stages; [joint][instance]
 enum class ScanLayout { kCharacterMajor, kTransposed };
 enum class ScanFormat { kAffine, kSimilarity };  // of local transforms

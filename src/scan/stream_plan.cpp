@@ -49,8 +49,8 @@ using Chunks = std::vector<std::vector<uint32_t>>;
 
 // How many generations a chunk may go down from joints of its own.
 struct DepthLimit {
-    uint32_t most = 0;            // below the chunk's first generation
-    bool only_if_needed = false;  // 0 while one generation per chunk suffices for the remaining joints
+    uint32_t most = 0;            // generations below the chunk's first
+    bool only_if_needed = false;  // the limit is 0 while one generation per chunk suffices for the joints left
 };
 
 // Always takes the ready joint with the longest path below it. Source: list scheduling by levels, T. C. Hu, Parallel

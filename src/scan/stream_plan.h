@@ -29,7 +29,7 @@ struct StreamTeam {
     uint32_t lanes = 0, subgroups = 1;
 };
 
-constexpr uint32_t kMaxShared = 4;  // largest number of chunks that several small characters share
+constexpr uint32_t kMaxShared = 4;  // small characters share chunks only if all their joints would fit into this many
 
 struct StreamLimits {
     uint32_t lanes = 32;

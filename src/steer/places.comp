@@ -1,7 +1,8 @@
 // places: stores the positions of all agents, and links the agents of each bucket into a list. The order within a list
-// is nondeterministic, and nothing depends on it. One invocation per agent. Cost: 8 bytes of a placement read, 16
-// written, one atomic exchange. Source: S. Green, Particle Simulation using CUDA, NVIDIA 2008 (the grid by atomics).
-// Difference: lists instead of a fixed number of places for each cell.
+// is nondeterministic; it can affect results only where a bucket has more than kMaxMet agents (docs/steering.md). One
+// invocation per agent. Cost: 8 bytes of a placement read, 16 written, one atomic exchange. Source: S. Green, Particle
+// Simulation using CUDA, NVIDIA 2008 (the grid by atomics). Difference: lists instead of a fixed number of places for
+// each cell.
 #include "gpu/buffers_io.h"
 #include "control/births.glsl"
 #include "steer/grid.glsl"

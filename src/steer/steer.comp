@@ -2,7 +2,8 @@
 // go. Agents that are carried by their clips only turn and output the speed that they want. One invocation per agent.
 // Cost: docs/steering.md; 92 bytes read, 60 written, and 4 read for each bucket, 16 for each agent in it. Source: C.
 // Reynolds, Steering Behaviors for Autonomous Characters, GDC 1999 (arrival, separation). Difference: a speed limit
-// that keeps any two agents from touching, whatever they want; passing on the right; patience.
+// that keeps any two agents from touching, whatever they want (without patience they come as near as 0.75 of that
+// distance); passing on the right; patience.
 #include "gpu/buffers_io.h"
 #include "control/births.glsl"
 #include "gpu/ground.glsl"

@@ -5,13 +5,13 @@
 const float kReach = 2;
 // How strongly an agent avoids one that it nearly coincides with, as a multiple of its full speed
 const float kAvoidance = 6;
-const float kPassing = 1.5;            // how strongly it passes on the right, as a multiple of the avoidance
-const float kHorizon_s = 0.25;         // in this time it covers at most half of the gap to another agent
-const float kArrival_s = 1;            // it starts to slow down this long before it arrives
-const float kAcceleration = 2;         // per second, as a multiple of its full speed
-const float kMinSpeedFraction = 0.05;  // fraction of its full speed: a weaker wish counts as none
-const float kFastSpeed = 10;           // radii a second: caps the full speed that kMinSpeedFraction is a fraction of
-const float kHeldUpFraction = 0.3;     // fraction of the desired speed: an agent that is slower counts as held up
+const float kPassing = 1.5;         // how strongly it passes on the right, as a multiple of the avoidance
+const float kHorizon_s = 0.25;      // in this time it covers at most half of the gap to another agent
+const float kArrival_s = 1;         // it starts to slow down this long before it arrives
+const float kAcceleration = 2;      // per second, as a multiple of its full speed
+const float kMinWish = 0.05;        // fraction of its full speed: a weaker wish counts as none
+const float kFastSpeed = 10;        // radii a second: caps the full speed that kMinWish is a fraction of
+const float kHeldUpFraction = 0.3;  // fraction of the desired speed: an agent that is slower counts as held up
 const float kPatience_s = 3.3333333, kRecovery_s = 2;  // time until patience runs out, and until it is restored
 const float kMinWidth = 0.75;                          // Agent::width of an agent without patience
 const float kFixed = 1048576;                          // fixed-point scale: sums of integers do not depend on the order
@@ -71,7 +71,7 @@ float hurry_of(Agent agent) { return agent.stands ? 0 : min(agent.full_speed, ag
 vec2 wish_of(Agent agent, Met met) {
     vec2 wish = hurry_of(agent) * agent.ahead + vec2(met.push) * (kAvoidance * agent.full_speed / kFixed);
     const float eagerness = length(wish);
-    if (eagerness < kMinSpeedFraction * min(agent.full_speed, kFastSpeed * agent.radius)) wish = vec2(0);
+    if (eagerness < kMinWish * min(agent.full_speed, kFastSpeed * agent.radius)) wish = vec2(0);
     if (eagerness > agent.full_speed) wish *= agent.full_speed / eagerness;
     return wish;
 }

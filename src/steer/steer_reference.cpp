@@ -8,8 +8,8 @@ namespace throng {
 namespace {
 
 constexpr double kReach = 2, kAvoidance = 6, kPassing = 1.5, kHorizon_s = 0.25, kArrival_s = 1, kAcceleration = 2,
-                 kMinSpeedFraction = 0.05, kFastSpeed = 10, kHeldUpFraction = 0.3, kPatience_s = 1 / 0.3,
-                 kRecovery_s = 2, kMinWidth = 0.75;
+                 kMinWish = 0.05, kFastSpeed = 10, kHeldUpFraction = 0.3, kPatience_s = 1 / 0.3, kRecovery_s = 2,
+                 kMinWidth = 0.75;
 
 // A vector on the ground plane, in world space.
 struct Ground {
@@ -71,7 +71,7 @@ SteeredAgent step(std::span<const SteeredAgent> agents, uint32_t index, double t
     const double hurry = agent.stands ? 0 : std::min(max_speed, remaining / kArrival_s);
     Ground wish = hurry * ahead + kAvoidance * max_speed * push;
     const double eagerness = length(wish);
-    if (eagerness < kMinSpeedFraction * std::min(max_speed, kFastSpeed * radius)) wish = {};
+    if (eagerness < kMinWish * std::min(max_speed, kFastSpeed * radius)) wish = {};
     if (eagerness > max_speed) wish = max_speed / eagerness * wish;
     const double speed = std::min({std::max(dot(wish, heading), 0.0), speed_limit,
                                    agent.speed + kAcceleration * max_speed * time_step_s,

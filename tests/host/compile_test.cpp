@@ -195,7 +195,7 @@ TEST(Compile, PassesSeeClipsAsTheyAreWritten) {
     }
 }
 
-TEST(Compile, AClipMayMoveOnlyNodesThatAreNotDrawn) {
+TEST(Compile, AClipThatMovesOnlyUndrawnNodesIsAccepted) {
     AssetBuilder builder;
     const uint32_t joint = builder.node(kNone), camera = builder.node(kNone);
     builder.mesh(joint, builder.skin({joint}));

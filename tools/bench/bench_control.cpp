@@ -19,9 +19,9 @@ struct ControlOptions {
     bool json = false;
 };
 
-// The most joints in a measured crowd. In larger crowds each character gets fewer joints, but at least 40, as small
-// characters in the distance have
-constexpr uint64_t kMaxJoints = 4'000'000;
+// A crowd that would have more joints than this gives each character fewer, but at least 40, as small characters in the
+// distance have
+constexpr uint64_t kJointBudget = 4'000'000;
 
 void print_control_row(const Json& record) {
     print_columns(record, {{"%10.0f", "characters"}, {" %7.0f ", "joints"}});
@@ -40,7 +40,7 @@ void run_control(const ControlOptions& options) {
     Measured measured(options.json);
     for (const uint32_t count : options.counts) {
         const uint32_t joints = std::min(options.joints,
-                                         static_cast<uint32_t>(std::max<uint64_t>(kMaxJoints / count, 40)));
+                                         static_cast<uint32_t>(std::max<uint64_t>(kJointBudget / count, 40)));
         const Character character = unwrap(compile_character(unwrap(make_creature(
             {.joint_count = joints, .level_count = std::min(options.levels, joints / 3), .seed = options.seed}))));
         const Json record = bench::measure_control(device,

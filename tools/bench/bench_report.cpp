@@ -31,7 +31,7 @@ void add_bench_report(Command bench_command) {
     add_out_option(command, options->out, "the .html file to write; it needs no other file");
     command.add_option("--plot", options->plot, "an .svg file to write with the figure of time over levels")
         .check(writable_file());
-    command.add_flag("--tables", options->tables, "tables without figures, which need gnuplot");
+    command.add_flag("--tables", options->tables, "leave out the figures, so that gnuplot is not needed");
     command.footer("Example:\n  throng bench report scan.jsonl baselines.jsonl --out report.html --plot levels.svg");
     command.callback([options] { run_report(*options); });
 }

@@ -26,8 +26,10 @@ void run_predicted(const TuneOptions& options) {
     print_progress("");
     std::printf("%s", to_json(costs).c_str());
     if (options.json) return;
-    std::printf("from %u scans; methods chosen by these take %.2f times as long as the fastest, at most %.2f times\n",
-                scan_count, median_slack, largest_slack);
+    std::printf(
+        "from %u scans; methods chosen by these costs take %.2f times as long as the fastest (median), at most %.2f "
+        "times\n",
+        scan_count, median_slack, largest_slack);
 }
 
 // Checks, before the measurements, that their result can be kept.

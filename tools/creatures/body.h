@@ -78,8 +78,8 @@ private:
     void place(uint32_t joint, double t, double sign, const Outline& outline, const Vec& up);
 };
 
-// Distributes `joint_count` joints over limbs of at most `wish` joints each: over as few sites as have room for them,
-// but at least `fewest`. Returns the number of joints of each site. `room(site, site_count)` is at least 1.
+// Distributes `joint_count` joints over limbs of at most `wish` joints each: over nearly as few sites as have room for
+// them, but at least `fewest`. Returns the number of joints of each site. `room(site, site_count)` is at least 1.
 std::vector<uint32_t> share_out(uint32_t joint_count, uint32_t wish, uint32_t fewest,
                                 const std::function<uint32_t(uint32_t, uint32_t)>& room);
 

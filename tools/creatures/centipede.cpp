@@ -50,9 +50,9 @@ Outline antenna_outline(double side) {
             {{side * 0.58, 0.22, kZ + 0.72}}};
 }
 
-class Dealer : Builder {
+class CentipedeJoints : Builder {
 public:
-    explicit Dealer(const CreatureSettings& settings) : Builder(settings) {}
+    explicit CentipedeJoints(const CreatureSettings& settings) : Builder(settings) {}
 
     Body deal() {
         const Outline trunk = trunk_outline();
@@ -120,10 +120,13 @@ struct Colors {
     }
 };
 
-class CentipedeMesh : BodyMesh {
+class CentipedePieces : BodyPieces {
 public:
-    CentipedeMesh(const Body& body, const CreatureSettings& settings)
-        : BodyMesh(body), outline_(body.chains[0].outline), trunk_(bones_of(body.chains[0])), colors_(settings.seed) {}
+    CentipedePieces(const Body& body, const CreatureSettings& settings)
+        : BodyPieces(body),
+          outline_(body.chains[0].outline),
+          trunk_(bones_of(body.chains[0])),
+          colors_(settings.seed) {}
 
     std::vector<Piece> sculpt() {
         const Colors& c = colors_;
@@ -248,8 +251,8 @@ RootMotion root_motion(uint32_t clip, double loop) {
 }  // namespace
 
 Model make_centipede(const CreatureSettings& settings) {
-    Body body = Dealer(settings).deal();
-    std::vector<Piece> pieces = CentipedeMesh(body, settings).sculpt();
+    Body body = CentipedeJoints(settings).deal();
+    std::vector<Piece> pieces = CentipedePieces(body, settings).sculpt();
     return {std::move(body),
             std::move(pieces),
             {{{"idle", 72}, {"walk", 36}, {"curl", 144}},

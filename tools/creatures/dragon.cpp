@@ -74,9 +74,9 @@ Vec wing_point(Vec point, const Build& b, double side) {
 
 // Distributes the joints: first the longest chain (root and tail), then trunk, legs, wings, jaw and toes as far as
 // joints and levels allow. The rest become tendrils over the back.
-class Dealer : Builder {
+class DragonJoints : Builder {
 public:
-    explicit Dealer(const CreatureSettings& settings) : Builder(settings), random_(settings.seed) {
+    explicit DragonJoints(const CreatureSettings& settings) : Builder(settings), random_(settings.seed) {
         build_ = {random_.between(0.92, 1.12), random_.between(0.9, 1.12), random_.between(-0.15, 0.35),
                   random_.between(0.9, 1.08)};
     }
@@ -116,7 +116,7 @@ private:
         if (trunk > 0) head_joint_ = body_.joint_count() - 1;
         for (const Chain& chain : body_.chains)
             for (uint32_t k = 0; k < chain.joint_count; ++k) {
-                const bool forward = chain.step < 0;  // keeps joints in order along the axis, bounds between 0 and 1
+                const bool forward = chain.step < 0;  // towards the head: inserted first, so that the bounds ascend
                 axis_bones_.joints.insert(forward ? axis_bones_.joints.begin() : axis_bones_.joints.end(),
                                           chain.first_joint + k);
                 axis_bones_.bounds.insert(forward ? axis_bones_.bounds.begin() + 1 : axis_bones_.bounds.end() - 1,
@@ -375,10 +375,10 @@ struct Membrane {
 
 // One tube from the snout to the tip of the tail, a tube along every other chain, sheets between the fingers of the
 // wings.
-class DragonMesh : BodyMesh {
+class DragonPieces : BodyPieces {
 public:
-    DragonMesh(const Dragon& dragon, const CreatureSettings& settings)
-        : BodyMesh(dragon.body), dragon_(dragon), colors_(settings.seed), face_budget_(settings.face_count) {}
+    DragonPieces(const Dragon& dragon, const CreatureSettings& settings)
+        : BodyPieces(dragon.body), dragon_(dragon), colors_(settings.seed), face_budget_(settings.face_count) {}
 
     std::vector<Piece> sculpt() {
         const Colors& c = colors_;
@@ -497,7 +497,7 @@ double swell(double loop) { return smooth_step(0.1, 0.4, loop) * smooth_step(0.9
 
 Bend bend_of_tail(const Moment& m) {
     const double loop = m.loop, along = m.along();
-    const double share = 1.0 / (m.chain.joint_count + 2);  // so that a body of few joints does not kink
+    const double share = 1.0 / (m.chain.joint_count + 2);  // so that a tail of few joints does not kink
     const bool flies = in_air(m.clip);
     const double swing = flies ? 0.9 : m.clip == kWalk ? 2.0 : 1.6;
     const double lift = flies ? 1.1 : 0.45;
@@ -623,8 +623,8 @@ RootMotion root_motion(uint32_t clip, double loop) {
 }  // namespace
 
 Model make_dragon(const CreatureSettings& settings) {
-    Dragon dragon = Dealer(settings).deal();
-    std::vector<Piece> flesh = DragonMesh(dragon, settings).sculpt();
+    Dragon dragon = DragonJoints(settings).deal();
+    std::vector<Piece> flesh = DragonPieces(dragon, settings).sculpt();
     return {std::move(dragon.body),
             std::move(flesh),
             {{{"idle", 72}, {"walk", 36}, {"fly", 36}, {"glide", 72}, {"roar", 72}},

@@ -1,4 +1,4 @@
-// BodyMesh on bones: tubes along limbs, sheets of skin or cloth, leaves.
+// Tubes along limbs, sheets of skin or cloth, and leaves, all of which bones move.
 #pragma once
 
 #include "tools/creatures/bones.h"
@@ -64,10 +64,10 @@ struct Leaves {
 
 using Piece = std::variant<Tube, Sheet, Leaves>;
 
-// What a kind is made of, the most important piece first.
-class BodyMesh {
+// Collects the pieces that a kind is made of, the most important one first; make_mesh() makes the mesh of them.
+class BodyPieces {
 protected:
-    explicit BodyMesh(const Body& body) : body_(body) {}
+    explicit BodyPieces(const Body& body) : body_(body) {}
 
     void add(Piece piece) { pieces_.push_back(std::move(piece)); }
     // Adds a tube along the chain, with the settings of `like` except for outline, bones and up.

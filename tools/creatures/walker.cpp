@@ -66,9 +66,9 @@ Outline cloak_outline(double place) {
 
 // Distributes the joints: first the spine and one braid down from the head, which form the longest path, then legs and
 // arms. The rest go to the cloak and to locks of hair.
-class Dealer : Builder {
+class WalkerJoints : Builder {
 public:
-    explicit Dealer(const CreatureSettings& settings) : Builder(settings), random_(settings.seed) {}
+    explicit WalkerJoints(const CreatureSettings& settings) : Builder(settings), random_(settings.seed) {}
 
     Body deal() {
         const Outline outline = spine_outline();
@@ -170,10 +170,10 @@ std::vector<Material> materials_of(uint64_t seed) {
         {"leather", colors.leather}, {"cloak", colors.cloak}, {"eyes", kWhite}};
 }
 
-class WalkerMesh : BodyMesh {
+class WalkerPieces : BodyPieces {
 public:
-    explicit WalkerMesh(const Body& body)
-        : BodyMesh(body), spine_(body.chains[0].outline), spine_bones_(bones_of(body.chains[0])) {}
+    explicit WalkerPieces(const Body& body)
+        : BodyPieces(body), spine_(body.chains[0].outline), spine_bones_(bones_of(body.chains[0])) {}
 
     std::vector<Piece> dress() {
         add(Tube{.outline = spine_,
@@ -526,7 +526,7 @@ Bend bend_of_spine(const Moment& m) {
     }
 }
 
-// Negative pitch lets the cloth fly back: the farther the faster the walker goes, and most at the shoulders.
+// Negative pitch lets the cloth fly back: more at higher speed, and most at the shoulders.
 Bend bend_of_cloak(const Moment& m) {
     const double along = m.along(), share = m.share(), lag = 0.12 + 0.5 * along, edge = 0.09 * m.chain.side;
     const double flutter = sine(2 * m.loop - 2 * lag - edge), sway = sine(m.loop - lag - edge);
@@ -563,8 +563,8 @@ RootMotion root_motion(uint32_t clip, double loop) {
 }  // namespace
 
 Model make_walker(const CreatureSettings& settings) {
-    Body body = Dealer(settings).deal();
-    std::vector<Piece> flesh = WalkerMesh(body).dress();
+    Body body = WalkerJoints(settings).deal();
+    std::vector<Piece> flesh = WalkerPieces(body).dress();
     return {std::move(body),
             std::move(flesh),
             {{{"idle", 72}, {"walk", 36}, {"run", 24}, {"wave", 72}},

@@ -1,5 +1,5 @@
 // The willow: a trunk that forks into limbs, boughs that arch outward from them, and strands of leaves that hang from
-// both. WillowMesh and leaves look the same for every number of joints, which only decides how finely they bend.
+// both. Wood and leaves look the same for every number of joints, which only decides how finely they bend.
 #include "tools/creatures/model.h"
 
 namespace throng::creature {
@@ -149,9 +149,9 @@ private:
     Tree tree_;
 };
 
-class WillowMesh : BodyMesh {
+class WillowPieces : BodyPieces {
 public:
-    explicit WillowMesh(const Body& body) : BodyMesh(body) {}
+    explicit WillowPieces(const Body& body) : BodyPieces(body) {}
 
     std::vector<Piece> grow(uint64_t seed) {
         Random random(~seed);
@@ -277,7 +277,7 @@ RootMotion root_motion(uint32_t clip, double loop) {
 
 Model make_willow(const CreatureSettings& settings) {
     Body body = WillowJoints(settings).grow();
-    std::vector<Piece> pieces = WillowMesh(body).grow(settings.seed);
+    std::vector<Piece> pieces = WillowPieces(body).grow(settings.seed);
     pieces.push_back(Leaves{.at = [foliage = Foliage(Tree(settings), body)](
                                       uint32_t index, uint32_t count) { return foliage.at(index, count); },
                             .count = {1150}});

@@ -1,7 +1,7 @@
 #!/bin/sh
 # Finds out everything that throng can about a GPU in nine minutes: tests, benchmarks, drawing. The machine needs
-# nothing but a C library, coreutils, awk, sed and a Vulkan driver. `./run bundle` puts this script beside the programs
-# that it runs.
+# nothing but a C library, coreutils, awk, sed, grep and a Vulkan driver. `./run bundle` puts this script beside the
+# programs that it runs.
 #
 #   ./hardware [FOLDER]      writes records.jsonl, report.html, SUMMARY.md and log.txt there (default: ./results)
 #   THRONG_TIME=SECONDS      for the whole run (540)

@@ -19,7 +19,7 @@ using creature::Random;
 using Color = std::array<float, 3>;
 
 constexpr uint32_t kOutfits = 256;  // drawn at random from all combinations
-constexpr float kMaximum = 1000;    // as in SectionLook
+constexpr float kMaxFactor = 1000;  // of SectionLook::color
 
 float linear_of(uint32_t srgb) {
     const double encoded = srgb / 255.0;
@@ -124,7 +124,7 @@ Color factor_of(const Character& character, const SectionLook& look, const Color
     const uint32_t material = look.material.value_or(character.sections[look.section].material);
     Color factor = wanted;
     for (size_t i = 0; i < factor.size() && material != kNone; ++i)
-        factor[i] = std::min(factor[i] / std::max(character.materials[material].base_color[i], 1e-6f), kMaximum);
+        factor[i] = std::min(factor[i] / std::max(character.materials[material].base_color[i], 1e-6f), kMaxFactor);
     return factor;
 }
 

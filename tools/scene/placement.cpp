@@ -21,8 +21,8 @@ double distance_squared(const Place& a, const Place& b) {
 // The least whole number that is not below `x`, except for rounding errors.
 uint32_t ceiling(double x) { return static_cast<uint32_t>(std::ceil(x * (1 - 1e-12))); }
 
-// Each of the four functions below returns places one pitch apart that cover `area`. If there are too many, the last
-// ones are left out.
+// grid(), disc(), path() and scattered() return places one pitch apart that cover `area`. If all characters have the
+// same pitch, those at the end are left out.
 
 std::vector<Place> grid(double area, double pitch) {
     const uint32_t side = ceiling(std::sqrt(area) / pitch);
@@ -63,7 +63,7 @@ std::vector<Place> path(double area, double pitch) {
     constexpr double kWidth = 0.25;    // of the road, in radii: half of it is less than the narrowest bend's
     constexpr uint32_t kSteps = 4096;  // into which the curve is cut, to measure it
     constexpr double kApart = 1.05;    // pitches, along the curve
-    // In pitches. Along the narrowest bend, places a little more than one pitch apart are one apart in a straight line
+    // In pitches: on the narrowest bend of such a curve, places kApart along it are one pitch apart in a straight line
     constexpr double kMinRadius = 2.5;
     const double radius = std::max(std::sqrt(area / (kLength * kWidth)), kMinRadius * pitch);
     const auto lane_count = static_cast<uint32_t>(std::max(1.0, std::floor(kWidth * radius / pitch)));

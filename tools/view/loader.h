@@ -23,7 +23,7 @@ public:
     // Replaces what is being read, which is cancelled; does not wait for it.
     void start(std::vector<std::string> files, const CompileSettings& settings);
     bool is_busy() const { return future_.valid(); }
-    // How much has been read of the files that start() was last called with, 0..1.
+    // The part of the work (reading and compiling) that is done for the files of the last start(), 0..1.
     double part_done() const { return job_->part_done; }
 
     // Returns what has been read, once; nothing while reading goes on, unless `waits`. Throws a CommandError if a file

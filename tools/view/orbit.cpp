@@ -38,7 +38,7 @@ void Orbit::turn(float yaw_rad, float pitch_rad) {
 }
 
 void Orbit::stay_above_ground() {
-    constexpr float kHeight = 0.02f;  // of the eye, in distances: the ground can still be seen from above
+    constexpr float kHeight = 0.02f;  // of the eye above the ground, as a fraction of its distance from the target
     const float least = std::asin(std::clamp((ground_y_ - target_.y) / distance_ + kHeight, -1.0f, 1.0f));
     pitch_rad_ = std::max(pitch_rad_, std::min(least, kMaxPitch_rad));
 }

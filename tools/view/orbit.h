@@ -13,7 +13,7 @@ public:
     void reset(const Camera& camera);
     Camera camera() const;
 
-    // turn() and zoom() take the eye no lower than this.
+    // The ground's height: turn() and zoom() keep an eye that is above the ground there.
     void stand_on(float ground_y) { ground_y_ = ground_y; }
 
     // turn(): about the target; look(): about the eye. Radians: to the left, up.

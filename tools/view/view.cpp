@@ -7,8 +7,8 @@ namespace throng::tools {
 namespace {
 
 void check_size(const RendererSettings& size) {
-    constexpr uint32_t kMinWidth = 320, kMinHeight = 200, kMaximum = 16384;
-    if (size.width < kMinWidth || size.height < kMinHeight || size.width > kMaximum || size.height > kMaximum)
+    constexpr uint32_t kMinWidth = 320, kMinHeight = 200, kMaxSide = 16384;
+    if (size.width < kMinWidth || size.height < kMinHeight || size.width > kMaxSide || size.height > kMaxSide)
         throw UsageError("--size: a window must have from 320x200 to 16384x16384 pixels");
 }
 

@@ -29,7 +29,7 @@ inline size_t slot_of(const ExactTrack& track) { return track.joint * size_t{3} 
 
 struct GridSettings {
     double bound = 0;  // the displacement in model space that linear interpolation of arcs may cause
-    // The limit of rows * joints (192 MiB of values); ignored if the clip's own rows are more
+    // The limit of rows * joints (at most 192 MB of values); ignored if the clip's own rows are more
     uint64_t joint_rows = 4'000'000;
 };
 

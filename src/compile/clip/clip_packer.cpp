@@ -12,9 +12,10 @@ namespace throng {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr size_t kSampledRows = 16;     // for sensitivities
-constexpr size_t kSearchPoints = 1024;  // between rows, that a search measures; all points count for its result
-constexpr double kArcShare = 0.1;       // of the bound: for interpolating arcs linearly when all rows are kept
+constexpr size_t kSampledRows = 16;  // for sensitivities
+// A search measures about this many points between rows; its result is measured at all of them
+constexpr size_t kSearchPoints = 1024;
+constexpr double kArcShare = 0.1;  // of the bound: for interpolating arcs linearly when all rows are kept
 // Parts of the bound that dropping rows may use up; the rest is for quantising. The smaller result is kept
 constexpr std::array kRowShares{0.4, 0.75};
 constexpr double kMargin = 0.99;     // the points of the grid may miss the largest displacement by a little

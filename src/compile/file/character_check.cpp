@@ -116,7 +116,7 @@ private:
     void check_scalars() const {
         const Vec3<float>&low = c_.bounds_min, &high = c_.bounds_max;
         if (!is_finite_box(low, high) || low.x > high.x || low.y > high.y || low.z > high.z)
-            fail("bounds", "must be finite, with bounds_min not above bounds_max");
+            fail("bounds", "bounds_min, bounds_max and their difference must be finite, and bounds_min not above");
         if (!(c_.size > 0) || !std::isfinite(c_.size)) fail("size", "is not positive and finite");
     }
 

@@ -151,9 +151,9 @@ void CollapseMeter::measure_middles(Collapse& collapse) {
     }
 }
 
-// Measures the distance of a middle from one fine triangle in all poses. `guess`, which was near the middle before, is
-// enough if its distance does not raise the result. Otherwise searches for the nearest triangle in the rest pose, which
-// becomes the guess.
+// Measures the distance of a middle from one fine triangle in all poses. `guess`, which was near the previous middle,
+// is enough if its distance does not raise the result. Otherwise searches for the nearest triangle in the rest pose,
+// which becomes the guess.
 void CollapseMeter::measure_middle(const Corners& ends, float part, uint32_t& guess, Collapse& collapse) {
     const auto middle_in = [&](size_t group) {
         Four3 sum = fine_.places(ends[0])[group] + fine_.places(ends[1])[group];

@@ -22,12 +22,12 @@
 namespace throng {
 namespace {
 
-constexpr size_t kFewest = 64 * 3;   // indices; a mesh with no more gets no levels
-constexpr double kShare = 1.0 / 3;   // a level aims at this share of the previous level's triangles
-constexpr double kWorthwhile = 0.8;  // a level with more than this share is not kept
-constexpr double kAlmost = 1.25;     // of the triangles wanted: clustering meets a number only roughly
-constexpr uint32_t kPoses = 7;       // of all clips together, beside the rest pose, to measure errors in
-constexpr float kMinError = 1e-6f;   // of the character's size: rounding cannot tell it from 0
+constexpr size_t kMaxWithoutLevels = 64 * 3;  // indices: coarser levels of a mesh with no more would gain nothing
+constexpr double kShare = 1.0 / 3;            // level n aims at kShare^n of the mesh's triangles
+constexpr double kWorthwhile = 0.8;           // a level with more than this share of the previous one's ends the levels
+constexpr double kAlmost = 1.25;              // of the triangles wanted: clustering meets a number only roughly
+constexpr uint32_t kPoses = 7;                // of all clips together, beside the rest pose, to measure errors in
+constexpr float kMinError = 1e-6f;            // of the character's size: rounding cannot tell it from 0
 
 // In model space.
 std::vector<Vec3<float>> positions_in(const Character& character, const SampledPose& pose) {
@@ -174,8 +174,9 @@ bool are_markedly_fewer(size_t indices, size_t before) {
     return static_cast<double>(indices) <= kWorthwhile * static_cast<double>(before);
 }
 
-// Returns `decimated`, the result of edge collapses. If that is not much coarser than the level before, since the mesh
-// has many pieces and collapses remove none, returns the result of vertex clustering, which joins pieces.
+// Returns `decimated`, the result of edge collapses, if it is markedly coarser than the level before. If not, the mesh
+// has many pieces, and collapses remove none: then tries vertex clustering, which joins pieces, and returns its result
+// if that is coarser and not empty.
 std::vector<uint32_t> coarser(std::vector<uint32_t> decimated, size_t before, const Character& character,
                               std::span<const Vec3<float>> positions, size_t wanted) {
     if (are_markedly_fewer(decimated.size(), before)) return decimated;
@@ -190,7 +191,7 @@ void keep_levels(std::span<const Coarse> levels, Character& character) {
     for (const Coarse& level : levels) {
         const size_t count = level.indices.size();
         // If every triangle of a mesh has two corners at one place, its levels have no triangles
-        if (count == 0 || count_before <= kFewest || !are_markedly_fewer(count, count_before)) return;
+        if (count == 0 || count_before <= kMaxWithoutLevels || !are_markedly_fewer(count, count_before)) return;
         count_before = count;
         error = std::max(error, level.error);
         std::vector<std::vector<uint32_t>> of_sections(character.sections.size());
@@ -210,7 +211,7 @@ void keep_levels(std::span<const Coarse> levels, Character& character) {
 }  // namespace
 
 uint64_t make_lods(Character& character, const Progress& progress) {
-    if (character.indices.size() <= kFewest) return 0;
+    if (character.indices.size() <= kMaxWithoutLevels) return 0;
     constexpr double kSimplified = 0.85;  // part of the work; the rest is measuring
     const Progress simplifying = progress.between(0, kSimplified), measuring = progress.between(kSimplified, 1);
     ThreadPool threads(std::min(kLodLimit, processor_threads()));

@@ -72,7 +72,7 @@ private:
     std::vector<uint32_t> sources_;       // [node of `to`]
     std::vector<std::vector<uint32_t>> targets_;
     std::vector<NodeFrame> old_frames_;  // [node of `from`] in its rest pose
-    std::vector<NodeFrame> frames_;      // [node of `to`] in its rest pose; once changes are known, in that of `from`
+    std::vector<NodeFrame> frames_;      // [node of `to`] in its rest pose; later, posed by the rest pose of `from`
     std::vector<NodeChange> changes_;
     bool is_same_skeleton_ = true;
     double size_ratio_ = 1;  // mean length of bones in `to` over that in `from`
