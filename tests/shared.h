@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <filesystem>
 #include <string>
 
@@ -21,6 +22,9 @@ inline constexpr bool kSanitized = __has_feature(address_sanitizer);
 #else
 inline constexpr bool kSanitized = false;
 #endif
+
+// What takes longer hangs: no file of the tests takes a tenth as long on a busy machine, under sanitizers.
+inline constexpr std::chrono::seconds kHang{60};
 
 }  // namespace throng
 

@@ -166,7 +166,6 @@ TEST_F(CliRefusals, InvalidFilesAreAnsweredOrRefused) {
             ++refused;
         else
             ADD_FAILURE() << path << "\n" << run;
-        EXPECT_LT(run.time_s, 5) << path;
         slowest_s = std::max(slowest_s, run.time_s);
     }
     EXPECT_GT(answered + refused, 0);

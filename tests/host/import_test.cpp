@@ -226,7 +226,8 @@ struct Counts {
     int loaded_count = 0, refused_count = 0;
 };
 
-// Loads all glTF files below `folder`: each within 5 s, and each refused with one line that begins with its name.
+// Loads all glTF files below `folder`: none hangs, and each that is refused is so with one line that begins with its
+// name.
 Counts load_all(const fs::path& folder, const std::set<std::string>& must_refuse,
                 const std::set<std::string>& must_load) {
     Counts counts;
@@ -236,7 +237,7 @@ Counts load_all(const fs::path& folder, const std::set<std::string>& must_refuse
         if (extension != ".glb" && extension != ".gltf") continue;
         const auto start = std::chrono::steady_clock::now();
         const Result<Asset> result = load_asset(entry.path());
-        EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(5)) << name;
+        EXPECT_LT(std::chrono::steady_clock::now() - start, kHang) << name;
         met.insert(name);
         if (result.ok()) {
             ++counts.loaded_count;
