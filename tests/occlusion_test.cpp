@@ -281,7 +281,7 @@ Character block_of(Character character) {
     MeshSection section = character.sections[0];
     section.first_vertex = section.first_influences = section.first_index = 0;
     section.influence_sets = 1;
-    section.vertex_count = 8;
+    section.vertex_count = 8, section.lod_vertex_count = 0;
     character.vertices.clear();
     character.influences.clear();
     for (uint32_t corner = 0; corner < 8; ++corner) {

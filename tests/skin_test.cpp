@@ -145,7 +145,7 @@ Skinned run_skin(const Character& character, const SkinCase& of, Random& random)
     const Guarded<Influences> influences(character.influences);
     const Guarded<uint32_t> skin_matrices(matrices);
     const Guarded<SkinnedVertex> skinned(poison<SkinnedVertex>(character.vertices.size()));
-    const Kernel kernel = skin_kernel(test_gpu(), of.format, of.blend, false);
+    const Kernel kernel = skin_kernel(test_gpu(), of.format, of.blend, SkinScope::kFinest);
     run_workgroups(kernel,
                    BufferTable{{io::kVerticesBuffer, vertices},
                                {io::kInfluencesBuffer, influences},

@@ -165,21 +165,26 @@ static_assert(sizeof(Influences) == 24);
 
 // A primitive of the file that has triangles, as one draw.
 struct MeshSection {
-    uint32_t node = 0, mesh = 0, primitive = 0;   // of the file
-    uint32_t skin = kNone;                        // kNone: rigid
-    uint32_t first_vertex = 0, vertex_count = 0;  // those of the AssetPrimitive, in its order
-    uint32_t first_influences = 0;                // of Character::influences
-    uint32_t influence_sets = 1;                  // Influences per vertex
+    uint32_t node = 0, mesh = 0, primitive = 0;  // of the file
+    uint32_t skin = kNone;                       // kNone: rigid
+    // Those of the AssetPrimitive, in its order; behind them those that only levels of detail have
+    uint32_t first_vertex = 0, vertex_count = 0;
+    uint32_t lod_vertex_count = 0;  // how many of them only levels of detail have
+    uint32_t first_influences = 0;  // of Character::influences
+    uint32_t influence_sets = 1;    // Influences per vertex
     uint32_t first_index = 0, index_count = 0;
     uint32_t material = kNone;
     uint32_t first_morph = 0, morph_count = 0;  // of Character::morphs
+
+    uint32_t own_vertex_count() const { return vertex_count - lod_vertex_count; }  // those of the AssetPrimitive
 };
 
-// A coarser mesh of the same vertices. Level 0 is the sections' own triangles; Lods are the levels from 1 on.
+// A coarser mesh, of vertices of level 0 and of copies of them that lie elsewhere, where this brings it closer to level
+// 0. Level 0 is the sections' own triangles; Lods are the levels from 1 on.
 struct Lod {
-    // The largest distance of a vertex of level 0 from the surface of this level, model space, when only the joints
-    // move that joint_lods gives to this level: in the rest pose and in poses of clips that the compiler has sampled.
-    // Above 0 in compiled levels. Not less than that of the level before.
+    // The largest distance between this level and level 0, both ways, model space, when only the joints move that
+    // joint_lods gives to this level: in the rest pose and in poses of clips that the compiler has sampled. Above 0 in
+    // compiled levels. Not less than that of the level before.
     float error = 0;
 };
 struct IndexRange {

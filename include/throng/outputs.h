@@ -156,8 +156,8 @@ struct OutputBlock {
 
     uint32_t vertex_count = 0;
     // Morphed and skinned vertices, SkinnedVertex[instance_count][vertex_count], model space, in the order of
-    // Character::vertices, with CrowdSettings::skins_once; where the crowd culls, only those that the listed instances
-    // have in their level of detail.
+    // Character::vertices, with CrowdSettings::skins_once: those of level of detail 0 or, where the crowd culls, of the
+    // listed instances and their levels. Others are not written.
     BufferView skinned{};
 
     // On a native device, in place of the buffers.

@@ -132,7 +132,7 @@ std::vector<Vec3<float>> CrowdState::read_positions(const InstanceHandle& handle
         throw Failure(ErrorCode::kInvalidArgument, "read-back", group.name + " has CrowdGroup::sockets_only");
     if (group.vertex_count == 0) return {};
     read_skin_row(group, batch, handle.instance - batch.first_instance);  // throws if the instance is not drawn
-    if (!skin_kernel_) skin_kernel_ = skin_kernel(gpu, skin_format, skin_blend, false);
+    if (!skin_kernel_) skin_kernel_ = skin_kernel(gpu, skin_format, skin_blend, SkinScope::kAllVertices);
     const Buffer skinned(gpu, group.name + ": skinned vertices", group.vertex_count * sizeof(SkinnedVertex),
                          VK_BUFFER_USAGE_STORAGE_BUFFER_BIT);
     const Bindings bindings = skin_kernel_->bind(skin_buffers(group, batch, batch.skin(), skinned));

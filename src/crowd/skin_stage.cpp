@@ -32,7 +32,7 @@ void SkinStage::plan(BatchPlan& plan) {
 SkinStage::SkinStage(const StageContext& context)
     : Stage(context),
       kernel_(skin_kernel(gpu_, context.settings.skin_format, context.settings.skin_blend,
-                          context.settings.culling.has_value())) {
+                          context.settings.culling ? SkinScope::kListed : SkinScope::kFinest)) {
     for (uint32_t i = 0; i < batches_.size(); ++i) {
         std::vector<Bindings>& of_slots = bindings_.emplace_back();
         const Batch& batch = batches_[i];

@@ -11,6 +11,8 @@ WORKGROUP_OF_STRIDE(kSkinWorkgroupSize);
 CONSTANT(1, uint, kSkinFormat, kSkinAffine);
 CONSTANT(2, uint, kSkinBlend, kSkinLinear);
 CONSTANT(3, bool, kListed, false);  // only listed instances are skinned
+// Also those that only coarser levels of detail have; instances are not listed then.
+CONSTANT(4, bool, kAllVertices, false);
 READONLY_BUFFER(kVerticesBuffer, VertexRows, vertices);
 READONLY_BUFFER(kInfluencesBuffer, uvec2, influences);
 // [instance][vertex], throng::SkinnedVertex
@@ -46,7 +48,8 @@ void main() {
     const uint first_written = (kListed ? instance : n) * push.vertex_count;
     for (uint s = 0; s < push.section_count; ++s) {
         const SkinSection section = sections[first_section + s];
-        for (uint i = gl_LocalInvocationID.x; i < section.listed_count; i += kStride) {
+        const uint count = kAllVertices ? section.vertex_count : section.listed_count;
+        for (uint i = gl_LocalInvocationID.x; i < count; i += kStride) {
             const uint vertex = listed_vertices[section.first_listed + i];
             const VertexRows rows = vertices[section.first_vertex + vertex];
             const MorphSum morphs = sum_of_morphs(rows.texcoord_color_delta.w, section.first_morph, section.morph_count,

@@ -1,5 +1,6 @@
 #include "skin/skin.h"
 
+#include "base/count.h"
 #include "skin/skin.kernel.h"
 
 #include <algorithm>
@@ -45,8 +46,8 @@ SkinTables make_skin_tables(const Character& character, std::span<const uint32_t
                                        .first_morph = section.first_morph,
                                        .morph_count = section.morph_count,
                                        .first_listed = static_cast<uint32_t>(tables.vertices.size()),
-                                       .listed_count = static_cast<uint32_t>(listed.size()),
-                                       .unused = 0});
+                                       .listed_count = lod == 0 ? section.own_vertex_count() : count_of(listed),
+                                       .vertex_count = section.vertex_count});
             tables.vertices.insert(tables.vertices.end(), listed.begin(), listed.end());
         }
     }
@@ -62,8 +63,9 @@ void upload_skin_tables(Uploads& uploads, const Character& character, std::span<
                                                 tables.vertices);
 }
 
-Kernel skin_kernel(const std::shared_ptr<Gpu>& gpu, SkinFormat format, SkinBlend blend, bool listed) {
-    return kernels::skin.on(gpu, {static_cast<uint32_t>(format), static_cast<uint32_t>(blend), listed});
+Kernel skin_kernel(const std::shared_ptr<Gpu>& gpu, SkinFormat format, SkinBlend blend, SkinScope scope) {
+    return kernels::skin.on(gpu, {static_cast<uint32_t>(format), static_cast<uint32_t>(blend),
+                                  scope == SkinScope::kListed, scope == SkinScope::kAllVertices});
 }
 
 }  // namespace throng

@@ -25,7 +25,7 @@ struct SkinSection {
     uint influence_sets;
     uint first_morph, morph_count;    // count 0: none
     uint first_listed, listed_count;  // which of its vertices the level has
-    uint unused;
+    uint vertex_count;                // of all levels; level 0 lists the others behind its own
 };
 
 struct SkinPush {

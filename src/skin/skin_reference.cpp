@@ -61,22 +61,27 @@ AffineT<double> BlendedTransform::result() const {
     return to_affine(Trs<double>{unit, {translation.x, translation.y, translation.z}, {scale_, scale_, scale_}});
 }
 
+AffineT<double> blended_reference(const Character& character, const MeshSection& section, uint32_t vertex_index,
+                                  std::span<const AffineT<double>> model_from_bind, SkinBlend blend) {
+    BlendedTransform transform(blend);
+    for (uint32_t set = 0; set < section.influence_sets; ++set) {
+        const Influences& influences =
+            character.influences[section.first_influences + vertex_index * section.influence_sets + set];
+        for (size_t i = 0; i < 4; ++i)
+            if (influences.weights[i] != 0)
+                transform.add(double{influences.weights[i]}, model_from_bind[influences.entries[i]]);
+    }
+    return transform.result();
+}
+
 std::vector<Vec3<double>> skin_reference(const Character& character, std::span<const AffineT<double>> model_from_bind,
                                          std::span<const WeightedMorph> morphs, SkinBlend blend) {
     std::vector<Vec3<double>> positions(character.vertices.size());
     for (const MeshSection& section : character.sections) {
-        for (uint32_t vertex = 0; vertex < section.vertex_count; ++vertex) {
-            BlendedTransform transform(blend);
-            for (uint32_t set = 0; set < section.influence_sets; ++set) {
-                const Influences& influences =
-                    character.influences[section.first_influences + vertex * section.influence_sets + set];
-                for (size_t i = 0; i < 4; ++i)
-                    if (influences.weights[i] != 0)
-                        transform.add(double{influences.weights[i]}, model_from_bind[influences.entries[i]]);
-            }
+        for (uint32_t vertex = 0; vertex < section.vertex_count; ++vertex)
             positions[section.first_vertex + vertex] = transform_point(
-                transform.result(), morphed_position_reference(character, section, vertex, morphs));
-        }
+                blended_reference(character, section, vertex, model_from_bind, blend),
+                morphed_position_reference(character, section, vertex, morphs));
     }
     return positions;
 }

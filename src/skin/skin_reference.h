@@ -27,6 +27,11 @@ private:
     double scale_ = 0;
 };
 
+// model_from_bind of one vertex of a section, counted from the section's first: its influences, blended.
+AffineT<double> blended_reference(const Character& character, const MeshSection& section, uint32_t vertex_index,
+                                  std::span<const AffineT<double>> model_from_bind,
+                                  SkinBlend blend = SkinBlend::kLinear);
+
 // Positions of all vertices in model space, in the order of Character::vertices: morphed by the active morphs, then
 // skinned.
 std::vector<Vec3<double>> skin_reference(const Character& character, std::span<const AffineT<double>> model_from_bind,

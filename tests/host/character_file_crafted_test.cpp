@@ -339,6 +339,15 @@ TEST(CharacterFile, CraftedContentIsRefused) {
                  [](Forged& f) { f.at<MeshSection>(S::kMeshSections, 0).vertex_count = kAllOnes; }, "mesh sections[0]"},
                 {"a section of one vertex fewer",
                  [](Forged& f) { f.at<MeshSection>(S::kMeshSections, 1).vertex_count -= 1; }, "indices"},
+                {"a section of more vertices of levels than vertices",
+                 [](Forged& f) { f.at<MeshSection>(S::kMeshSections, 0).lod_vertex_count = kAllOnes; },
+                 "mesh sections[0]: lod_vertex_count is 4294967295"},
+                {"a section whose triangles have vertices of levels",
+                 [](Forged& f) {
+                     MeshSection& section = f.at<MeshSection>(S::kMeshSections, 0);
+                     section.lod_vertex_count = section.vertex_count;
+                 },
+                 "indices["},
                 {"a section of another's influences",
                  [](Forged& f) { f.at<MeshSection>(S::kMeshSections, 1).first_influences = kAllOnes; },
                  "mesh sections[1]"},

@@ -231,18 +231,18 @@ TEST(CharacterFile, EveryTruncationAndEveryTrailingByteIsRefused) {
 TEST(CharacterFile, OtherVersionsAreRefusedWithAdvice) {
     for (const bool sealed : {true, false}) {  // another version may have another checksum
         Forged forged(small_file(0));
-        forged.header().version = 4;
+        forged.header().version = 5;
         Result<Character> result = load(sealed ? forged.sealed() : forged.bytes());
         ASSERT_FALSE(result);
         EXPECT_EQ(result.error().code, ErrorCode::kUnsupported);
         EXPECT_EQ(result.error().text(),
-                  "small.throng: has version 4, but this throng reads version 3; compile it again from its source, "
+                  "small.throng: has version 5, but this throng reads version 4; compile it again from its source, "
                   "or update throng");
         forged.header().version = 0;
         result = load(sealed ? forged.sealed() : forged.bytes());
         ASSERT_FALSE(result);
         EXPECT_EQ(result.error().text(),
-                  "small.throng: has version 0, but this throng reads version 3; compile it again from its source");
+                  "small.throng: has version 0, but this throng reads version 4; compile it again from its source");
     }
 }
 

@@ -36,10 +36,10 @@ auto fields_of(const Influences& influences) {
     return std::tie(weights, entries);
 }
 auto fields_of(const MeshSection& section) {
-    const auto& [node, mesh, primitive, skin, first_vertex, vertex_count, first_influences, influence_sets, first_index,
-                 index_count, material, first_morph, morph_count] = section;
-    return std::tie(node, mesh, primitive, skin, first_vertex, vertex_count, first_influences, influence_sets,
-                    first_index, index_count, material, first_morph, morph_count);
+    const auto& [node, mesh, primitive, skin, first_vertex, vertex_count, lod_vertex_count, first_influences,
+                 influence_sets, first_index, index_count, material, first_morph, morph_count] = section;
+    return std::tie(node, mesh, primitive, skin, first_vertex, vertex_count, lod_vertex_count, first_influences,
+                    influence_sets, first_index, index_count, material, first_morph, morph_count);
 }
 auto fields_of(const MorphDelta& delta) {
     const auto& [position, normal] = delta;

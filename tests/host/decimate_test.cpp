@@ -40,7 +40,13 @@ struct Mesh {
         std::vector<Places> positions{rest};
         positions.insert(positions.end(), poses.begin(), poses.end());
         const std::array<size_t, 1> wanted{3 * triangles};
-        return decimate(character, indices, positions, wanted, {})[0];
+        Indices result;
+        const auto take = [&](Indices made) {
+            result = std::move(made);
+            return false;
+        };
+        decimate(WeldedMesh(character, indices, positions), indices, rest, wanted, take, {});
+        return result;
     }
 };
 

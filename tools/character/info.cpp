@@ -61,9 +61,22 @@ std::vector<std::string> section_materials(const Character& character) {
     return names;
 }
 
-uint64_t morphed_vertex_count(const Character& character) {
-    return static_cast<uint64_t>(
-        std::ranges::count_if(character.vertices, [](const Vertex& vertex) { return vertex.first_delta > 0; }));
+// Of level of detail 0; `counts` says which.
+template <class Counts>
+size_t vertex_count(const Character& character, const Counts& counts) {
+    size_t count = 0;
+    for (const MeshSection& section : character.sections)
+        count += static_cast<size_t>(std::ranges::count_if(
+            std::span(character.vertices).subspan(section.first_vertex, section.own_vertex_count()), counts));
+    return count;
+}
+
+size_t vertex_count(const Character& character) {
+    return vertex_count(character, [](const Vertex&) { return true; });
+}
+
+size_t morphed_vertex_count(const Character& character) {
+    return vertex_count(character, [](const Vertex& vertex) { return vertex.first_delta > 0; });
 }
 
 size_t morphing_clip_count(const Character& character) {
@@ -132,7 +145,7 @@ nlohmann::json to_json(const Character& character) {
             {"clip_bytes", totals.size_bytes},
             {"clip_raw_bytes", totals.raw_size_bytes},
             {"error_percent", totals.error * 100},
-            {"vertices", character.vertices.size()},
+            {"vertices", vertex_count(character)},
             {"faces", face_count(character)},
             {"sections", character.sections.size()},
             {"section_names", character.section_names},
@@ -158,7 +171,7 @@ void print_text(const Character& character) {
     for (size_t i = 0; i < character.skins.size(); ++i)
         std::printf("  skin %-5zu %u joints  %s\n", i, character.skins[i].joint_count, character.skins[i].name.c_str());
     std::printf("  mesh       %zu vertices, %zu faces, %zu sections, %zu materials, up to %u influences a vertex\n",
-                character.vertices.size(), face_count(character), character.sections.size(), character.materials.size(),
+                vertex_count(character), face_count(character), character.sections.size(), character.materials.size(),
                 largest_influence_count(character));
     const Vec3<float> extent = character.bounds_max - character.bounds_min;
     std::printf("  size       %.3g m, of which %.3g wide, %.3g high, %.3g deep, at rest\n",

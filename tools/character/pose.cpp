@@ -84,10 +84,10 @@ nlohmann::json to_json(const Character& character, const Pose& pose, std::option
     }
     for (const MeshSection& section : character.sections) {
         // If not all vertices are asked for, takes some that are spread evenly over the primitive.
-        const uint32_t count = std::min(vertex_limit.value_or(section.vertex_count), section.vertex_count);
+        const uint32_t count = std::min(vertex_limit.value_or(section.own_vertex_count()), section.own_vertex_count());
         nlohmann::json indices = nlohmann::json::array(), positions = nlohmann::json::array();
         for (uint32_t i = 0; i < count; ++i) {
-            const auto vertex = static_cast<uint32_t>(uint64_t{i} * section.vertex_count / count);
+            const auto vertex = static_cast<uint32_t>(uint64_t{i} * section.own_vertex_count() / count);
             const Vec3<double>& p = pose.positions[section.first_vertex + vertex];
             indices.push_back(vertex);
             positions.push_back({p.x, p.y, p.z});

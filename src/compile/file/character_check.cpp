@@ -283,10 +283,14 @@ private:
             if (section.influence_sets == 0 || section.influence_sets > kPaletteLimit / 4)
                 fail(where, "influence_sets is ", section.influence_sets, "; it must be 1 to ", kPaletteLimit / 4);
             advance(vertices, where, section.first_vertex, section.vertex_count);
+            if (section.lod_vertex_count > section.vertex_count)
+                fail(where, "lod_vertex_count is ", section.lod_vertex_count, ", but it has ", section.vertex_count,
+                     " vertices");
             advance(influences, where, section.first_influences,
                     uint64_t{section.vertex_count} * section.influence_sets);
             advance(indices, where, section.first_index, section.index_count);
-            check_triangles(where, "indices", c_.indices, {section.first_index, section.index_count}, section);
+            check_triangles(where, "indices", c_.indices, {section.first_index, section.index_count},
+                            section.own_vertex_count());
             if (section.skin != kNone && section.skin >= c_.skins.size())
                 fail(where, "skin is ", section.skin, ", but there are ", c_.skins.size(), " skins");
             if (section.material != kNone && section.material >= c_.materials.size())
@@ -308,12 +312,12 @@ private:
     }
 
     void check_triangles(const std::string& where, const char* array, const std::vector<uint32_t>& indices,
-                         const IndexRange& range, const MeshSection& section) const {
+                         const IndexRange& range, uint32_t vertex_count) const {
         if (range.index_count % 3 != 0)
             fail(where, "has ", range.index_count, " indices, which is not a multiple of 3");
         for (size_t k = range.first_index; k < size_t{range.first_index} + range.index_count; ++k)
-            if (indices[k] >= section.vertex_count)
-                fail(at(array, k), "is ", indices[k], ", but its section has ", section.vertex_count, " vertices");
+            if (indices[k] >= vertex_count)
+                fail(at(array, k), "is ", indices[k], ", but its section has ", vertex_count, " vertices");
     }
 
     void check_lods() const {
@@ -331,7 +335,8 @@ private:
             const IndexRange& range = c_.lod_ranges[i];
             const std::string where = at("lod ranges", i);
             advance(indices, where, range.first_index, range.index_count);
-            check_triangles(where, "lod indices", c_.lod_indices, range, c_.sections[i % c_.sections.size()]);
+            check_triangles(where, "lod indices", c_.lod_indices, range,
+                            c_.sections[i % c_.sections.size()].vertex_count);
         }
         check_count("lod indices", indices.size, indices.next, ", but the ranges have ");
     }

@@ -21,7 +21,7 @@ static_assert(std::endian::native == std::endian::little,
 // Like PNG's signature: no text begins with its first byte, and a transfer that rewrites line ends corrupts it ("PNG
 // Specification", second edition, 5.2).
 inline constexpr std::array<char, 8> kMagic{'\x89', 't', 'h', 'r', 'o', 'n', 'g', '\n'};
-inline constexpr uint32_t kVersion = 3;
+inline constexpr uint32_t kVersion = 4;
 inline constexpr uint64_t kAlignment_bytes = 16;  // of sections
 
 struct Header {
@@ -142,7 +142,7 @@ struct Records {
 
 // These are stored exactly as they are in the Character.
 static_assert(sizeof(Trs<float>) == 40 && sizeof(JointTracks) == 16 && sizeof(PaletteEntry) == 52 &&
-              sizeof(MeshSection) == 52 && sizeof(Lod) == 4 && sizeof(IndexRange) == 8);
+              sizeof(MeshSection) == 56 && sizeof(Lod) == 4 && sizeof(IndexRange) == 8);
 
 // All sections in the order of their ids: calls visit(id, name, elements), or visit(id, name, elements, limit_bytes)
 // for those whose size is limited.

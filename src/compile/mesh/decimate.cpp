@@ -2,7 +2,6 @@
 
 #include "compile/mesh/collapse_meter.h"
 #include "compile/mesh/simplified_mesh.h"
-#include "compile/mesh/welded_mesh.h"
 
 #include <queue>
 #include <utility>
@@ -14,12 +13,8 @@ constexpr uint64_t kStepsBetweenReports = 1000;  // some 20 ms
 
 class Decimation {
 public:
-    Decimation(const Character& character, std::span<const uint32_t> indices,
-               std::span<const std::vector<Vec3<float>>> positions, const Progress& progress)
-        : fine_(character, indices, positions, progress),
-          mesh_(fine_),
-          meter_(fine_, mesh_, indices, positions[0]),
-          plans_(fine_.point_count()) {}
+    Decimation(const WeldedMesh& fine, std::span<const uint32_t> indices, std::span<const Vec3<float>> rest_places)
+        : fine_(fine), mesh_(fine_), meter_(fine_, mesh_, indices, rest_places), plans_(fine_.point_count()) {}
 
     void plan_all(const Progress& progress) {
         for (uint32_t point = 0; point < plans_.size(); ++point) {
@@ -95,7 +90,7 @@ private:
         }
     }
 
-    WeldedMesh fine_;
+    const WeldedMesh& fine_;
     SimplifiedMesh mesh_;
     CollapseMeter meter_;
     std::vector<Plan> plans_;  // [points]
@@ -104,18 +99,16 @@ private:
 
 }  // namespace
 
-std::vector<std::vector<uint32_t>> decimate(const Character& character, std::span<const uint32_t> indices,
-                                            std::span<const std::vector<Vec3<float>>> positions,
-                                            std::span<const size_t> index_counts, const Progress& progress) {
+void decimate(const WeldedMesh& fine, std::span<const uint32_t> indices, std::span<const Vec3<float>> rest_places,
+              std::span<const size_t> index_counts, const std::function<bool(std::vector<uint32_t>)>& take,
+              const Progress& progress) {
     constexpr double kPlanned = 0.1;  // part of the work
-    Decimation decimation(character, indices, positions, progress);
+    Decimation decimation(fine, indices, rest_places);
     decimation.plan_all(progress.between(0, kPlanned));
-    std::vector<std::vector<uint32_t>> meshes;
     for (const size_t count : index_counts) {
         decimation.collapse_to(count / 3, progress.between(kPlanned, 1));
-        meshes.push_back(decimation.indices());
+        if (!take(decimation.indices())) return;
     }
-    return meshes;
 }
 
 }  // namespace throng

@@ -2,10 +2,10 @@
 #pragma once
 
 #include "base/progress.h"
-
-#include <throng/character.h>
+#include "compile/mesh/welded_mesh.h"
 
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -17,11 +17,11 @@ namespace throng {
 // poses lose theirs. (The error is measured at the points that were removed, after R. Klein, G. Liebich and W.
 // Strasser, Mesh Reduction with Error Control, Visualization 1996.)
 //
-// `indices` are vertices of the character, `positions` [poses][vertices], the rest pose first. Returns, for each of
-// `index_counts` (the largest first), a mesh with at most that many indices, or the coarsest mesh from which no piece
-// has vanished.
-std::vector<std::vector<uint32_t>> decimate(const Character& character, std::span<const uint32_t> indices,
-                                            std::span<const std::vector<Vec3<float>>> positions,
-                                            std::span<const size_t> index_counts, const Progress& progress);
+// `fine` is made of `indices`, vertices of the character; `rest_places` [vertices]. For each of `index_counts` (the
+// largest first), `take` gets a mesh with at most that many indices, or the coarsest mesh from which no piece has
+// vanished; it returns false if it needs no more.
+void decimate(const WeldedMesh& fine, std::span<const uint32_t> indices, std::span<const Vec3<float>> rest_places,
+              std::span<const size_t> index_counts, const std::function<bool(std::vector<uint32_t>)>& take,
+              const Progress& progress);
 
 }  // namespace throng

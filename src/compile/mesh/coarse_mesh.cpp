@@ -1,0 +1,107 @@
+#include "compile/mesh/coarse_mesh.h"
+
+#include "base/affine.h"
+#include "base/count.h"
+#include "skin/skin_reference.h"
+
+#include <algorithm>
+#include <cmath>
+#include <unordered_set>
+
+namespace throng {
+namespace {
+
+// The linear part of posed * rest^-1; zero if that does not exist, so that the vertex stays where it is.
+CoarseMesh::Columns linear_from_rest(const AffineT<double>& posed, const AffineT<double>& rest) {
+    CoarseMesh::Columns columns{};
+    if (const std::optional<AffineT<double>> bind_from_rest = inverse(rest)) {
+        const AffineT<float> all = (posed * *bind_from_rest).as<float>();
+        for (size_t c = 0; c < 3; ++c) columns[c] = {all.row[0][c], all.row[1][c], all.row[2][c]};
+    }
+    return columns;
+}
+
+}  // namespace
+
+CoarseMesh::CoarseMesh(const Character& character, const PosedMesh& fine, const WeldedMesh& welded,
+                       std::span<const uint32_t> indices)
+    : character_(character), fine_(fine) {
+    std::vector<uint32_t> vertex_of(character.vertices.size(), kNone), point_numbers(welded.point_count(), kNone);
+    for (const uint32_t source : indices) {
+        if (vertex_of[source] == kNone) {
+            vertex_of[source] = count_of(sources_);
+            sources_.push_back(source);
+            uint32_t& point = point_numbers[welded.point_of(source)];
+            if (point == kNone) {
+                point = count_of(shifts_);
+                shifts_.emplace_back();
+            }
+            point_of_.push_back(point);
+        }
+        indices_.push_back(vertex_of[source]);
+    }
+    for (const std::vector<Vec3<float>>& in_pose : fine.positions) {
+        std::vector<Vec3<float>>& positions = positions_.emplace_back();
+        for (const uint32_t source : sources_) positions.push_back(in_pose[source]);
+    }
+    surface_ = TriangleIndex(indices_, positions_[0]);
+    make_places();
+    make_matrices();
+}
+
+void CoarseMesh::make_places() {
+    constexpr float kThird = 1.0f / 3, kHalf = 0.5f;
+    std::vector<bool> is_known(shifts_.size());  // [points]
+    std::unordered_set<uint64_t> edges;          // pairs of points
+    for (const std::array<uint32_t, 3>& corners : surface_.corners()) {
+        places_.push_back({corners, {kThird, kThird, kThird}});
+        for (size_t k = 0; k < 3; ++k) {
+            const uint32_t a = corners[k], b = corners[(k + 1) % 3];
+            const auto [low, high] = std::minmax(point_of_[a], point_of_[b]);
+            if (edges.insert(uint64_t{low} << 32 | high).second) places_.push_back({{a, b, a}, {kHalf, kHalf, 0}});
+            if (!is_known[point_of_[a]]) places_.push_back({{a, a, a}, {1, 0, 0}});
+            is_known[point_of_[a]] = true;
+        }
+    }
+}
+
+const MeshSection& CoarseMesh::section_of(uint32_t vertex) const {
+    return *std::prev(std::ranges::upper_bound(character_.sections, sources_[vertex], {}, &MeshSection::first_vertex));
+}
+
+void CoarseMesh::make_matrices() {
+    model_from_rest_.resize(fine_.pose_count());
+    for (uint32_t vertex = 0; vertex < sources_.size(); ++vertex) {
+        const MeshSection& section = section_of(vertex);
+        const auto in_pose = [&](uint32_t pose) {
+            return blended_reference(character_, section, sources_[vertex] - section.first_vertex,
+                                     fine_.model_from_bind[pose]);
+        };
+        const AffineT<double> at_rest = in_pose(0);
+        for (uint32_t pose = 0; pose < fine_.pose_count(); ++pose)
+            model_from_rest_[pose].push_back(linear_from_rest(in_pose(pose), at_rest));
+    }
+}
+
+void CoarseMesh::move(std::vector<Vec3<float>> shifts) {
+    shifts_ = std::move(shifts);
+    for (uint32_t pose = 0; pose < fine_.pose_count(); ++pose) {
+        for (uint32_t vertex = 0; vertex < sources_.size(); ++vertex) {
+            const Vec3<float>& shift = shifts_[point_of_[vertex]];
+            const auto& [x, y, z] = model_from_rest_[pose][vertex];
+            positions_[pose][vertex] = fine_.positions[pose][sources_[vertex]] + x * shift.x + y * shift.y +
+                                       z * shift.z;
+        }
+    }
+}
+
+Vec3<float> CoarseMesh::bind_position(uint32_t vertex) const {
+    const MeshSection& section = section_of(vertex);
+    const Vec3<float> position = character_.vertices[sources_[vertex]].position;
+    const std::optional<AffineT<double>> bind_from_rest = inverse(
+        blended_reference(character_, section, sources_[vertex] - section.first_vertex, fine_.model_from_bind[0]));
+    if (!bind_from_rest) return position;
+    return position + transform_vector(*bind_from_rest, shifts_[point_of_[vertex]].as<double>()).as<float>();
+}
+
+}  // namespace throng

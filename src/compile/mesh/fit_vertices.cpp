@@ -1,0 +1,140 @@
+#include "compile/mesh/fit_vertices.h"
+
+#include "compile/mesh/surface_comparison.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+namespace throng {
+namespace {
+
+// Only places that are off by this part of the error are followed from step to step. kRounds times they are looked for
+// anew, since moving points brings others far off.
+constexpr float kFar = 0.5f;
+constexpr int kRounds = 3, kStepsOfRound = 4;
+constexpr float kStep = 0.5f;          // of the way: the places of a triangle pull at the same points
+constexpr float kHold = 0.5f;          // a weight that slows points which are hardly pulled at
+constexpr float kWorthMoving = 0.95f;  // of the error before
+
+class VertexFit {
+public:
+    VertexFit(CoarseMesh& mesh, const PosedMesh& fine, const Character& character, SurfaceComparison& comparison)
+        : mesh_(mesh), fine_(fine), character_(character), comparison_(comparison) {}
+
+    // Returns the error of the result.
+    float run(const Progress& progress) {
+        const float before = comparison_.largest_distance(progress);
+        float error = before, least = before;
+        std::vector<Vec3<float>> best(mesh_.shifts().size());
+        for (int round = 0; round <= kRounds; ++round) {
+            pairs_ = comparison_.pairs_beyond(kFar * error, progress);
+            error = std::max(kFar * error, largest_distance());
+            if (error < least) {
+                least = error;
+                best.assign(mesh_.shifts().begin(), mesh_.shifts().end());
+            }
+            if (round < kRounds) move(progress);
+        }
+        if (!(least <= kWorthMoving * before)) {
+            least = before;
+            best.assign(best.size(), {});
+        }
+        mesh_.move(std::move(best));
+        return least;
+    }
+
+private:
+    float largest_distance() const {
+        float largest = 0;
+        for (const PlacePair& pair : pairs_) largest = std::max(largest, length(pair.apart));
+        return largest;
+    }
+
+    void move(const Progress& progress) {
+        for (int step = 0; step < kStepsOfRound; ++step) {
+            progress.poll();
+            if (step > 0)
+                for (PlacePair& pair : pairs_) comparison_.update(pair);
+            move_points();
+        }
+        put_back_flipped();
+    }
+
+    static float weight_of(const Vec3<float>& apart, float largest) {
+        const float squared = dot(apart, apart) / (largest * largest);
+        return squared * squared * squared * squared;
+    }
+
+    void move_points() {
+        const float largest = largest_distance();
+        if (!(largest > 0)) return;
+        std::vector<Vec3<float>> shifts(mesh_.shifts().begin(), mesh_.shifts().end()), pulls(shifts.size());
+        std::vector<float> weights(shifts.size());
+        for (const PlacePair& pair : pairs_) {
+            const float weight = weight_of(pair.apart, largest);
+            for (size_t k = 0; k < 3; ++k) {
+                const float share = weight * pair.coarse.weights[k];
+                const auto& [x, y, z] = mesh_.model_from_rest(pair.pose, pair.coarse.vertices[k]);
+                const uint32_t point = mesh_.point_of(pair.coarse.vertices[k]);
+                pulls[point] = pulls[point] +
+                               Vec3<float>{dot(x, pair.apart), dot(y, pair.apart), dot(z, pair.apart)} * share;
+                weights[point] += share;
+            }
+        }
+        for (size_t point = 0; point < shifts.size(); ++point) {
+            // Its place on the fine surface pulls it back, whether or not that is among the pairs already
+            const float weight = weight_of(shifts[point], largest);
+            const Vec3<float> pull = pulls[point] - shifts[point] * weight;
+            shifts[point] = shifts[point] + pull * (kStep / (weights[point] + weight + kHold));
+        }
+        keep_in_bounds(shifts);
+        mesh_.move(std::move(shifts));
+    }
+
+    // Character::bounds_min and bounds_max hold for all levels of detail.
+    void keep_in_bounds(std::vector<Vec3<float>>& shifts) const {
+        for (uint32_t vertex = 0; vertex < mesh_.sources().size(); ++vertex) {
+            const Vec3<float> rest = fine_.positions[0][mesh_.sources()[vertex]];
+            Vec3<float>& shift = shifts[mesh_.point_of(vertex)];
+            for (float Vec3<float>::*axis : {&Vec3<float>::x, &Vec3<float>::y, &Vec3<float>::z})
+                shift.*axis = std::max(character_.bounds_min.*axis - rest.*axis,
+                                       std::min(shift.*axis, character_.bounds_max.*axis - rest.*axis));
+        }
+    }
+
+    // Points of triangles that have turned over go back.
+    void put_back_flipped() {
+        std::vector<Vec3<float>> shifts(mesh_.shifts().begin(), mesh_.shifts().end());
+        const auto normal = [](const auto& positions, const std::array<uint32_t, 3>& corners) {
+            const Vec3<float> a = positions[corners[0]];
+            return cross(positions[corners[1]] - a, positions[corners[2]] - a);
+        };
+        const std::span<const uint32_t> indices = mesh_.indices(), sources = mesh_.sources();
+        for (size_t i = 0; i < indices.size(); i += 3) {
+            const std::array corners{indices[i], indices[i + 1], indices[i + 2]};
+            const std::array of_fine{sources[corners[0]], sources[corners[1]], sources[corners[2]]};
+            if (dot(normal(mesh_.positions(0), corners), normal(fine_.positions[0], of_fine)) > 0) continue;
+            for (const uint32_t vertex : corners) shifts[mesh_.point_of(vertex)] = {};
+        }
+        mesh_.move(std::move(shifts));
+    }
+
+    CoarseMesh& mesh_;
+    const PosedMesh& fine_;
+    const Character& character_;
+    SurfaceComparison& comparison_;
+    std::vector<PlacePair> pairs_;
+};
+
+}  // namespace
+
+FittedLevel fit_vertices(CoarseMesh& mesh, const PosedMesh& fine, const Character& character,
+                         const Progress& progress) {
+    SurfaceComparison comparison(mesh, fine);
+    const float error = VertexFit(mesh, fine, character, comparison).run(progress);
+    return {error, comparison.steps()};
+}
+
+}  // namespace throng

@@ -1,0 +1,29 @@
+// A character's mesh in the poses that its levels of detail are made and measured in.
+#pragma once
+
+#include "base/progress.h"
+#include "base/thread_pool.h"
+#include "compile/mesh/triangle_index.h"
+
+#include <throng/character.h>
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace throng {
+
+struct PosedMesh {
+    // In the rest pose, and in `pose_count` poses of clips. Every three `indices`, vertices of the character, form a
+    // triangle. `progress` is only polled.
+    PosedMesh(const Character& character, uint32_t pose_count, std::span<const uint32_t> indices, ThreadPool& threads,
+              const Progress& progress);
+
+    uint32_t pose_count() const { return static_cast<uint32_t>(positions.size()); }
+
+    std::vector<std::vector<AffineT<double>>> model_from_bind;  // [poses][palette]
+    std::vector<std::vector<Vec3<float>>> positions;            // [poses][vertices], model space
+    std::vector<TriangleIndex> surfaces;                        // [poses]
+};
+
+}  // namespace throng
