@@ -522,6 +522,17 @@ TEST(Lod, AreLeftOutIfDisabled) {
     std::filesystem::remove(path);
 }
 
+// Each section has the vertices of all three.
+TEST(Lod, ClustersMayHaveVerticesThatNoTriangleHas) {
+    Asset asset = *make_creature({.joint_count = 60, .level_count = 20, .face_count = 1500});
+    std::vector<AssetPrimitive>& primitives = asset.meshes[0].primitives;
+    const std::vector<uint32_t> all = primitives[0].indices;
+    primitives.resize(3, primitives[0]);
+    for (AssetPrimitive& primitive : primitives) primitive.indices.clear();
+    for (size_t i = 0; i < all.size(); ++i) primitives[i / 3 * 9 / all.size()].indices.push_back(all[i]);
+    EXPECT_GE(compile_character(asset)->lods.size(), 2u);
+}
+
 // By a creature of two sections, so that the second one's vertices move up.
 TEST(Lod, MovedVerticesAreCopiesBehindTheirSection) {
     Asset asset = *make_creature({.joint_count = 60, .level_count = 15, .face_count = 1500});

@@ -31,7 +31,10 @@ CoarseMesh::CoarseMesh(const Character& character, const PosedMesh& fine, const 
         if (vertex_of[source] == kNone) {
             vertex_of[source] = count_of(sources_);
             sources_.push_back(source);
-            uint32_t& point = point_numbers[welded.point_of(source)];
+            // Clusters may take a vertex that no triangle of the fine mesh has: it is a point by itself
+            uint32_t alone = kNone;
+            const uint32_t of_fine = welded.point_of(source);
+            uint32_t& point = of_fine == kNone ? alone : point_numbers[of_fine];
             if (point == kNone) {
                 point = count_of(shifts_);
                 shifts_.emplace_back();

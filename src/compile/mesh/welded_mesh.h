@@ -28,7 +28,7 @@ public:
 
     size_t point_count() const { return vertices_of_.size(); }
     const std::vector<WeldedFace>& faces() const { return faces_; }
-    uint32_t point_of(uint32_t vertex) const { return point_of_[vertex]; }
+    uint32_t point_of(uint32_t vertex) const { return point_of_[vertex]; }  // kNone: no triangle has the vertex
     // [groups()]: the point's places in the first four poses, beginning with the rest pose, then in the next four, and
     // so on.
     const Four3* places(uint32_t point) const { return &places_[point * groups_]; }
