@@ -15,10 +15,16 @@
 namespace throng::test {
 namespace {
 
-// A creature without levels, its mesh in poses, and every third triangle of it as the coarse mesh.
+Character creature_without_levels() {
+    return *compile_character(*make_creature({.joint_count = 30, .level_count = 10, .face_count = 600}),
+                              {.lods = false});
+}
+
+// A character's mesh in poses, and every third triangle of it as the coarse mesh.
 struct Meshes {
-    Character character = *compile_character(*make_creature({.joint_count = 30, .level_count = 10, .face_count = 600}),
-                                             {.lods = false});
+    explicit Meshes(Character of = creature_without_levels()) : character(std::move(of)) {}
+
+    Character character;
     std::vector<uint32_t> indices = joined(1), sparse = joined(3);
     ThreadPool threads{1};
     PosedMesh fine{character, 3, indices, threads, {}};
@@ -95,7 +101,7 @@ TEST(SurfaceComparison, FindsAllPairsBeyondADistanceHoweverThePointsMove) {
 }
 
 TEST(CoarseMesh, MovedPointsAreSkinnedLikeTheVerticesThatTheyComeFrom) {
-    Meshes of;
+    Meshes of(make_character({.joint_count = 10}));  // with another bind space for each joint
     Random random(5);
     of.coarse.move(of.random_shifts(random, 0.02f));
     Character moved = of.character;
