@@ -310,7 +310,7 @@ TEST(Cull, PicturesEqualThoseWithoutCulling) {
         worst = std::max(worst, difference);
     }
     EXPECT_LT(drawn, 60 * kCount * 9 / 10) << "something is culled";
-    EXPECT_LE(worst, 1.5) << "of 255, on average";
+    EXPECT_LE(worst, 2.5) << "of 255, on average: levels are shown where they are off by less than a pixel";
     std::printf("  %.0f %% drawn; levels of detail change a picture by %.2f of 255 at most\n",
                 100.0 * static_cast<double>(drawn) / (60 * kCount), worst);
 }

@@ -454,7 +454,7 @@ TEST(Morph, ARealCharacterMatchesItsFile) {
         for (AssetMorphTrack& track : clip.morph_tracks)
             for (float& value : track.values) value = static_cast<float>(random.unit());
     }
-    const Character character = compiled(asset);
+    const Character character = compiled(asset, {.error = 0, .lods = false});
     Crowd staged = create({.groups = {{&character, 1}}, .path = UpdatePath::kStaged}),
           fused = create({.groups = {{&character, 1}}});
     double worst = 0, moved = 0;

@@ -67,7 +67,7 @@ TEST_P(SeveralCrowds, DrawLikeOneCrowdWithAllGroups) {
 // One crowd culls and one does not, so each has its own pipelines.
 TEST_P(SeveralCrowds, MayHaveDifferentSettings) {
     const bool on_device = GetParam() == DrawPath::kDevice;
-    ASSERT_TRUE(renderer_.set_options({.occlusion = on_device}));
+    ASSERT_TRUE(renderer_.set_options({.occlusion = on_device, .lod_pixels = 1e-20f}));  // both in full detail
     Crowd front = crowd_of({&walker_}, 0, false), back = crowd_of({&worm_}, 1),
           whole = crowd_of({&walker_, &worm_}, 0, false);
     for (int frame = 0; frame < 2; ++frame)
