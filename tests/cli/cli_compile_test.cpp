@@ -173,7 +173,7 @@ TEST_F(CliCompile, WrongInputIsRefusedAndNothingIsLeftBehind) {
     std::string bytes = read_file("sound.throng");
     bytes[bytes.size() / 2] = static_cast<char>(bytes[bytes.size() / 2] ^ 1);
     write("damaged.throng", bytes);
-    bytes[8] = 4;
+    bytes[8] = 5;
     write("newer.throng", bytes);
     write("cut.throng", bytes.substr(0, 5) + '\0');
     write("text.glb", "This is not glTF.\n");
@@ -203,7 +203,7 @@ TEST_F(CliCompile, WrongInputIsRefusedAndNothingIsLeftBehind) {
          {"compile creature.glb -o out.throng --clips sound.throng", "sound.throng is compiled already"},
          {"compile creature.glb --clips taken.throng -o taken.throng", "would overwrite taken.throng"},
          {"compile damaged.throng -o out.throng", "damaged.throng: is damaged"},
-         {"compile newer.throng -o out.throng", "newer.throng: has version 4, but this throng reads version 3"},
+         {"compile newer.throng -o out.throng", "newer.throng: has version 5, but this throng reads version 4"},
          {"compile creature.glb -o text.glb", "text.glb exists and is not a compiled character"},
          {"compile creature.glb -o out.throng --error 0", "--error"},
          {"compile creature.glb -o out.throng --error -1", "-1"},
@@ -224,7 +224,7 @@ TEST_F(CliCompile, WrongInputIsRefusedAndNothingIsLeftBehind) {
          {"compile sound.throng -o out.throng --error 1", "sound.throng is compiled already"},
          {"compile creature.glb -o out.throng --root-motion nobody", "there is no joint 'nobody'"},
          {"info sound.throng --root-motion spine", "sound.throng is compiled already, with its own root motion"},
-         {"info newer.throng", "newer.throng: has version 4, but this throng reads version 3"},
+         {"info newer.throng", "newer.throng: has version 5, but this throng reads version 4"},
          {"info cut.throng", "cut.throng"}});
     EXPECT_EQ(read_file("creature.glb"), source_before);
     EXPECT_EQ(read_file("sound.throng"), compiled_before);
