@@ -167,9 +167,10 @@ static_assert(sizeof(Influences) == 24);
 struct MeshSection {
     uint32_t node = 0, mesh = 0, primitive = 0;  // of the file
     uint32_t skin = kNone;                       // kNone: rigid
-    // Those of the AssetPrimitive, in its order; behind them those that only levels of detail have
+    // In Character::vertices: first the vertices of the AssetPrimitive, in its order, then moved copies of some of
+    // them, which only coarser levels of detail use
     uint32_t first_vertex = 0, vertex_count = 0;
-    uint32_t lod_vertex_count = 0;  // how many of them only levels of detail have
+    uint32_t lod_vertex_count = 0;  // of vertex_count: the moved copies
     uint32_t first_influences = 0;  // of Character::influences
     uint32_t influence_sets = 1;    // Influences per vertex
     uint32_t first_index = 0, index_count = 0;

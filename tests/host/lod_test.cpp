@@ -201,7 +201,7 @@ TEST(Lod, LevelsHaveFewerTrianglesWithinTheirErrors) {
             for (const ReferencePose& pose : std::span(poses).subspan(1))
                 furthest = std::max(furthest, furthest_from_level(character, level, pose));
             EXPECT_LE(furthest, 1.1 * error);
-            const bool is_none = error <= 1.1e-6 * character.size;  // lod.cpp: kMinError
+            const bool is_none = error <= 1.1e-6 * character.size;  // lod.cpp: kRounding
             EXPECT_TRUE(is_none || furthest >= 0.3 * error) << "and not much less: " << furthest << " of " << error;
             std::printf(
                 "  %s, level %zu: %zu of %zu triangles, error %.1e of the size, furthest vertex %.1e, at rest %.1e\n",
@@ -411,7 +411,7 @@ TEST(Lod, LargeMeshesAreMeasuredAtEveryVertex) {
         const auto own = std::span(positions).first(character.sections[0].own_vertex_count());
         const double furthest = std::max(furthest_place(own, TriangleIndex(indices, positions)),
                                          furthest_place(places, fine));
-        EXPECT_LE(furthest, double{character.lods[level].error} + 1e-6 * character.size) << "level " << level + 1;
+        EXPECT_LE(furthest, double{character.lods[level].error}) << "level " << level + 1;
         EXPECT_GE(furthest, 0.999 * double{character.lods[level].error}) << "level " << level + 1;
     }
 }

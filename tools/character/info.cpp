@@ -61,7 +61,7 @@ std::vector<std::string> section_materials(const Character& character) {
     return names;
 }
 
-// Of level of detail 0; `counts` says which.
+// The number of vertices of level of detail 0 for which `counts` is true.
 template <class Counts>
 size_t vertex_count(const Character& character, const Counts& counts) {
     size_t count = 0;

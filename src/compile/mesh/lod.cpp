@@ -30,7 +30,7 @@ constexpr double kWorthwhile = 0.8;           // a level with more than this sha
 constexpr double kAlmost = 1.25;              // of the triangles wanted: clustering meets a number only roughly
 constexpr uint32_t kPoses = 7;                // of all clips together, beside the rest pose, to measure errors in
 constexpr double kDecimated = 0.9;            // part of the work; the rest is fitting the last level
-constexpr float kMinError = 1e-6f;            // of the character's size: rounding cannot tell it from 0
+constexpr float kRounding = 1e-6f;            // of the character's size: how exactly errors are known
 
 std::span<const uint32_t> indices_of(const Character& character, const MeshSection& section) {
     return std::span(character.indices).subspan(section.first_index, section.index_count);
@@ -122,7 +122,7 @@ public:
         for (LevelInWork& level : levels_) {
             wait_for(level.fitted);
             const FittedLevel fitted = level.fitted.get();
-            measured.push_back({&level.mesh, std::max(fitted.error, kMinError * character_.size)});
+            measured.push_back({&level.mesh, fitted.error + kRounding * character_.size});
             steps += fitted.steps;
         }
         write_levels(measured, character_);

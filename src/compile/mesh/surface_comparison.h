@@ -39,7 +39,7 @@ public:
     uint64_t steps() const { return steps_; }  // of the searches
 
 private:
-    // What is known of a place: a triangle of the other surface, and that this is no farther away.
+    // A triangle of the other surface that was near a place, and an upper bound of the place's distance from it.
     struct Near {
         uint32_t triangle = kNone;
         float distance = 0;
