@@ -11,13 +11,9 @@
 namespace throng {
 namespace {
 
-// The linear part of posed * rest^-1; zero if that does not exist, so that the vertex stays where it is.
-CoarseMesh::Columns linear_from_rest(const AffineT<double>& posed, const AffineT<double>& rest) {
-    CoarseMesh::Columns columns{};
-    if (const std::optional<AffineT<double>> bind_from_rest = inverse(rest)) {
-        const AffineT<float> all = (posed * *bind_from_rest).as<float>();
-        for (size_t c = 0; c < 3; ++c) columns[c] = {all.row[0][c], all.row[1][c], all.row[2][c]};
-    }
+CoarseMesh::Columns linear_columns(const AffineT<float>& m) {
+    CoarseMesh::Columns columns;
+    for (size_t c = 0; c < 3; ++c) columns[c] = {m.row[0][c], m.row[1][c], m.row[2][c]};
     return columns;
 }
 
@@ -68,21 +64,20 @@ void CoarseMesh::make_places() {
     }
 }
 
-const MeshSection& CoarseMesh::section_of(uint32_t vertex) const {
-    return *std::prev(std::ranges::upper_bound(character_.sections, sources_[vertex], {}, &MeshSection::first_vertex));
+AffineT<double> CoarseMesh::model_from_bind(uint32_t vertex, uint32_t pose) const {
+    const MeshSection& section = *std::prev(
+        std::ranges::upper_bound(character_.sections, sources_[vertex], {}, &MeshSection::first_vertex));
+    return blended_reference(character_, section, sources_[vertex] - section.first_vertex, fine_.model_from_bind[pose]);
 }
 
 void CoarseMesh::make_matrices() {
-    model_from_rest_.resize(fine_.pose_count());
+    model_from_rest_.assign(fine_.pose_count(), std::vector<Columns>(sources_.size()));
     for (uint32_t vertex = 0; vertex < sources_.size(); ++vertex) {
-        const MeshSection& section = section_of(vertex);
-        const auto in_pose = [&](uint32_t pose) {
-            return blended_reference(character_, section, sources_[vertex] - section.first_vertex,
-                                     fine_.model_from_bind[pose]);
-        };
-        const AffineT<double> at_rest = in_pose(0);
+        const std::optional<AffineT<double>> bind_from_rest = inverse(model_from_bind(vertex, 0));
+        if (!bind_from_rest) continue;  // it stays where it is
         for (uint32_t pose = 0; pose < fine_.pose_count(); ++pose)
-            model_from_rest_[pose].push_back(linear_from_rest(in_pose(pose), at_rest));
+            model_from_rest_[pose][vertex] = linear_columns(
+                (model_from_bind(vertex, pose) * *bind_from_rest).as<float>());
     }
 }
 
@@ -99,10 +94,8 @@ void CoarseMesh::move(std::vector<Vec3<float>> shifts) {
 }
 
 Vec3<float> CoarseMesh::bind_position(uint32_t vertex) const {
-    const MeshSection& section = section_of(vertex);
     const Vec3<float> position = character_.vertices[sources_[vertex]].position;
-    const std::optional<AffineT<double>> bind_from_rest = inverse(
-        blended_reference(character_, section, sources_[vertex] - section.first_vertex, fine_.model_from_bind[0]));
+    const std::optional<AffineT<double>> bind_from_rest = inverse(model_from_bind(vertex, 0));
     if (!bind_from_rest) return position;
     return position + transform_vector(*bind_from_rest, shifts_[point_of_[vertex]].as<double>()).as<float>();
 }

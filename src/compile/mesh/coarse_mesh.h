@@ -58,7 +58,7 @@ public:
     Vec3<float> bind_position(uint32_t vertex) const;
 
 private:
-    const MeshSection& section_of(uint32_t vertex) const;
+    AffineT<double> model_from_bind(uint32_t vertex, uint32_t pose) const;
     void make_places();
     void make_matrices();
 
