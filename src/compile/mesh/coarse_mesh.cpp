@@ -5,7 +5,6 @@
 #include "skin/skin_reference.h"
 
 #include <algorithm>
-#include <cmath>
 #include <unordered_set>
 
 namespace throng {
