@@ -9,8 +9,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstring>
+#include <functional>
+#include <limits>
 #include <set>
+#include <utility>
 
 namespace throng::test {
 namespace {
@@ -20,6 +22,8 @@ Character creature_without_levels() {
                               {.lods = false});
 }
 
+constexpr uint32_t kPoses = 5;  // beside the rest pose
+
 // A character's mesh in poses, and every third triangle of it as the coarse mesh.
 struct Meshes {
     explicit Meshes(Character of = creature_without_levels()) : character(std::move(of)) {}
@@ -27,7 +31,7 @@ struct Meshes {
     Character character;
     std::vector<uint32_t> indices = joined(1), sparse = joined(3);
     ThreadPool threads{1};
-    PosedMesh fine{character, 3, indices, threads, {}};
+    PosedMesh fine{character, kPoses, indices, threads, {}};
     WeldedMesh welded{character, indices, fine.positions};
     CoarseMesh coarse{character, fine, welded, sparse};
 
@@ -48,55 +52,57 @@ struct Meshes {
 };
 
 float nearest_of_all(const Vec3<float>& place, std::span<const uint32_t> indices,
-                     std::span<const Vec3<float>> positions) {
+                     const std::function<Vec3<float>(uint32_t)>& position) {
     float nearest = std::numeric_limits<float>::infinity();
     for (size_t k = 0; k < indices.size(); k += 3)
-        nearest = std::min(nearest, squared_distance(place, {positions[indices[k]], positions[indices[k + 1]],
-                                                             positions[indices[k + 2]]}));
+        nearest = std::min(nearest, squared_distance(place, {position(indices[k]), position(indices[k + 1]),
+                                                             position(indices[k + 2])}));
     return std::sqrt(nearest);
 }
 
-// The distances of all places of both surfaces in a pose, ascending.
+// [places]: the distances of all places of both surfaces in a pose, by their numbers.
 std::vector<float> all_distances(const Meshes& of, uint32_t pose) {
+    const auto of_coarse = [&](uint32_t vertex) { return of.coarse.position(vertex, pose); };
+    const auto of_fine = [&](uint32_t vertex) { return of.fine.positions[pose][vertex]; };
     std::vector<float> distances;
-    for (const uint32_t vertex : std::set(of.indices.begin(), of.indices.end()))
+    for (uint32_t point = 0; point < of.welded.point_count(); ++point)
         distances.push_back(
-            nearest_of_all(of.fine.positions[pose][vertex], of.coarse.indices(), of.coarse.positions(pose)));
+            nearest_of_all(of.welded.places(point)[pose / kLanes].at(pose % kLanes), of.coarse.indices(), of_coarse));
     for (const CoarseMesh::Place& place : of.coarse.places())
-        distances.push_back(nearest_of_all(place.in(of.coarse.positions(pose)), of.indices, of.fine.positions[pose]));
-    std::ranges::sort(distances);
+        distances.push_back(nearest_of_all(of.coarse.position(place, pose), of.indices, of_fine));
     return distances;
 }
 
-TEST(SurfaceComparison, FindsTheLargestDistance) {
+TEST(SurfaceComparison, FindsTheLargestDistanceAndAllPairsNearItHoweverThePointsMove) {
     Meshes of;
-    float largest = 0;
-    for (uint32_t pose = 0; pose < of.fine.pose_count(); ++pose)
-        largest = std::max(largest, all_distances(of, pose).back());
-    EXPECT_GT(largest, 0.01f * of.character.size);
-    EXPECT_NEAR(SurfaceComparison(of.coarse, of.fine).largest_distance({}), largest, 1e-6f * of.character.size);
-}
-
-TEST(SurfaceComparison, FindsAllPairsBeyondADistanceHoweverThePointsMove) {
-    Meshes of;
-    SurfaceComparison comparison(of.coarse, of.fine);
+    ASSERT_GT(of.fine.pose_count(), kLanes) << "more than one group";
+    SurfaceComparison comparison(of.coarse);
     const float rounding = 1e-5f * of.character.size;
-    float distance = 0.3f * comparison.largest_distance({});
     Random random(3);
     for (const float moved : {0.0f, 0.001f, 0.01f, 0.1f, 0.0f}) {
         of.coarse.move(of.random_shifts(random, moved));
-        const std::vector<PlacePair> pairs = comparison.pairs_beyond(distance, {});
-        for (uint32_t pose = 0; pose < of.fine.pose_count(); ++pose) {
-            std::vector<float> wanted = all_distances(of, pose), found;
-            std::erase_if(wanted, [&](float one) { return one <= distance; });
-            for (const PlacePair& pair : pairs)
-                if (pair.pose == pose) found.push_back(length(pair.apart));
-            std::ranges::sort(found);
-            EXPECT_FALSE(wanted.empty());
-            ASSERT_EQ(found.size(), wanted.size()) << moved;
-            for (size_t i = 0; i < found.size(); ++i) ASSERT_NEAR(found[i], wanted[i], rounding) << moved;
+        std::vector<std::vector<float>> wanted;  // [poses][places]
+        for (uint32_t pose = 0; pose < of.fine.pose_count(); ++pose) wanted.push_back(all_distances(of, pose));
+        float largest = 0;
+        for (const std::vector<float>& in_pose : wanted) largest = std::max(largest, std::ranges::max(in_pose));
+        for (const float part : {0.3f, 0.8f}) {
+            const auto [found, pairs] = comparison.compare(part, {});
+            EXPECT_GT(found, 0.01f * of.character.size);
+            EXPECT_NEAR(found, largest, rounding);
+            std::set<std::pair<uint32_t, size_t>> known;
+            for (const PlacePair& pair : pairs) {
+                ASSERT_TRUE(known.emplace(pair.pose, pair.number).second) << "twice";
+                float furthest = 0;
+                for (const std::vector<float>& in_pose : wanted) furthest = std::max(furthest, in_pose[pair.number]);
+                const float apart = length(pair.apart);
+                ASSERT_GT(apart, part * found);
+                ASSERT_GE(apart, wanted[pair.pose][pair.number] - rounding);
+                ASSERT_LE(apart, std::min(1.1f * furthest, largest) + rounding);
+            }
+            for (uint32_t pose = 0; pose < of.fine.pose_count(); ++pose)
+                for (size_t number = 0; number < wanted[pose].size(); ++number)
+                    ASSERT_TRUE(wanted[pose][number] <= part * found + rounding || known.contains({pose, number}));
         }
-        distance *= 0.8f;
     }
 }
 
@@ -107,12 +113,12 @@ TEST(CoarseMesh, MovedPointsAreSkinnedLikeTheVerticesThatTheyComeFrom) {
     Character moved = of.character;
     for (uint32_t vertex = 0; vertex < of.coarse.sources().size(); ++vertex)
         moved.vertices[of.coarse.sources()[vertex]].position = of.coarse.bind_position(vertex);
-    const PosedMesh skinned(moved, 3, of.indices, of.threads, {});
+    const PosedMesh skinned(moved, kPoses, of.indices, of.threads, {});
     size_t moved_count = 0;
     for (uint32_t pose = 0; pose < of.fine.pose_count(); ++pose)
         for (uint32_t vertex = 0; vertex < of.coarse.sources().size(); ++vertex) {
             const Vec3<float> wanted = skinned.positions[pose][of.coarse.sources()[vertex]];
-            ASSERT_LE(length(of.coarse.positions(pose)[vertex] - wanted), 1e-5f * of.character.size);
+            ASSERT_LE(length(of.coarse.position(vertex, pose) - wanted), 1e-5f * of.character.size);
             moved_count += of.coarse.is_moved(vertex);
         }
     EXPECT_GT(moved_count, 0u);
@@ -145,23 +151,23 @@ TEST(FitVertices, ASurfaceThatLiesInsideIsMovedOutwards) {
     const PosedMesh fine(character, 0, indices, threads, {});
     const WeldedMesh welded(character, indices, fine.positions);
     CoarseMesh coarse(character, fine, welded, coarse_indices);
-    const float before = SurfaceComparison(coarse, fine).largest_distance({});
+    const float before = SurfaceComparison(coarse).compare(1, {}).largest;
     EXPECT_NEAR(before, 1 - std::cos(3.14159265f / 8), 2e-3f) << "the sagitta of an eighth";
-    const FittedLevel fitted = fit_vertices(coarse, fine, character, {});
+    FittedLevel fitted = fit_vertices(std::move(coarse), {});
     EXPECT_LE(fitted.error, 0.65f * before) << "half of it is the least";
-    EXPECT_NEAR(SurfaceComparison(coarse, fine).largest_distance({}), fitted.error, 1e-5f);
-    for (uint32_t vertex = 0; vertex < coarse.sources().size(); ++vertex) {
-        const Vec3<float> p = coarse.positions(0)[vertex];
+    EXPECT_NEAR(SurfaceComparison(fitted.mesh).compare(1, {}).largest, fitted.error, 1e-5f);
+    for (uint32_t vertex = 0; vertex < fitted.mesh.sources().size(); ++vertex) {
+        const Vec3<float> p = fitted.mesh.position(vertex, 0);
         EXPECT_GT(std::hypot(p.x, p.y), 1.0f);
     }
 }
 
 TEST(FitVertices, WhatIsAsCloseAsCanBeStaysInPlace) {
     Meshes of;
-    CoarseMesh same(of.character, of.fine, of.welded, of.indices);
-    const FittedLevel fitted = fit_vertices(same, of.fine, of.character, {});
+    const FittedLevel fitted = fit_vertices({of.character, of.fine, of.welded, of.indices}, {});
     EXPECT_LE(fitted.error, 1e-6f * of.character.size);
-    for (uint32_t vertex = 0; vertex < same.sources().size(); ++vertex) ASSERT_FALSE(same.is_moved(vertex));
+    for (uint32_t vertex = 0; vertex < fitted.mesh.sources().size(); ++vertex)
+        ASSERT_FALSE(fitted.mesh.is_moved(vertex));
 }
 
 }  // namespace

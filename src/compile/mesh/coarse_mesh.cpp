@@ -8,19 +8,9 @@
 #include <unordered_set>
 
 namespace throng {
-namespace {
-
-CoarseMesh::Columns linear_columns(const AffineT<float>& m) {
-    CoarseMesh::Columns columns;
-    for (size_t c = 0; c < 3; ++c) columns[c] = {m.row[0][c], m.row[1][c], m.row[2][c]};
-    return columns;
-}
-
-}  // namespace
-
 CoarseMesh::CoarseMesh(const Character& character, const PosedMesh& fine, const WeldedMesh& welded,
                        std::span<const uint32_t> indices)
-    : character_(character), fine_(fine) {
+    : character_(character), fine_(fine), welded_(welded), groups_(fine.groups()) {
     std::vector<uint32_t> vertex_of(character.vertices.size(), kNone), point_numbers(welded.point_count(), kNone);
     for (const uint32_t source : indices) {
         if (vertex_of[source] == kNone) {
@@ -38,11 +28,15 @@ CoarseMesh::CoarseMesh(const Character& character, const PosedMesh& fine, const 
         }
         indices_.push_back(vertex_of[source]);
     }
-    for (const std::vector<Vec3<float>>& in_pose : fine.positions) {
-        std::vector<Vec3<float>>& positions = positions_.emplace_back();
-        for (const uint32_t source : sources_) positions.push_back(in_pose[source]);
+    std::vector<Vec3<float>> rest_positions;
+    for (const uint32_t source : sources_) {
+        rest_positions.push_back(fine.positions[0][source]);
+        for (size_t group = 0; group < groups_; ++group)
+            of_sources_.push_back(in_four_poses(fine.positions, source, group));
     }
-    surface_ = TriangleIndex(indices_, positions_[0]);
+    positions_ = of_sources_;
+    surfaces_.assign(fine.pose_count(), TriangleIndex(indices_, rest_positions));
+    move_surfaces();
     make_places();
     make_matrices();
 }
@@ -51,7 +45,7 @@ void CoarseMesh::make_places() {
     constexpr float kThird = 1.0f / 3, kHalf = 0.5f;
     std::vector<bool> is_known(shifts_.size());  // [points]
     std::unordered_set<uint64_t> edges;          // pairs of points
-    for (const std::array<uint32_t, 3>& corners : surface_.corners()) {
+    for (const std::array<uint32_t, 3>& corners : surfaces_[0].corners()) {
         places_.push_back({corners, {kThird, kThird, kThird}});
         for (size_t k = 0; k < 3; ++k) {
             const uint32_t a = corners[k], b = corners[(k + 1) % 3];
@@ -70,26 +64,51 @@ AffineT<double> CoarseMesh::model_from_bind(uint32_t vertex, uint32_t pose) cons
 }
 
 void CoarseMesh::make_matrices() {
-    model_from_rest_.assign(fine_.pose_count(), std::vector<Columns>(sources_.size()));
+    model_from_rest_.resize(positions_.size());
     for (uint32_t vertex = 0; vertex < sources_.size(); ++vertex) {
         const std::optional<AffineT<double>> bind_from_rest = inverse(model_from_bind(vertex, 0));
         if (!bind_from_rest) continue;  // it stays where it is
-        for (uint32_t pose = 0; pose < fine_.pose_count(); ++pose)
-            model_from_rest_[pose][vertex] = linear_columns(
-                (model_from_bind(vertex, pose) * *bind_from_rest).as<float>());
+        for (uint32_t pose = 0; pose < fine_.pose_count(); ++pose) {
+            const AffineT<float> m = (model_from_bind(vertex, pose) * *bind_from_rest).as<float>();
+            Columns& columns = model_from_rest_[vertex * groups_ + pose / kLanes];
+            for (size_t c = 0; c < 3; ++c) columns[c].set(pose % kLanes, {m.row[0][c], m.row[1][c], m.row[2][c]});
+        }
     }
 }
 
 void CoarseMesh::move(std::vector<Vec3<float>> shifts) {
     shifts_ = std::move(shifts);
-    for (uint32_t pose = 0; pose < fine_.pose_count(); ++pose) {
-        for (uint32_t vertex = 0; vertex < sources_.size(); ++vertex) {
-            const Vec3<float>& shift = shifts_[point_of_[vertex]];
-            const auto& [x, y, z] = model_from_rest_[pose][vertex];
-            positions_[pose][vertex] = fine_.positions[pose][sources_[vertex]] + x * shift.x + y * shift.y +
-                                       z * shift.z;
+    for (size_t vertex = 0, at = 0; vertex < sources_.size(); ++vertex) {
+        const Vec3<float>& shift = shifts_[point_of_[vertex]];
+        for (size_t group = 0; group < groups_; ++group, ++at) {
+            const auto& [x, y, z] = model_from_rest_[at];
+            positions_[at] = of_sources_[at] + x * four(shift.x) + y * four(shift.y) + z * four(shift.z);
         }
     }
+}
+
+void CoarseMesh::move_surfaces() {
+    std::vector<Vec3<float>> positions(sources_.size());
+    for (uint32_t pose = 0; pose < surfaces_.size(); ++pose) {
+        for (uint32_t vertex = 0; vertex < sources_.size(); ++vertex) positions[vertex] = position(vertex, pose);
+        surfaces_[pose].move(positions);
+    }
+}
+
+Four3 CoarseMesh::position(const Place& place, size_t group) const {
+    Four3 sum = positions(place.vertices[0])[group] * four(place.weights[0]);
+    for (size_t k = 1; k < 3; ++k) sum = sum + positions(place.vertices[k])[group] * four(place.weights[k]);
+    return sum;
+}
+
+Vec3<float> CoarseMesh::position(const Place& place, uint32_t pose) const {
+    return position(place, size_t{pose / kLanes}).at(pose % kLanes);
+}
+
+Vec3<float> CoarseMesh::pull_at_rest(uint32_t vertex, uint32_t pose, const Vec3<float>& pull) const {
+    const auto& [x, y, z] = model_from_rest_[vertex * groups_ + pose / kLanes];
+    const size_t lane = pose % kLanes;
+    return {dot(x.at(lane), pull), dot(y.at(lane), pull), dot(z.at(lane), pull)};
 }
 
 Vec3<float> CoarseMesh::bind_position(uint32_t vertex) const {

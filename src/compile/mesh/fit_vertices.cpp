@@ -13,24 +13,26 @@ namespace {
 // Only places that are off by this part of the error are followed from step to step. kRounds times they are looked for
 // anew, since moving points brings others far off.
 constexpr float kFar = 0.5f;
-constexpr int kRounds = 3, kStepsOfRound = 4;
-constexpr float kStep = 0.5f;          // of the way: the places of a triangle pull at the same points
-constexpr float kHold = 0.5f;          // a weight that slows points which are hardly pulled at
+constexpr int kRounds = 3, kStepsOfRound = 3;
+constexpr float kStep = 0.4f;          // of the way: the places of a triangle pull at the same points
+constexpr float kHold = 1;             // a weight that slows points which are hardly pulled at
 constexpr float kWorthMoving = 0.95f;  // of the error before
+constexpr float kSame = 1e-6f;         // of the character's size: surfaces that are as close are the same
 
 class VertexFit {
 public:
-    VertexFit(CoarseMesh& mesh, const PosedMesh& fine, const Character& character, SurfaceComparison& comparison)
-        : mesh_(mesh), fine_(fine), character_(character), comparison_(comparison) {}
+    VertexFit(CoarseMesh& mesh, SurfaceComparison& comparison)
+        : mesh_(mesh), fine_(mesh.fine()), character_(mesh.character()), comparison_(comparison) {}
 
     // Returns the error of the result.
     float run(const Progress& progress) {
-        const float before = comparison_.largest_distance(progress);
-        float error = before, least = before;
+        float before = 0, least = 0;
         std::vector<Vec3<float>> best(mesh_.shifts().size());
         for (int round = 0; round <= kRounds; ++round) {
-            pairs_ = comparison_.pairs_beyond(kFar * error, progress);
-            error = std::max(kFar * error, largest_distance());
+            auto [error, pairs] = comparison_.compare(kFar, progress);
+            pairs_ = std::move(pairs);
+            if (round == 0) before = least = error;
+            if (least <= kSame * character_.size) break;
             if (error < least) {
                 least = error;
                 best.assign(mesh_.shifts().begin(), mesh_.shifts().end());
@@ -76,10 +78,8 @@ private:
             const float weight = weight_of(pair.apart, largest);
             for (size_t k = 0; k < 3; ++k) {
                 const float share = weight * pair.coarse.weights[k];
-                const auto& [x, y, z] = mesh_.model_from_rest(pair.pose, pair.coarse.vertices[k]);
-                const uint32_t point = mesh_.point_of(pair.coarse.vertices[k]);
-                pulls[point] = pulls[point] +
-                               Vec3<float>{dot(x, pair.apart), dot(y, pair.apart), dot(z, pair.apart)} * share;
+                const uint32_t vertex = pair.coarse.vertices[k], point = mesh_.point_of(vertex);
+                pulls[point] = pulls[point] + mesh_.pull_at_rest(vertex, pair.pose, pair.apart) * share;
                 weights[point] += share;
             }
         }
@@ -107,16 +107,16 @@ private:
     // Points of triangles that have turned over go back.
     void put_back_flipped() {
         std::vector<Vec3<float>> shifts(mesh_.shifts().begin(), mesh_.shifts().end());
-        const auto normal = [](const auto& positions, const std::array<uint32_t, 3>& corners) {
-            const Vec3<float> a = positions[corners[0]];
-            return cross(positions[corners[1]] - a, positions[corners[2]] - a);
-        };
-        const std::span<const uint32_t> indices = mesh_.indices(), sources = mesh_.sources();
+        const auto normal = [](const Triangle& of) { return cross(of[1] - of[0], of[2] - of[0]); };
+        const std::span<const uint32_t> indices = mesh_.indices();
         for (size_t i = 0; i < indices.size(); i += 3) {
-            const std::array corners{indices[i], indices[i + 1], indices[i + 2]};
-            const std::array of_fine{sources[corners[0]], sources[corners[1]], sources[corners[2]]};
-            if (dot(normal(mesh_.positions(0), corners), normal(fine_.positions[0], of_fine)) > 0) continue;
-            for (const uint32_t vertex : corners) shifts[mesh_.point_of(vertex)] = {};
+            Triangle now, before;
+            for (size_t k = 0; k < 3; ++k) {
+                now[k] = mesh_.position(indices[i + k], 0);
+                before[k] = fine_.positions[0][mesh_.sources()[indices[i + k]]];
+            }
+            if (dot(normal(now), normal(before)) > 0) continue;
+            for (size_t k = 0; k < 3; ++k) shifts[mesh_.point_of(indices[i + k])] = {};
         }
         mesh_.move(std::move(shifts));
     }
@@ -130,11 +130,10 @@ private:
 
 }  // namespace
 
-FittedLevel fit_vertices(CoarseMesh& mesh, const PosedMesh& fine, const Character& character,
-                         const Progress& progress) {
-    SurfaceComparison comparison(mesh, fine);
-    const float error = VertexFit(mesh, fine, character, comparison).run(progress);
-    return {error, comparison.steps()};
+FittedLevel fit_vertices(CoarseMesh mesh, const Progress& progress) {
+    SurfaceComparison comparison(mesh);
+    const float error = VertexFit(mesh, comparison).run(progress);
+    return {std::move(mesh), error, comparison.steps()};
 }
 
 }  // namespace throng

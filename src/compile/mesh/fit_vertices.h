@@ -7,6 +7,7 @@
 namespace throng {
 
 struct FittedLevel {
+    CoarseMesh mesh;
     float error = 0;     // the largest distance between the surfaces in any pose, model space
     uint64_t steps = 0;  // of the searches that measured it
 };
@@ -15,6 +16,6 @@ struct FittedLevel {
 // where the fine one is round, that is the inside. Moving the vertices by half of that, to the other side, halves the
 // error. Moves all points along the weighted mean of what they are off by, with weights so high a power of the distance
 // that the largest one counts. Keeps the vertices where they are if this gains little.
-FittedLevel fit_vertices(CoarseMesh& mesh, const PosedMesh& fine, const Character& character, const Progress& progress);
+FittedLevel fit_vertices(CoarseMesh mesh, const Progress& progress);
 
 }  // namespace throng

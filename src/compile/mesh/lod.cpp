@@ -16,7 +16,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <deque>
 #include <future>
 #include <limits>
 #include <utility>
@@ -90,9 +89,9 @@ std::vector<uint32_t> coarser(std::vector<uint32_t> decimated, size_t before, co
     return clustered.size() < decimated.size() && !clustered.empty() ? clustered : decimated;
 }
 
-// A level that is being fitted to the fine mesh, on a thread of its own, while coarser levels are made.
+// A level that is fitted to the fine mesh, on a thread of its own, while coarser levels are made.
 struct LevelInWork {
-    CoarseMesh mesh;
+    size_t index_count = 0;
     std::future<FittedLevel> fitted{};
 };
 
@@ -117,15 +116,15 @@ public:
             welded_, indices_, fine_.positions[0], wanted_,
             [&](std::vector<uint32_t> decimated) { return add_level(std::move(decimated)); },
             progress_.between(0, kDecimated));
-        std::vector<MeasuredLevel> measured;
+        std::vector<FittedLevel> fitted;
         uint64_t steps = 0;
         for (LevelInWork& level : levels_) {
             wait_for(level.fitted);
-            const FittedLevel fitted = level.fitted.get();
-            measured.push_back({&level.mesh, fitted.error + kRounding * character_.size});
-            steps += fitted.steps;
+            fitted.push_back(level.fitted.get());
+            fitted.back().error += kRounding * character_.size;
+            steps += fitted.back().steps;
         }
-        write_levels(measured, character_);
+        write_levels(fitted, character_);
         return steps;
     }
 
@@ -133,17 +132,16 @@ private:
     // Returns whether a coarser one may be worth keeping.
     bool add_level(std::vector<uint32_t> decimated) {
         progress_.poll();
-        const size_t before = levels_.empty() ? indices_.size() : levels_.back().mesh.indices().size();
+        const size_t before = levels_.empty() ? indices_.size() : levels_.back().index_count;
         if (before <= kMaxWithoutLevels) return false;
-        const std::vector<uint32_t> coarse = coarser(std::move(decimated), before, character_, fine_.positions[0],
-                                                     wanted_[levels_.size()]);
+        std::vector<uint32_t> coarse = coarser(std::move(decimated), before, character_, fine_.positions[0],
+                                               wanted_[levels_.size()]);
         // If every triangle of a mesh has two corners at one place, its levels have no triangles
         if (coarse.empty() || !are_markedly_fewer(coarse.size(), before)) return false;
-        LevelInWork& level = levels_.emplace_back(CoarseMesh(character_, fine_, welded_, coarse));
-        level.fitted = std::async([this, &level] {
-            const DefaultFloats floats;
-            return fit_vertices(level.mesh, fine_, character_, progress_);
-        });
+        levels_.push_back({coarse.size(), std::async([this, indices = std::move(coarse)] {
+                               const DefaultFloats floats;
+                               return fit_vertices({character_, fine_, welded_, indices}, progress_);
+                           })});
         return true;
     }
 
@@ -162,7 +160,7 @@ private:
     WeldedMesh welded_;
     std::vector<size_t> wanted_;  // [levels], indices
     // Destroyed first: the destructor of a future waits for its thread.
-    std::deque<LevelInWork> levels_;
+    std::vector<LevelInWork> levels_;
 };
 
 }  // namespace

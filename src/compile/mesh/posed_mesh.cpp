@@ -6,7 +6,16 @@
 #include "reference/sampled_poses.h"
 #include "skin/skin_reference.h"
 
+#include <algorithm>
+
 namespace throng {
+
+Four3 in_four_poses(std::span<const std::vector<Vec3<float>>> positions, uint32_t vertex, size_t group) {
+    Four3 places{};
+    for (size_t lane = 0; lane < kLanes; ++lane)
+        places.set(lane, positions[std::min(group * kLanes + lane, positions.size() - 1)][vertex]);
+    return places;
+}
 
 PosedMesh::PosedMesh(const Character& character, uint32_t pose_count, std::span<const uint32_t> indices,
                      ThreadPool& threads, const Progress& progress) {

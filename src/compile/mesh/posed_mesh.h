@@ -3,6 +3,7 @@
 
 #include "base/progress.h"
 #include "base/thread_pool.h"
+#include "compile/mesh/four_triangles.h"
 #include "compile/mesh/triangle_index.h"
 
 #include <throng/character.h>
@@ -13,6 +14,11 @@
 
 namespace throng {
 
+// Poses are looked at four at a time; the last one is repeated to fill its group.
+constexpr size_t groups_of_four(size_t poses) { return (poses + kLanes - 1) / kLanes; }
+// Where a vertex is in a group of poses. `positions` are [poses][vertices].
+Four3 in_four_poses(std::span<const std::vector<Vec3<float>>> positions, uint32_t vertex, size_t group);
+
 struct PosedMesh {
     // In the rest pose, and in `pose_count` poses of clips. Every three `indices`, vertices of the character, form a
     // triangle. `progress` is only polled.
@@ -20,6 +26,7 @@ struct PosedMesh {
               const Progress& progress);
 
     uint32_t pose_count() const { return static_cast<uint32_t>(positions.size()); }
+    size_t groups() const { return groups_of_four(positions.size()); }
 
     std::vector<std::vector<AffineT<double>>> model_from_bind;  // [poses][palette]
     std::vector<std::vector<Vec3<float>>> positions;            // [poses][vertices], model space

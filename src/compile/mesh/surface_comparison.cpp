@@ -3,137 +3,143 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 
 namespace throng {
 namespace {
 
 // The weights of a triangle's corners in its nearest point to p (C. Ericson, Real-Time Collision Detection, 2005,
-// 5.1.5).
-std::array<float, 3> nearest_weights(const Vec3<float>& p, const Vec3<float>& a, const Vec3<float>& b,
-                                     const Vec3<float>& c) {
-    const Vec3<float> ab = b - a, ac = c - a;
-    const float ab_a = dot(ab, p - a), ac_a = dot(ac, p - a), ab_b = dot(ab, p - b), ac_b = dot(ac, p - b),
-                ab_c = dot(ab, p - c), ac_c = dot(ac, p - c);
+// 5.1.5). In double precision, since triangles may be thin.
+std::array<double, 3> nearest_weights(const Vec3<double>& p, const Vec3<double>& a, const Vec3<double>& b,
+                                      const Vec3<double>& c) {
+    const Vec3<double> ab = b - a, ac = c - a;
+    const double ab_a = dot(ab, p - a), ac_a = dot(ac, p - a), ab_b = dot(ab, p - b), ac_b = dot(ac, p - b),
+                 ab_c = dot(ab, p - c), ac_c = dot(ac, p - c);
     if (ab_a <= 0 && ac_a <= 0) return {1, 0, 0};
     if (ab_b >= 0 && ac_b <= ab_b) return {0, 1, 0};
     if (ac_c >= 0 && ab_c <= ac_c) return {0, 0, 1};
-    const float of_a = ab_b * ac_c - ab_c * ac_b, of_b = ab_c * ac_a - ab_a * ac_c, of_c = ab_a * ac_b - ab_b * ac_a;
+    const double of_a = ab_b * ac_c - ab_c * ac_b, of_b = ab_c * ac_a - ab_a * ac_c, of_c = ab_a * ac_b - ab_b * ac_a;
     if (of_c <= 0 && ab_a >= 0 && ab_b <= 0) return {ab_b / (ab_b - ab_a), ab_a / (ab_a - ab_b), 0};
     if (of_b <= 0 && ac_a >= 0 && ac_c <= 0) return {ac_c / (ac_c - ac_a), 0, ac_a / (ac_a - ac_c)};
-    const float from_b = ac_b - ab_b, from_c = ab_c - ac_c;
+    const double from_b = ac_b - ab_b, from_c = ab_c - ac_c;
     if (of_a <= 0 && from_b >= 0 && from_c >= 0) return {0, from_c / (from_b + from_c), from_b / (from_b + from_c)};
-    const float sum = of_a + of_b + of_c;
+    const double sum = of_a + of_b + of_c;
     return {of_a / sum, of_b / sum, of_c / sum};
 }
 
-std::vector<uint32_t> distinct_vertices(const TriangleIndex& surface, size_t vertex_count) {
-    std::vector<bool> is_known(vertex_count);
-    std::vector<uint32_t> distinct;
-    for (const std::array<uint32_t, 3>& corners : surface.corners()) {
-        for (const uint32_t vertex : corners) {
-            if (is_known[vertex]) continue;
-            is_known[vertex] = true;
-            distinct.push_back(vertex);
-        }
-    }
-    return distinct;
-}
+// Of the largest distance of a place: where another pose is known to be no farther away than that, no nearer triangle
+// is searched for.
+constexpr float kAlmostNearest = 1.1f;
 
 }  // namespace
 
-SurfaceComparison::SurfaceComparison(CoarseMesh& coarse, const PosedMesh& fine)
+SurfaceComparison::SurfaceComparison(CoarseMesh& coarse)
     : coarse_(coarse),
-      fine_(fine),
-      fine_vertices_(distinct_vertices(fine.surfaces[0], fine.positions[0].size())),
-      near_(fine.pose_count(), std::vector<Near>(place_count())) {}
+      fine_(coarse.fine()),
+      welded_(coarse.welded()),
+      likely_(place_count(), kNone),
+      near_(fine_.pose_count()) {}
 
-Vec3<float> SurfaceComparison::place(size_t number, uint32_t pose) const {
-    return is_fine(number) ? fine_.positions[pose][fine_vertices_[number]]
-                           : coarse_.places()[number - fine_vertices_.size()].in(coarse_.positions(pose));
+Four3 SurfaceComparison::place(size_t number, size_t group) const {
+    return is_fine(number) ? welded_.places(static_cast<uint32_t>(number))[group]
+                           : coarse_.position(coarse_place(number), group);
 }
 
 const TriangleIndex& SurfaceComparison::other_surface(size_t number, uint32_t pose) const {
-    return is_fine(number) ? coarse_.surface() : fine_.surfaces[pose];
+    return is_fine(number) ? coarse_.surface(pose) : fine_.surfaces[pose];
 }
 
-// Returns the squared distance of a place, or any that is no larger than `near_enough`, also a squared distance.
-float SurfaceComparison::search(size_t number, uint32_t pose, float near_enough) {
-    Near& near = near_[pose][number];
-    const TriangleIndex::Nearest found =
-        other_surface(number, pose).nearest(place(number, pose), near_enough, near.triangle);
-    near = {found.triangle, std::sqrt(found.squared_distance)};
-    steps_ += found.steps;
-    return found.squared_distance;
-}
-
-float SurfaceComparison::largest_distance(const Progress& progress) {
-    float furthest = 0;  // squared
-    for (uint32_t pose = 0; pose < fine_.pose_count(); ++pose) {
-        coarse_.move_surface(pose);
-        std::vector<Near>& near = near_[pose];
-        for (size_t number = 0; number < near.size(); ++number) {
-            progress.poll_at(number);
-            // A guess: what was near it in the last pose, or near the neighbour
-            const bool is_first = number == 0 || is_fine(number) != is_fine(number - 1);
-            near[number].triangle = pose > 0   ? near_[pose - 1][number].triangle
-                                    : is_first ? 0
-                                               : near[number - 1].triangle;
-            furthest = std::max(furthest, search(number, pose, furthest));
-        }
-        note_movement(pose);
+SurfaceComparison::Result SurfaceComparison::compare(float part, const Progress& progress) {
+    coarse_.move_surfaces();
+    Result result;
+    largest_ = 0;
+    // First looks at some places, so that hardly any is farther away than what is known then
+    constexpr size_t kSome = 16;
+    for (size_t number = 0; number < place_count(); number += kSome) {
+        progress.poll_at(number);
+        look_at(number, part);
     }
-    return std::sqrt(furthest);
-}
-
-// Sets moved_by_, and begins anew.
-void SurfaceComparison::note_movement(uint32_t pose) {
-    const std::span<const Vec3<float>> now = coarse_.positions(pose);
-    known_.resize(fine_.pose_count());
-    known_[pose].resize(now.size());
-    moved_by_.resize(now.size());
-    for (size_t vertex = 0; vertex < now.size(); ++vertex) {
-        moved_by_[vertex] = length(now[vertex] - known_[pose][vertex]);
-        known_[pose][vertex] = now[vertex];
-    }
-}
-
-// By how much more a place may be away from what was near it: as far as the corners of its triangle have moved, or of
-// the triangle near it.
-float SurfaceComparison::movement(size_t number, const Near& near) const {
-    const std::array<uint32_t, 3>& corners = is_fine(number)
-                                                 ? coarse_.surface().corners()[near.triangle]
-                                                 : coarse_.places()[number - fine_vertices_.size()].vertices;
-    return std::max({moved_by_[corners[0]], moved_by_[corners[1]], moved_by_[corners[2]]});
-}
-
-std::vector<PlacePair> SurfaceComparison::pairs_beyond(float distance, const Progress& progress) {
-    std::vector<PlacePair> pairs;
-    for (uint32_t pose = 0; pose < fine_.pose_count(); ++pose) {
-        coarse_.move_surface(pose);
-        note_movement(pose);
-        for (size_t number = 0; number < near_[pose].size(); ++number) {
-            progress.poll_at(number);
-            Near& near = near_[pose][number];
-            near.distance += movement(number, near);
-            if (near.distance <= distance || !(search(number, pose, distance * distance) > distance * distance))
-                continue;
-            PlacePair& pair = pairs.emplace_back(PlacePair{.pose = pose, .number = number, .triangle = near.triangle});
-            if (!is_fine(number)) pair.coarse = coarse_.places()[number - fine_vertices_.size()];
+    for (size_t number = 0; number < place_count(); ++number) {
+        progress.poll_at(number);
+        look_at(number, part);
+        for (uint32_t pose = 0; pose < near_.size(); ++pose) {
+            if (near_[pose].squared_distance <= part * part * largest_) continue;
+            PlacePair& pair = result.pairs.emplace_back(
+                PlacePair{.pose = pose, .number = number, .triangle = near_[pose].triangle});
+            if (!is_fine(number)) pair.coarse = coarse_place(number);
             update(pair);
         }
     }
-    return pairs;
+    result.largest = std::sqrt(largest_);
+    std::erase_if(result.pairs, [&](const PlacePair& pair) { return length(pair.apart) <= part * result.largest; });
+    return result;
+}
+
+// Sets near_.
+void SurfaceComparison::look_at(size_t number, float part) {
+    // A guess: what was near the neighbour
+    uint32_t& likely = likely_[number];
+    if (likely == kNone) likely = number == 0 || is_fine(number) != is_fine(number - 1) ? 0 : likely_[number - 1];
+    if (likely == kNone) likely = 0;
+    near_.assign(near_.size(), {.squared_distance = std::numeric_limits<float>::infinity()});
+    try_triangle(number, likely);
+    float furthest = 0;  // squared, of the poses that have been searched
+    while (true) {
+        uint32_t pose = kNone;
+        for (uint32_t other = 0; other < near_.size(); ++other)
+            if (!near_[other].is_nearest &&
+                (pose == kNone || near_[other].squared_distance > near_[pose].squared_distance))
+                pose = other;
+        if (pose == kNone) return;
+        const float distance = near_[pose].squared_distance, near_enough = part * part * largest_;
+        if (distance <= near_enough) return;
+        if (distance <= largest_ && distance <= kAlmostNearest * kAlmostNearest * furthest) return;
+        search(number, pose, near_enough);
+        if (near_[pose].squared_distance > near_enough) furthest = std::max(furthest, near_[pose].squared_distance);
+        largest_ = std::max(largest_, near_[pose].squared_distance);
+        if (near_[pose].triangle == likely) continue;
+        likely = near_[pose].triangle;
+        try_triangle(number, likely);
+    }
+}
+
+void SurfaceComparison::try_triangle(size_t number, uint32_t triangle) {
+    const std::array<uint32_t, 3>& corners = other_surface(number, 0).corners()[triangle];
+    std::array<const Four3*, 3> in_poses;
+    for (size_t k = 0; k < 3; ++k)
+        in_poses[k] = is_fine(number) ? coarse_.positions(corners[k]) : welded_.places(welded_.point_of(corners[k]));
+    for (uint32_t pose = 0; pose < near_.size(); pose += kLanes) {
+        const size_t group = pose / kLanes;
+        const Four distances = squared_distances(place(number, group), in_poses[0][group], in_poses[1][group],
+                                                 in_poses[2][group]);
+        for (uint32_t lane = 0; lane < kLanes && pose + lane < near_.size(); ++lane)
+            if (Near& near = near_[pose + lane]; !near.is_nearest && distances[lane] < near.squared_distance)
+                near = {triangle, distances[lane], false};
+    }
+}
+
+// Finds the nearest triangle, or any that is near enough, a squared distance.
+void SurfaceComparison::search(size_t number, uint32_t pose, float near_enough) {
+    const TriangleIndex::Nearest found = other_surface(number, pose)
+                                             .nearest(place(number, pose / kLanes).at(pose % kLanes), near_enough,
+                                                      near_[pose].triangle);
+    near_[pose] = {found.triangle, found.squared_distance, true};
+    steps_ += found.steps;
 }
 
 void SurfaceComparison::update(PlacePair& pair) const {
     const std::array<uint32_t, 3>& corners = other_surface(pair.number, pair.pose).corners()[pair.triangle];
-    const std::span<const Vec3<float>> positions = is_fine(pair.number) ? coarse_.positions(pair.pose)
-                                                                        : fine_.positions[pair.pose];
-    const Vec3<float> from = place(pair.number, pair.pose);
-    const CoarseMesh::Place nearest{
-        corners, nearest_weights(from, positions[corners[0]], positions[corners[1]], positions[corners[2]])};
-    const Vec3<float> way = nearest.in(positions)-from;
-    if (is_fine(pair.number)) pair.coarse = nearest;
+    std::array<Vec3<float>, 3> triangle;
+    for (size_t k = 0; k < 3; ++k)
+        triangle[k] = is_fine(pair.number) ? coarse_.position(corners[k], pair.pose)
+                                           : fine_.positions[pair.pose][corners[k]];
+    const Vec3<float> from = place(pair.number, pair.pose / kLanes).at(pair.pose % kLanes);
+    const std::array<double, 3> exact = nearest_weights(from.as<double>(), triangle[0].as<double>(),
+                                                        triangle[1].as<double>(), triangle[2].as<double>());
+    std::array<float, 3> weights;
+    for (size_t k = 0; k < 3; ++k) weights[k] = static_cast<float>(exact[k]);
+    const Vec3<float> way = triangle[0] * weights[0] + triangle[1] * weights[1] + triangle[2] * weights[2] - from;
+    if (is_fine(pair.number)) pair.coarse = {corners, weights};
     pair.apart = is_fine(pair.number) ? way * -1.0f : way;
 }
 

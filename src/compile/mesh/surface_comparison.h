@@ -4,10 +4,10 @@
 #include "base/progress.h"
 #include "compile/mesh/coarse_mesh.h"
 #include "compile/mesh/posed_mesh.h"
+#include "compile/mesh/welded_mesh.h"
 
 #include <cstddef>
 #include <cstdint>
-#include <span>
 #include <vector>
 
 namespace throng {
@@ -25,41 +25,46 @@ struct PlacePair {
 // to all vertices of the other and still span a gap between them.
 class SurfaceComparison {
 public:
-    // Keeps the references. `coarse` may be moved between the calls.
-    SurfaceComparison(CoarseMesh& coarse, const PosedMesh& fine);
+    // Keeps the reference. `coarse` may be moved between the calls.
+    explicit SurfaceComparison(CoarseMesh& coarse);
 
-    // The largest distance of any place, model space.
-    float largest_distance(const Progress& progress);
-    // The places that are farther away than `distance`, ordered by pose. Goes quickly over places that were near enough
-    // before and around which the coarse mesh has hardly moved; largest_distance() must have run.
-    std::vector<PlacePair> pairs_beyond(float distance, const Progress& progress);
+    struct Result {
+        float largest = 0;             // the largest distance of any place in any pose, model space: exact
+        std::vector<PlacePair> pairs;  // places that are farther away than a part of that, ordered by their numbers
+    };
+    // A pair's triangle may be one that is slightly farther away than the nearest, if it is near in another pose.
+    Result compare(float part, const Progress& progress);
     // After the coarse mesh has moved a little: finds the nearest place anew, in the same triangle.
     void update(PlacePair& pair) const;
 
     uint64_t steps() const { return steps_; }  // of the searches
 
 private:
-    // A triangle of the other surface that was near a place, and an upper bound of the place's distance from it.
+    // What is known of a place in a pose: a triangle near it, and the squared distance from there.
     struct Near {
-        uint32_t triangle = kNone;
-        float distance = 0;
+        uint32_t triangle = 0;
+        float squared_distance = 0;
+        bool is_nearest = false;
     };
 
-    // Numbers of places: first those of the fine mesh, its vertices, then CoarseMesh::places().
-    bool is_fine(size_t number) const { return number < fine_vertices_.size(); }
-    size_t place_count() const { return fine_vertices_.size() + coarse_.places().size(); }
-    Vec3<float> place(size_t number, uint32_t pose) const;
+    // Numbers of places: first those of the fine mesh, its points, then CoarseMesh::places().
+    bool is_fine(size_t number) const { return number < welded_.point_count(); }
+    size_t place_count() const { return welded_.point_count() + coarse_.places().size(); }
+    const CoarseMesh::Place& coarse_place(size_t number) const {
+        return coarse_.places()[number - welded_.point_count()];
+    }
+    Four3 place(size_t number, size_t group) const;
     const TriangleIndex& other_surface(size_t number, uint32_t pose) const;
-    float search(size_t number, uint32_t pose, float near_enough);
-    void note_movement(uint32_t pose);
-    float movement(size_t number, const Near& near) const;
+    void look_at(size_t number, float part);
+    void try_triangle(size_t number, uint32_t triangle);
+    void search(size_t number, uint32_t pose, float near_enough);
 
     CoarseMesh& coarse_;
     const PosedMesh& fine_;
-    std::vector<uint32_t> fine_vertices_;          // distinct; neighbours follow one another
-    std::vector<std::vector<Near>> near_;          // [poses][places]
-    std::vector<std::vector<Vec3<float>>> known_;  // [poses][vertices of coarse_]: positions that near_ holds for
-    std::vector<float> moved_by_;                  // [vertices of coarse_], since then, in the current pose
+    const WeldedMesh& welded_;
+    std::vector<uint32_t> likely_;  // [places]: a triangle that was near before
+    std::vector<Near> near_;        // [poses], of the place that is looked at
+    float largest_ = 0;             // squared, as far as is known
     uint64_t steps_ = 0;
 };
 

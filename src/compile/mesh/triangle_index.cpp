@@ -39,8 +39,10 @@ double squared_distance_from_thin(const Vec3<double>& p, const Vec3<double>& a, 
     return is_above ? height * height / squared : nearest;
 }
 
-// Floats cannot tell where the normal of a thin triangle points, so thin ones are measured in double precision.
+}  // namespace
+
 Four squared_distances(const Four3& p, const Four3& a, const Four3& b, const Four3& c) {
+    // Floats cannot tell where the normal of a thin triangle points: thin ones are measured in double precision
     constexpr float kThin = 1e-4f;
     const FourTriangles triangles(a, b, c);
     Four distances = triangles.squared_distance(p);
@@ -53,8 +55,6 @@ Four squared_distances(const Four3& p, const Four3& a, const Four3& b, const Fou
     }
     return higher(distances, squared_distance_from_box(p, lower(lower(a, b), c), higher(higher(a, b), c)));
 }
-
-}  // namespace
 
 float squared_distance(const Vec3<float>& p, const Triangle& t) {
     return squared_distances(four(p), four(t[0]), four(t[1]), four(t[2]))[0];

@@ -18,6 +18,8 @@ using Triangle = std::array<Vec3<float>, 3>;
 // The squared distance of a point from a triangle, which may be degenerate: a line or a point. Despite rounding it is
 // never below the squared distance from the triangle's box, so a search by boxes cannot miss the nearest triangle.
 float squared_distance(const Vec3<float>& p, const Triangle& triangle);
+// The same for four points and four triangles.
+Four squared_distances(const Four3& p, const Four3& a, const Four3& b, const Four3& c);
 
 // A balanced tree of bounding boxes over a mesh, with up to four children per node. If the mesh moves, the boxes are
 // refitted and the tree keeps its shape.

@@ -1,6 +1,7 @@
 #include "compile/mesh/welded_mesh.h"
 
 #include "base/count.h"
+#include "compile/mesh/posed_mesh.h"
 
 #include <algorithm>
 #include <bit>
@@ -12,7 +13,7 @@
 namespace throng {
 namespace {
 
-constexpr float kClose = 1e-6f;  // of the character's size: the vertices of a point stay this close in all poses
+constexpr float kClose = 5e-7f;  // of the character's size: the vertices of a point stay this close in all poses
 
 // Union-find with path halving (R. E. Tarjan and J. van Leeuwen, Worst-case Analysis of Set Union Algorithms, 1984).
 uint32_t root_of(std::vector<uint32_t>& sets, uint32_t member) {
@@ -94,7 +95,7 @@ void find_firsts(std::span<const uint32_t> vertices, std::span<const std::vector
 
 WeldedMesh::WeldedMesh(const Character& character, std::span<const uint32_t> indices,
                        std::span<const std::vector<Vec3<float>>> positions, const Progress& progress)
-    : character_(character), groups_((positions.size() + kLanes - 1) / kLanes) {
+    : character_(character), groups_(groups_of_four(positions.size())) {
     for (uint32_t section = 0; section < character.sections.size(); ++section)
         section_of_.insert(section_of_.end(), character.sections[section].vertex_count, section);
     weld(indices, positions, kClose * character.size, progress);
@@ -108,16 +109,9 @@ WeldedMesh::WeldedMesh(const Character& character, std::span<const uint32_t> ind
         if (a != b && b != c && c != a) faces_.push_back(face);
     }
     make_charts();
-    for (const std::vector<uint32_t>& vertices : vertices_of_) {
-        for (size_t group = 0; group < groups_; ++group) {
-            Four3 places{};
-            for (size_t lane = 0; lane < kLanes; ++lane) {
-                const size_t pose = std::min(group * kLanes + lane, positions.size() - 1);
-                places.set(lane, positions[pose][vertices[0]]);
-            }
-            places_.push_back(places);
-        }
-    }
+    for (const std::vector<uint32_t>& vertices : vertices_of_)
+        for (size_t group = 0; group < groups_; ++group)
+            places_.push_back(in_four_poses(positions, vertices[0], group));
 }
 
 // Numbers the points in the order in which the triangles use them, so that neighbours are close in memory.

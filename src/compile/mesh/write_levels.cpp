@@ -28,8 +28,8 @@ struct LevelVertices {
 
 class LevelWriter {
 public:
-    LevelWriter(std::span<const MeasuredLevel> levels, Character& character) : levels_(levels), character_(character) {
-        for (const MeasuredLevel& level : levels) of_levels_.emplace_back(*level.mesh);
+    LevelWriter(std::span<const FittedLevel> levels, Character& character) : levels_(levels), character_(character) {
+        for (const FittedLevel& level : levels) of_levels_.emplace_back(level.mesh);
     }
 
     void run() {
@@ -88,7 +88,7 @@ private:
         }
     }
 
-    std::span<const MeasuredLevel> levels_;
+    std::span<const FittedLevel> levels_;
     Character& character_;
     std::vector<LevelVertices> of_levels_;
     std::vector<Vertex> vertices_;
@@ -97,6 +97,6 @@ private:
 
 }  // namespace
 
-void write_levels(std::span<const MeasuredLevel> levels, Character& character) { LevelWriter(levels, character).run(); }
+void write_levels(std::span<const FittedLevel> levels, Character& character) { LevelWriter(levels, character).run(); }
 
 }  // namespace throng
