@@ -27,6 +27,8 @@
 
 #include <algorithm>
 #include <limits>
+#include <optional>
+#include <span>
 
 namespace throng {
 namespace {
@@ -54,9 +56,26 @@ void measure(Character& character) {
 
 // Rough share of the work that is done after each step of compiling an asset; kLoaded: after load_character() has
 // imported it.
-constexpr double kMeshCompiled = 0.05, kClipsRead = 0.1, kRootMotionExtracted = 0.15, kClipsPacked = 0.7,
-                 kLodsMade = 0.95;
+constexpr double kMeshCompiled = 0.05, kClipsRead = 0.1, kRootMotionExtracted = 0.15, kLodsMade = 0.6,
+                 kClipsPacked = 0.95;
 constexpr double kLoaded = 0.1;
+
+// Clips are packed while levels of detail are made.
+void write_clips_and_lods(std::span<const ExactClip> clips, const CompileSettings& settings, Character& character,
+                          const Progress& progress) {
+    std::vector<MeshPose> poses;
+    if (settings.lods)
+        poses = mesh_poses(character, kLodPoses, [&](const SampledPose& pose) {
+            return sample_exact(clips[pose.clip], character.rig, pose.time_s);
+        });
+    std::optional<ClipPacking> packing;
+    if (settings.error > 0)
+        packing.emplace(clips, settings.error, character, progress.between(kLodsMade, kClipsPacked));
+    else
+        write_exact(clips, character);
+    if (settings.lods) make_lods(character, poses, progress.between(kRootMotionExtracted, kLodsMade));
+    if (packing) packing->finish();
+}
 
 Result<Character> compile(const Asset& asset, const CompileSettings& settings, const Progress& progress) {
     return as_result(
@@ -77,17 +96,12 @@ Result<Character> compile(const Asset& asset, const CompileSettings& settings, c
             if (!settings.root_motion_joint.empty())
                 extract_root_motion(clips, settings.root_motion_joint, character,
                                     progress.between(kClipsRead, kRootMotionExtracted));
-            if (settings.error > 0)
-                pack_clips(clips, settings.error, character, progress.between(kRootMotionExtracted, kClipsPacked));
-            else
-                write_exact(clips, character);
-            character.rig.uniform_scale = has_uniform_scale(character);
+            for (const ExactClip& clip : clips) character.clips.push_back(clip.facts);
             compile_morph_tracks(asset, character, progress);
-            if (settings.lods) {
-                make_lods(character, progress.between(kClipsPacked, kLodsMade));
-                make_joint_lods(character, progress);
-            }
-            measure_clips(character, progress.between(kLodsMade, 1));
+            write_clips_and_lods(clips, settings, character, progress);
+            character.rig.uniform_scale = has_uniform_scale(character);
+            if (settings.lods) make_joint_lods(character, progress);
+            measure_clips(character, progress.between(kClipsPacked, 1));
             file::visit_strings(character, [](std::string& text) { text = printable(text, std::string::npos); });
             // Catches, for example, numbers so large that results computed from them are not finite
             check_character(character, asset.name, ErrorCode::kInvalidFile);

@@ -86,7 +86,7 @@ TEST(SurfaceComparison, FindsTheLargestDistanceAndAllPairsNearItHoweverThePoints
         float largest = 0;
         for (const std::vector<float>& in_pose : wanted) largest = std::max(largest, std::ranges::max(in_pose));
         for (const float part : {0.3f, 0.8f}) {
-            const auto [found, pairs] = comparison.compare(part, {});
+            const auto [found, pairs] = comparison.compare(part, 0, {});
             EXPECT_GT(found, 0.01f * of.character.size);
             EXPECT_NEAR(found, largest, rounding);
             std::set<std::pair<uint32_t, size_t>> known;
@@ -151,11 +151,11 @@ TEST(FitVertices, ASurfaceThatLiesInsideIsMovedOutwards) {
     const PosedMesh fine(character, 0, indices, threads, {});
     const WeldedMesh welded(character, indices, fine.positions);
     CoarseMesh coarse(character, fine, welded, coarse_indices);
-    const float before = SurfaceComparison(coarse).compare(1, {}).largest;
+    const float before = SurfaceComparison(coarse).compare(1, 0, {}).largest;
     EXPECT_NEAR(before, 1 - std::cos(3.14159265f / 8), 2e-3f) << "the sagitta of an eighth";
     FittedLevel fitted = fit_vertices(std::move(coarse), {});
     EXPECT_LE(fitted.error, 0.65f * before) << "half of it is the least";
-    EXPECT_NEAR(SurfaceComparison(fitted.mesh).compare(1, {}).largest, fitted.error, 1e-5f);
+    EXPECT_NEAR(SurfaceComparison(fitted.mesh).compare(1, 0, {}).largest, fitted.error, 1e-5f);
     for (uint32_t vertex = 0; vertex < fitted.mesh.sources().size(); ++vertex) {
         const Vec3<float> p = fitted.mesh.position(vertex, 0);
         EXPECT_GT(std::hypot(p.x, p.y), 1.0f);

@@ -67,10 +67,11 @@ uint64_t key_count(const ExactClip& clip, size_t row_count) {
     return count;
 }
 
-Clip& append_clip(const ExactClip& from, std::span<const float> times_s, uint64_t size_bytes, Character& character) {
+Clip& complete_clip(uint32_t index, const ExactClip& from, std::span<const float> times_s, uint64_t size_bytes,
+                    Character& character) {
     constexpr uint64_t kRawPose_bytes = 10 * sizeof(float);  // rotation, translation, scale
     const uint64_t joint_count = character.rig.joint_count();
-    Clip& clip = character.clips.emplace_back(from.facts);
+    Clip& clip = character.clips[index];
     clip.first_time = static_cast<uint32_t>(character.times_s.size());
     clip.row_count = static_cast<uint32_t>(times_s.size());
     clip.size_bytes = size_bytes + times_s.size() * sizeof(float) + joint_count * sizeof(JointTracks) +
@@ -92,12 +93,14 @@ void write_exact(std::span<const ExactClip> clips, Character& character) {
             character.keys.push_back(key_of(component(character.rig.rest[joint].as<double>(), target)));
         }
     character.tracks.reserve((clips.size() + 1) * joint_count);
-    for (const ExactClip& clip : clips) {
+    for (uint32_t index = 0; index < clips.size(); ++index) {
+        const ExactClip& clip = clips[index];
         const size_t keys_before = character.keys.size();
         auto& tracks = character.tracks;
         tracks.insert(tracks.end(), rest_tracks.begin(), rest_tracks.end());
         write_keys(clip, std::span(tracks).last(joint_count), character);
-        Clip& written = append_clip(clip, clip.times_s, (character.keys.size() - keys_before) * kKey_bytes, character);
+        Clip& written = complete_clip(index, clip, clip.times_s, (character.keys.size() - keys_before) * kKey_bytes,
+                                      character);
         written.row_stride = written.animated_track_count = static_cast<uint32_t>(
             std::ranges::count_if(clip.tracks, &ExactTrack::varies));
     }

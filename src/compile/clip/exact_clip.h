@@ -24,7 +24,7 @@ struct ExactTrack {
 };
 
 struct ExactClip {
-    Clip facts{};                       // name, duration and counts; the writers fill in the rest
+    Clip facts{};                       // name, duration and counts; the writers complete the character's copy
     std::vector<float> times_s{};       // [row_count], ascending
     std::vector<ExactTrack> tracks{};   // what has no track stays in the rest pose
     std::vector<TrackKey> root_rows{};  // as Character::root_rows
@@ -56,11 +56,12 @@ inline constexpr uint64_t kKey_bytes = sizeof(TrackKey);
 // The number of the clip's keys if it has `row_count` rows. (The rest pose has 3 keys per joint.)
 uint64_t key_count(const ExactClip& clip, size_t row_count);
 
-// Appends the clip's times (of exact rows or those that packing keeps), root rows and record to the character. Its keys
-// take `size_bytes`.
-Clip& append_clip(const ExactClip& clip, std::span<const float> times_s, uint64_t size_bytes, Character& character);
+// Appends times (of exact rows or those that packing keeps) and the clip's root rows to the character, and completes
+// its record in there. Its keys take `size_bytes`.
+Clip& complete_clip(uint32_t index, const ExactClip& clip, std::span<const float> times_s, uint64_t size_bytes,
+                    Character& character);
 
-// Fills clips, times_s, keys, root_rows and tracks of the character. Keys: constants of a clip, then its rows, each in
+// Fills times_s, keys, root_rows and tracks of the character, and completes its clips. Keys: constants of a clip, then its rows, each in
 // the order of its tracks.
 void write_exact(std::span<const ExactClip> clips, Character& character);
 

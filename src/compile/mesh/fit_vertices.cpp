@@ -17,7 +17,9 @@ constexpr int kRounds = 3, kStepsOfRound = 3;
 constexpr float kStep = 0.4f;          // of the way: the places of a triangle pull at the same points
 constexpr float kHold = 1;             // a weight that slows points which are hardly pulled at
 constexpr float kWorthMoving = 0.95f;  // of the error before
-constexpr float kSame = 1e-6f;         // of the character's size: surfaces that are as close are the same
+// Of the character's size. Levels that are as close are shown instead of the fine mesh where a character is hundreds of
+// pixels tall, as few of a crowd are: for these, copies of vertices are not worth their memory.
+constexpr float kSmall = 2.5e-3f;
 
 class VertexFit {
 public:
@@ -29,10 +31,10 @@ public:
         float before = 0, least = 0;
         std::vector<Vec3<float>> best(mesh_.shifts().size());
         for (int round = 0; round <= kRounds; ++round) {
-            auto [error, pairs] = comparison_.compare(kFar, progress);
+            auto [error, pairs] = comparison_.compare(kFar, kSmall * character_.size, progress);
             pairs_ = std::move(pairs);
             if (round == 0) before = least = error;
-            if (least <= kSame * character_.size) break;
+            if (least <= kSmall * character_.size) break;
             if (error < least) {
                 least = error;
                 best.assign(mesh_.shifts().begin(), mesh_.shifts().end());

@@ -27,7 +27,6 @@ constexpr size_t kMaxWithoutLevels = 64 * 3;  // indices: coarser levels of a me
 constexpr double kShare = 1.0 / 3;            // level n aims at kShare^n of the mesh's triangles
 constexpr double kWorthwhile = 0.8;           // a level with more than this share of the previous one's ends the levels
 constexpr double kAlmost = 1.25;              // of the triangles wanted: clustering meets a number only roughly
-constexpr uint32_t kPoses = 7;                // of all clips together, beside the rest pose, to measure errors in
 constexpr double kDecimated = 0.9;            // part of the work; the rest is fitting the last level
 constexpr float kRounding = 1e-6f;            // of the character's size: how exactly errors are known
 
@@ -98,12 +97,12 @@ struct LevelInWork {
 // Makes levels as long as triangles become markedly fewer.
 class LevelMaker {
 public:
-    LevelMaker(Character& character, const Progress& progress)
+    LevelMaker(Character& character, std::span<const MeshPose> poses, const Progress& progress)
         : character_(character),
           progress_(progress),
-          threads_(std::min(kPoses, processor_threads())),
+          threads_(std::min(count_of(poses), processor_threads())),
           indices_(joined_indices(character)),
-          fine_(character, kPoses, indices_, threads_, progress),
+          fine_(character, poses, indices_, threads_, progress),
           welded_(character, indices_, fine_.positions, progress) {}
 
     uint64_t run() {
@@ -165,9 +164,9 @@ private:
 
 }  // namespace
 
-uint64_t make_lods(Character& character, const Progress& progress) {
+uint64_t make_lods(Character& character, std::span<const MeshPose> poses, const Progress& progress) {
     if (character.indices.size() <= kMaxWithoutLevels) return 0;
-    return LevelMaker(character, progress).run();
+    return LevelMaker(character, poses, progress).run();
 }
 
 }  // namespace throng

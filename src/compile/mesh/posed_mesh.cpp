@@ -2,8 +2,6 @@
 
 #include "base/count.h"
 #include "bind/bind_reference.h"
-#include "morph/morph_reference.h"
-#include "reference/sampled_poses.h"
 #include "skin/skin_reference.h"
 
 #include <algorithm>
@@ -17,18 +15,25 @@ Four3 in_four_poses(std::span<const std::vector<Vec3<float>>> positions, uint32_
     return places;
 }
 
-PosedMesh::PosedMesh(const Character& character, uint32_t pose_count, std::span<const uint32_t> indices,
+std::vector<MeshPose> mesh_poses(const Character& character, uint32_t count, const ClipSampler& sample) {
+    std::vector<MeshPose> poses;
+    for (const SampledPose& of : sampled_poses(character, count)) {
+        const std::vector<MorphLayer> layers{{.active_clips = {{.clip = of.clip, .time_s = of.time_s}}}};
+        poses.push_back({of.clip < character.clips.size() ? model_from_joint_of(character.rig, sample(of))
+                                                          : rest_model_from_joint(character.rig),
+                         active_morphs_reference(morphs_reference(character, layers))});
+    }
+    return poses;
+}
+
+PosedMesh::PosedMesh(const Character& character, std::span<const MeshPose> poses, std::span<const uint32_t> indices,
                      ThreadPool& threads, const Progress& progress) {
-    const std::vector<SampledPose> poses = sampled_poses(character, pose_count);
     model_from_bind.resize(poses.size());
     positions.resize(poses.size());
     for_each_job(threads, count_of(poses), [&](uint32_t pose) {
         progress.poll();
-        const auto& [clip, time_s] = poses[pose];
-        const std::vector<MorphLayer> layers{{.active_clips = {{.clip = clip, .time_s = time_s}}}};
-        const std::vector<WeightedMorph> morphs = active_morphs_reference(morphs_reference(character, layers));
-        model_from_bind[pose] = bind_reference(character.palette, model_from_joint_of(character, poses[pose]));
-        for (const Vec3<double>& p : skin_reference(character, model_from_bind[pose], morphs))
+        model_from_bind[pose] = bind_reference(character.palette, poses[pose].model_from_joint);
+        for (const Vec3<double>& p : skin_reference(character, model_from_bind[pose], poses[pose].morphs))
             positions[pose].push_back(p.as<float>());
     });
     surfaces.assign(poses.size(), TriangleIndex(indices, positions[0]));

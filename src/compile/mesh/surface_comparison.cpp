@@ -49,21 +49,21 @@ const TriangleIndex& SurfaceComparison::other_surface(size_t number, uint32_t po
     return is_fine(number) ? coarse_.surface(pose) : fine_.surfaces[pose];
 }
 
-SurfaceComparison::Result SurfaceComparison::compare(float part, const Progress& progress) {
+SurfaceComparison::Result SurfaceComparison::compare(float part, float least, const Progress& progress) {
     coarse_.move_surfaces();
     Result result;
-    largest_ = 0;
+    part_ = part * part, least_ = least * least, largest_ = 0;
     // First looks at some places, so that hardly any is farther away than what is known then
     constexpr size_t kSome = 16;
     for (size_t number = 0; number < place_count(); number += kSome) {
         progress.poll_at(number);
-        look_at(number, part);
+        look_at(number);
     }
     for (size_t number = 0; number < place_count(); ++number) {
         progress.poll_at(number);
-        look_at(number, part);
+        look_at(number);
         for (uint32_t pose = 0; pose < near_.size(); ++pose) {
-            if (near_[pose].squared_distance <= part * part * largest_) continue;
+            if (near_[pose].squared_distance <= std::max(part_ * largest_, least_)) continue;
             PlacePair& pair = result.pairs.emplace_back(
                 PlacePair{.pose = pose, .number = number, .triangle = near_[pose].triangle});
             if (!is_fine(number)) pair.coarse = coarse_place(number);
@@ -71,12 +71,16 @@ SurfaceComparison::Result SurfaceComparison::compare(float part, const Progress&
         }
     }
     result.largest = std::sqrt(largest_);
-    std::erase_if(result.pairs, [&](const PlacePair& pair) { return length(pair.apart) <= part * result.largest; });
+    const float far = std::max(part * result.largest, least);
+    std::erase_if(result.pairs, [&](const PlacePair& pair) { return length(pair.apart) <= far; });
     return result;
 }
 
+// The squared distance of places that are neither the furthest nor in a pair.
+float SurfaceComparison::near_enough() const { return std::max(part_ * largest_, std::min(least_, largest_)); }
+
 // Sets near_.
-void SurfaceComparison::look_at(size_t number, float part) {
+void SurfaceComparison::look_at(size_t number) {
     // A guess: what was near the neighbour
     uint32_t& likely = likely_[number];
     if (likely == kNone) likely = number == 0 || is_fine(number) != is_fine(number - 1) ? 0 : likely_[number - 1];
@@ -91,11 +95,11 @@ void SurfaceComparison::look_at(size_t number, float part) {
                 (pose == kNone || near_[other].squared_distance > near_[pose].squared_distance))
                 pose = other;
         if (pose == kNone) return;
-        const float distance = near_[pose].squared_distance, near_enough = part * part * largest_;
-        if (distance <= near_enough) return;
+        const float distance = near_[pose].squared_distance, enough = near_enough();
+        if (distance <= enough) return;
         if (distance <= largest_ && distance <= kAlmostNearest * kAlmostNearest * furthest) return;
-        search(number, pose, near_enough);
-        if (near_[pose].squared_distance > near_enough) furthest = std::max(furthest, near_[pose].squared_distance);
+        search(number, pose, enough);
+        if (near_[pose].squared_distance > enough) furthest = std::max(furthest, near_[pose].squared_distance);
         largest_ = std::max(largest_, near_[pose].squared_distance);
         if (near_[pose].triangle == likely) continue;
         likely = near_[pose].triangle;

@@ -30,10 +30,12 @@ public:
 
     struct Result {
         float largest = 0;             // the largest distance of any place in any pose, model space: exact
-        std::vector<PlacePair> pairs;  // places that are farther away than a part of that, ordered by their numbers
+        std::vector<PlacePair> pairs;  // ordered by their numbers
     };
-    // A pair's triangle may be one that is slightly farther away than the nearest, if it is near in another pose.
-    Result compare(float part, const Progress& progress);
+    // Finds the largest distance, and the pairs that are farther apart than `part` of that and than `least`, model
+    // space. A pair's triangle may be one that is slightly farther away than the nearest, if it is near in another
+    // pose.
+    Result compare(float part, float least, const Progress& progress);
     // After the coarse mesh has moved a little: finds the nearest place anew, in the same triangle.
     void update(PlacePair& pair) const;
 
@@ -55,7 +57,8 @@ private:
     }
     Four3 place(size_t number, size_t group) const;
     const TriangleIndex& other_surface(size_t number, uint32_t pose) const;
-    void look_at(size_t number, float part);
+    float near_enough() const;
+    void look_at(size_t number);
     void try_triangle(size_t number, uint32_t triangle);
     void search(size_t number, uint32_t pose, float near_enough);
 
@@ -64,7 +67,9 @@ private:
     const WeldedMesh& welded_;
     std::vector<uint32_t> likely_;  // [places]: a triangle that was near before
     std::vector<Near> near_;        // [poses], of the place that is looked at
-    float largest_ = 0;             // squared, as far as is known
+    // Squared
+    float part_ = 0, least_ = 0;
+    float largest_ = 0;  // as far as is known
     uint64_t steps_ = 0;
 };
 
