@@ -36,8 +36,12 @@ PosedMesh::PosedMesh(const Character& character, std::span<const MeshPose> poses
         for (const Vec3<double>& p : skin_reference(character, model_from_bind[pose], poses[pose].morphs))
             positions[pose].push_back(p.as<float>());
     });
-    surfaces.assign(poses.size(), TriangleIndex(indices, positions[0]));
-    for_each_job(threads, count_of(poses), [&](uint32_t pose) { surfaces[pose].move(positions[pose]); });
+    const TriangleIndex at_rest(indices, positions[0]);
+    surfaces.resize(poses.size());
+    for_each_job(threads, count_of(poses), [&](uint32_t pose) {
+        surfaces[pose] = at_rest;
+        surfaces[pose].move(positions[pose]);
+    });
 }
 
 }  // namespace throng
