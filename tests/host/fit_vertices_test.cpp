@@ -1,6 +1,7 @@
 // Fitting a level of detail to the fine mesh: the surfaces compared, against an exhaustive search, and vertices moved.
 #include "compile/mesh/fit_vertices.h"
 #include "compile/mesh/surface_comparison.h"
+#include "tests/host/mesh_poses.h"
 #include "tests/test_rig.h"
 #include "tools/creatures/creature.h"
 
@@ -31,7 +32,7 @@ struct Meshes {
     Character character;
     std::vector<uint32_t> indices = joined(1), sparse = joined(3);
     ThreadPool threads{1};
-    PosedMesh fine{character, kPoses, indices, threads, {}};
+    PosedMesh fine{character, poses_of(character, kPoses), indices, threads, {}};
     WeldedMesh welded{character, indices, fine.positions};
     CoarseMesh coarse{character, fine, welded, sparse};
 
@@ -61,14 +62,14 @@ float nearest_of_all(const Vec3<float>& place, std::span<const uint32_t> indices
 }
 
 // [places]: the distances of all places of both surfaces in a pose, by their numbers.
-std::vector<float> all_distances(const Meshes& of, uint32_t pose) {
+std::vector<float> all_distances(const Meshes& of, const SurfaceComparison& comparison, uint32_t pose) {
     const auto of_coarse = [&](uint32_t vertex) { return of.coarse.position(vertex, pose); };
     const auto of_fine = [&](uint32_t vertex) { return of.fine.positions[pose][vertex]; };
     std::vector<float> distances;
     for (uint32_t point = 0; point < of.welded.point_count(); ++point)
         distances.push_back(
             nearest_of_all(of.welded.places(point)[pose / kLanes].at(pose % kLanes), of.coarse.indices(), of_coarse));
-    for (const CoarseMesh::Place& place : of.coarse.places())
+    for (const CoarseMesh::Place& place : comparison.coarse_places())
         distances.push_back(nearest_of_all(of.coarse.position(place, pose), of.indices, of_fine));
     return distances;
 }
@@ -82,7 +83,8 @@ TEST(SurfaceComparison, FindsTheLargestDistanceAndAllPairsNearItHoweverThePoints
     for (const float moved : {0.0f, 0.001f, 0.01f, 0.1f, 0.0f}) {
         of.coarse.move(of.random_shifts(random, moved));
         std::vector<std::vector<float>> wanted;  // [poses][places]
-        for (uint32_t pose = 0; pose < of.fine.pose_count(); ++pose) wanted.push_back(all_distances(of, pose));
+        for (uint32_t pose = 0; pose < of.fine.pose_count(); ++pose)
+            wanted.push_back(all_distances(of, comparison, pose));
         float largest = 0;
         for (const std::vector<float>& in_pose : wanted) largest = std::max(largest, std::ranges::max(in_pose));
         for (const float part : {0.3f, 0.8f}) {
@@ -113,7 +115,7 @@ TEST(CoarseMesh, MovedPointsAreSkinnedLikeTheVerticesThatTheyComeFrom) {
     Character moved = of.character;
     for (uint32_t vertex = 0; vertex < of.coarse.sources().size(); ++vertex)
         moved.vertices[of.coarse.sources()[vertex]].position = of.coarse.bind_position(vertex);
-    const PosedMesh skinned(moved, kPoses, of.indices, of.threads, {});
+    const PosedMesh skinned(moved, poses_of(moved, kPoses), of.indices, of.threads, {});
     size_t moved_count = 0;
     for (uint32_t pose = 0; pose < of.fine.pose_count(); ++pose)
         for (uint32_t vertex = 0; vertex < of.coarse.sources().size(); ++vertex) {
@@ -148,7 +150,7 @@ TEST(FitVertices, ASurfaceThatLiesInsideIsMovedOutwards) {
     };
     const std::vector<uint32_t> indices = tube(1), coarse_indices = tube(kStep);
     ThreadPool threads(1);
-    const PosedMesh fine(character, 0, indices, threads, {});
+    const PosedMesh fine(character, poses_of(character, 0), indices, threads, {});
     const WeldedMesh welded(character, indices, fine.positions);
     CoarseMesh coarse(character, fine, welded, coarse_indices);
     const float before = SurfaceComparison(coarse).compare(1, 0, {}).largest;

@@ -61,8 +61,8 @@ uint64_t key_count(const ExactClip& clip, size_t row_count);
 Clip& complete_clip(uint32_t index, const ExactClip& clip, std::span<const float> times_s, uint64_t size_bytes,
                     Character& character);
 
-// Fills times_s, keys, root_rows and tracks of the character, and completes its clips. Keys: constants of a clip, then its rows, each in
-// the order of its tracks.
+// Fills times_s, keys, root_rows and tracks of the character, and completes its clips. Keys: constants of a clip, then
+// its rows, each in the order of its tracks.
 void write_exact(std::span<const ExactClip> clips, Character& character);
 
 }  // namespace throng

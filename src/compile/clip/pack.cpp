@@ -99,8 +99,7 @@ private:
     std::vector<std::future<void>> threads_;
 };
 
-ClipPacking::ClipPacking(std::span<const ExactClip> clips, double error, Character& character,
-                         const Progress& progress)
+ClipPacking::ClipPacking(std::span<const ExactClip> clips, double error, Character& character, const Progress& progress)
     : work_(std::make_unique<Work>(clips, error, character, progress)) {}
 
 ClipPacking::~ClipPacking() = default;

@@ -47,8 +47,7 @@ PackedClipWriter::PackedClipWriter(std::span<const ExactClip> clips, double erro
 void PackedClipWriter::add(uint32_t index, PackedClip packed) {
     const std::lock_guard lock(mutex_);
     waiting_.emplace(index, std::move(packed));
-    for (auto next = waiting_.begin(); next != waiting_.end() && next->first == written_;
-         next = waiting_.erase(next))
+    for (auto next = waiting_.begin(); next != waiting_.end() && next->first == written_; next = waiting_.erase(next))
         append(written_++, next->second);
 }
 
@@ -65,8 +64,7 @@ void PackedClipWriter::append(uint32_t index, const PackedClip& packed) {
         for (const TrackTarget target : kTrackTargets)
             tracks.*word_of(target) = headers_.add(packed.tracks[joint * 3 + static_cast<size_t>(target)]);
     }
-    const uint64_t size_bytes = packed.words.size() * sizeof(uint32_t) + headers_.size_bytes() -
-                                headers_before_bytes;
+    const uint64_t size_bytes = packed.words.size() * sizeof(uint32_t) + headers_.size_bytes() - headers_before_bytes;
     Clip& clip = complete_clip(index, exact, packed.times_s, size_bytes, character_);
     clip.animated_track_count = static_cast<uint32_t>(
         std::ranges::count_if(packed.tracks, [](const PackedTrack& track) { return packed_row_bits(track) > 0; }));
@@ -82,8 +80,7 @@ void PackedClipWriter::append(uint32_t index, const PackedClip& packed) {
     if (clip.error > error_)
         character_.warnings.push_back(joined(printable(character_.name, 120), ": clip '", printable(clip.name),
                                              "': its packed keys displace the skin by ", percent(clip.error),
-                                             " of the character's size, more than the error bound of ",
-                                             percent(error_),
+                                             " of the character's size, more than the error bound of ", percent(error_),
                                              "; finer keys would hardly help, exact keys (error 0) would"));
 }
 

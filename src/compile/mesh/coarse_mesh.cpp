@@ -5,7 +5,6 @@
 #include "skin/skin_reference.h"
 
 #include <algorithm>
-#include <unordered_set>
 
 namespace throng {
 CoarseMesh::CoarseMesh(const Character& character, const PosedMesh& fine, const WeldedMesh& welded,
@@ -28,33 +27,10 @@ CoarseMesh::CoarseMesh(const Character& character, const PosedMesh& fine, const 
         }
         indices_.push_back(vertex_of[source]);
     }
-    std::vector<Vec3<float>> rest_positions;
-    for (const uint32_t source : sources_) {
-        rest_positions.push_back(fine.positions[0][source]);
+    for (const uint32_t source : sources_)
         for (size_t group = 0; group < groups_; ++group)
             of_sources_.push_back(in_four_poses(fine.positions, source, group));
-    }
     positions_ = of_sources_;
-    surfaces_.assign(fine.pose_count(), TriangleIndex(indices_, rest_positions));
-    move_surfaces();
-    make_places();
-    make_matrices();
-}
-
-void CoarseMesh::make_places() {
-    constexpr float kThird = 1.0f / 3, kHalf = 0.5f;
-    std::vector<bool> is_known(shifts_.size());  // [points]
-    std::unordered_set<uint64_t> edges;          // pairs of points
-    for (const std::array<uint32_t, 3>& corners : surfaces_[0].corners()) {
-        places_.push_back({corners, {kThird, kThird, kThird}});
-        for (size_t k = 0; k < 3; ++k) {
-            const uint32_t a = corners[k], b = corners[(k + 1) % 3];
-            const auto [low, high] = std::minmax(point_of_[a], point_of_[b]);
-            if (edges.insert(uint64_t{low} << 32 | high).second) places_.push_back({{a, b, a}, {kHalf, kHalf, 0}});
-            if (!is_known[point_of_[a]]) places_.push_back({{a, a, a}, {1, 0, 0}});
-            is_known[point_of_[a]] = true;
-        }
-    }
 }
 
 AffineT<double> CoarseMesh::model_from_bind(uint32_t vertex, uint32_t pose) const {
@@ -63,7 +39,9 @@ AffineT<double> CoarseMesh::model_from_bind(uint32_t vertex, uint32_t pose) cons
     return blended_reference(character_, section, sources_[vertex] - section.first_vertex, fine_.model_from_bind[pose]);
 }
 
-void CoarseMesh::make_matrices() {
+// Most of what making a coarse mesh takes, and only those need it that are moved.
+std::span<const CoarseMesh::Columns> CoarseMesh::model_from_rest() {
+    if (!model_from_rest_.empty()) return model_from_rest_;
     model_from_rest_.resize(positions_.size());
     for (uint32_t vertex = 0; vertex < sources_.size(); ++vertex) {
         const std::optional<AffineT<double>> bind_from_rest = inverse(model_from_bind(vertex, 0));
@@ -74,24 +52,18 @@ void CoarseMesh::make_matrices() {
             for (size_t c = 0; c < 3; ++c) columns[c].set(pose % kLanes, {m.row[0][c], m.row[1][c], m.row[2][c]});
         }
     }
+    return model_from_rest_;
 }
 
 void CoarseMesh::move(std::vector<Vec3<float>> shifts) {
     shifts_ = std::move(shifts);
+    const std::span<const Columns> matrices = model_from_rest();
     for (size_t vertex = 0, at = 0; vertex < sources_.size(); ++vertex) {
         const Vec3<float>& shift = shifts_[point_of_[vertex]];
         for (size_t group = 0; group < groups_; ++group, ++at) {
-            const auto& [x, y, z] = model_from_rest_[at];
+            const auto& [x, y, z] = matrices[at];
             positions_[at] = of_sources_[at] + x * four(shift.x) + y * four(shift.y) + z * four(shift.z);
         }
-    }
-}
-
-void CoarseMesh::move_surfaces() {
-    std::vector<Vec3<float>> positions(sources_.size());
-    for (uint32_t pose = 0; pose < surfaces_.size(); ++pose) {
-        for (uint32_t vertex = 0; vertex < sources_.size(); ++vertex) positions[vertex] = position(vertex, pose);
-        surfaces_[pose].move(positions);
     }
 }
 
@@ -105,8 +77,8 @@ Vec3<float> CoarseMesh::position(const Place& place, uint32_t pose) const {
     return position(place, size_t{pose / kLanes}).at(pose % kLanes);
 }
 
-Vec3<float> CoarseMesh::pull_at_rest(uint32_t vertex, uint32_t pose, const Vec3<float>& pull) const {
-    const auto& [x, y, z] = model_from_rest_[vertex * groups_ + pose / kLanes];
+Vec3<float> CoarseMesh::pull_at_rest(uint32_t vertex, uint32_t pose, const Vec3<float>& pull) {
+    const auto& [x, y, z] = model_from_rest()[vertex * groups_ + pose / kLanes];
     const size_t lane = pose % kLanes;
     return {dot(x.at(lane), pull), dot(y.at(lane), pull), dot(z.at(lane), pull)};
 }

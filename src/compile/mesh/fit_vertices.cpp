@@ -28,18 +28,16 @@ public:
 
     // Returns the error of the result.
     float run(const Progress& progress) {
-        float before = 0, least = 0;
+        const float before = compare(progress), small = kSmall * character_.size;
+        if (before <= small) return before;
+        float least = before;
         std::vector<Vec3<float>> best(mesh_.shifts().size());
-        for (int round = 0; round <= kRounds; ++round) {
-            auto [error, pairs] = comparison_.compare(kFar, kSmall * character_.size, progress);
-            pairs_ = std::move(pairs);
-            if (round == 0) before = least = error;
-            if (least <= kSmall * character_.size) break;
-            if (error < least) {
-                least = error;
-                best.assign(mesh_.shifts().begin(), mesh_.shifts().end());
-            }
-            if (round < kRounds) move(progress);
+        for (int round = 0; round < kRounds && least > small; ++round) {
+            move(progress);
+            const float error = compare(progress);
+            if (!(error < least)) continue;
+            least = error;
+            best.assign(mesh_.shifts().begin(), mesh_.shifts().end());
         }
         if (!(least <= kWorthMoving * before)) {
             least = before;
@@ -50,6 +48,13 @@ public:
     }
 
 private:
+    // Returns the error, and sets pairs_.
+    float compare(const Progress& progress) {
+        auto [error, pairs] = comparison_.compare(kFar, kSmall * character_.size, progress);
+        pairs_ = std::move(pairs);
+        return error;
+    }
+
     float largest_distance() const {
         float largest = 0;
         for (const PlacePair& pair : pairs_) largest = std::max(largest, length(pair.apart));

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <unordered_set>
 
 namespace throng {
 namespace {
@@ -34,11 +35,39 @@ constexpr float kAlmostNearest = 1.1f;
 }  // namespace
 
 SurfaceComparison::SurfaceComparison(CoarseMesh& coarse)
-    : coarse_(coarse),
-      fine_(coarse.fine()),
-      welded_(coarse.welded()),
-      likely_(place_count(), kNone),
-      near_(fine_.pose_count()) {}
+    : coarse_(coarse), fine_(coarse.fine()), welded_(coarse.welded()), near_(fine_.pose_count()) {
+    std::vector<Vec3<float>> at_rest;
+    for (uint32_t vertex = 0; vertex < coarse.sources().size(); ++vertex) at_rest.push_back(coarse.position(vertex, 0));
+    coarse_surfaces_.assign(fine_.pose_count(), TriangleIndex(coarse.indices(), at_rest));
+    make_coarse_places();
+    likely_.assign(place_count(), kNone);
+}
+
+void SurfaceComparison::make_coarse_places() {
+    constexpr float kThird = 1.0f / 3, kHalf = 0.5f;
+    std::vector<bool> is_known(coarse_.shifts().size());  // [points]
+    std::unordered_set<uint64_t> edges;                   // pairs of points
+    for (const std::array<uint32_t, 3>& corners : coarse_surfaces_[0].corners()) {
+        coarse_places_.push_back({corners, {kThird, kThird, kThird}});
+        for (size_t k = 0; k < 3; ++k) {
+            const uint32_t a = corners[k], b = corners[(k + 1) % 3];
+            const uint32_t from = coarse_.point_of(a), to = coarse_.point_of(b);
+            if (edges.insert(uint64_t{std::min(from, to)} << 32 | std::max(from, to)).second)
+                coarse_places_.push_back({{a, b, a}, {kHalf, kHalf, 0}});
+            if (!is_known[from]) coarse_places_.push_back({{a, a, a}, {1, 0, 0}});
+            is_known[from] = true;
+        }
+    }
+}
+
+void SurfaceComparison::move_surfaces() {
+    std::vector<Vec3<float>> positions(coarse_.sources().size());
+    for (uint32_t pose = 0; pose < coarse_surfaces_.size(); ++pose) {
+        for (uint32_t vertex = 0; vertex < positions.size(); ++vertex)
+            positions[vertex] = coarse_.position(vertex, pose);
+        coarse_surfaces_[pose].move(positions);
+    }
+}
 
 Four3 SurfaceComparison::place(size_t number, size_t group) const {
     return is_fine(number) ? welded_.places(static_cast<uint32_t>(number))[group]
@@ -46,11 +75,11 @@ Four3 SurfaceComparison::place(size_t number, size_t group) const {
 }
 
 const TriangleIndex& SurfaceComparison::other_surface(size_t number, uint32_t pose) const {
-    return is_fine(number) ? coarse_.surface(pose) : fine_.surfaces[pose];
+    return is_fine(number) ? coarse_surfaces_[pose] : fine_.surfaces[pose];
 }
 
 SurfaceComparison::Result SurfaceComparison::compare(float part, float least, const Progress& progress) {
-    coarse_.move_surfaces();
+    move_surfaces();
     Result result;
     part_ = part * part, least_ = least * least, largest_ = 0;
     // First looks at some places, so that hardly any is farther away than what is known then

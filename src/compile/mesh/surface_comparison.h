@@ -4,10 +4,12 @@
 #include "base/progress.h"
 #include "compile/mesh/coarse_mesh.h"
 #include "compile/mesh/posed_mesh.h"
+#include "compile/mesh/triangle_index.h"
 #include "compile/mesh/welded_mesh.h"
 
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 namespace throng {
@@ -40,6 +42,9 @@ public:
     void update(PlacePair& pair) const;
 
     uint64_t steps() const { return steps_; }  // of the searches
+    // The places of the coarse mesh that are compared: the vertices, the middles of the edges and of the triangles;
+    // neighbours follow one another.
+    std::span<const CoarseMesh::Place> coarse_places() const { return coarse_places_; }
 
 private:
     // What is known of a place in a pose: a triangle near it, and the squared distance from there.
@@ -49,14 +54,16 @@ private:
         bool is_nearest = false;
     };
 
-    // Numbers of places: first those of the fine mesh, its points, then CoarseMesh::places().
+    // Numbers of places: first those of the fine mesh, its points, then coarse_places().
     bool is_fine(size_t number) const { return number < welded_.point_count(); }
-    size_t place_count() const { return welded_.point_count() + coarse_.places().size(); }
+    size_t place_count() const { return welded_.point_count() + coarse_places_.size(); }
     const CoarseMesh::Place& coarse_place(size_t number) const {
-        return coarse_.places()[number - welded_.point_count()];
+        return coarse_places_[number - welded_.point_count()];
     }
     Four3 place(size_t number, size_t group) const;
     const TriangleIndex& other_surface(size_t number, uint32_t pose) const;
+    void make_coarse_places();
+    void move_surfaces();
     float near_enough() const;
     void look_at(size_t number);
     void try_triangle(size_t number, uint32_t triangle);
@@ -65,6 +72,8 @@ private:
     CoarseMesh& coarse_;
     const PosedMesh& fine_;
     const WeldedMesh& welded_;
+    std::vector<TriangleIndex> coarse_surfaces_;  // [poses]
+    std::vector<CoarseMesh::Place> coarse_places_;
     std::vector<uint32_t> likely_;  // [places]: a triangle that was near before
     std::vector<Near> near_;        // [poses], of the place that is looked at
     // Squared
