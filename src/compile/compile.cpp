@@ -60,14 +60,15 @@ constexpr double kMeshCompiled = 0.05, kClipsRead = 0.1, kRootMotionExtracted = 
                  kClipsPacked = 0.95;
 constexpr double kLoaded = 0.1;
 
-// Clips are packed while levels of detail are made.
+// Clips are packed while levels of detail are made: the poses of these are sampled from exact clips beforehand.
 void write_clips_and_lods(std::span<const ExactClip> clips, const CompileSettings& settings, Character& character,
                           const Progress& progress) {
     std::vector<MeshPose> poses;
     if (settings.lods)
-        poses = mesh_poses(character, kLodPoses, [&](const SampledPose& pose) {
-            return sample_exact(clips[pose.clip], character.rig, pose.time_s);
-        });
+        poses = mesh_poses(
+            character, kLodPoses,
+            [&](const SampledPose& pose) { return sample_exact(clips[pose.clip], character.rig, pose.time_s); },
+            progress);
     std::optional<ClipPacking> packing;
     if (settings.error > 0)
         packing.emplace(clips, settings.error, character, progress.between(kLodsMade, kClipsPacked));
@@ -97,7 +98,7 @@ Result<Character> compile(const Asset& asset, const CompileSettings& settings, c
                 extract_root_motion(clips, settings.root_motion_joint, character,
                                     progress.between(kClipsRead, kRootMotionExtracted));
             for (const ExactClip& clip : clips) character.clips.push_back(clip.facts);
-            compile_morph_tracks(asset, character, progress);
+            compile_morph_tracks(asset, character, progress);  // before packing: how far vertices reach depends on it
             write_clips_and_lods(clips, settings, character, progress);
             character.rig.uniform_scale = has_uniform_scale(character);
             if (settings.lods) make_joint_lods(character, progress);

@@ -8,12 +8,13 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <functional>
 #include <limits>
 #include <set>
+#include <span>
 #include <utility>
+#include <vector>
 
 namespace throng::test {
 namespace {
@@ -155,7 +156,7 @@ TEST(FitVertices, ASurfaceThatLiesInsideIsMovedOutwards) {
     CoarseMesh coarse(character, fine, welded, coarse_indices);
     const float before = SurfaceComparison(coarse).compare(1, 0, {}).largest;
     EXPECT_NEAR(before, 1 - std::cos(3.14159265f / 8), 2e-3f) << "the sagitta of an eighth";
-    FittedLevel fitted = fit_vertices(std::move(coarse), {});
+    const FittedLevel fitted = fit_vertices(std::move(coarse), {});
     EXPECT_LE(fitted.error, 0.65f * before) << "half of it is the least";
     EXPECT_NEAR(SurfaceComparison(fitted.mesh).compare(1, 0, {}).largest, fitted.error, 1e-5f);
     for (uint32_t vertex = 0; vertex < fitted.mesh.sources().size(); ++vertex) {

@@ -7,6 +7,7 @@
 #include "reference/sampled_poses.h"
 #include "sample/sample_reference.h"
 #include "skin/skin_reference.h"
+#include "tests/morph_cases.h"
 #include "tests/shared.h"
 #include "tests/test_rig.h"
 
@@ -439,6 +440,12 @@ TEST(Pack, ADeepChainKeepsTheBound) {
         make_asset(
             {.joint_count = 120, .shape = RigShape::kChain, .scale_spread = 0, .clip_count = 1, .key_count = 20}),
         kBounds, 150);
+}
+
+TEST(Pack, VerticesThatLargeMorphWeightsMoveAwayKeepTheBound) {
+    Asset asset = small_asset({{.node = 0, .times_s = {0}, .values = {5, 0.5f, 0}}});
+    asset.meshes[0].primitives[0].targets[0].positions.assign(6, {10, 0, 0});
+    expect_within(asset, {1e-2, 1e-3}, 150);
 }
 
 TEST(Pack, PosesThatAreNotFiniteAreRefused) {

@@ -56,8 +56,8 @@ inline constexpr uint64_t kKey_bytes = sizeof(TrackKey);
 // The number of the clip's keys if it has `row_count` rows. (The rest pose has 3 keys per joint.)
 uint64_t key_count(const ExactClip& clip, size_t row_count);
 
-// Appends times (of exact rows or those that packing keeps) and the clip's root rows to the character, and completes
-// its record in there. Its keys take `size_bytes`.
+// Completes the character's clip `index`: appends its times (all rows, or those that packing keeps) and root rows. Its
+// keys take `size_bytes`.
 Clip& complete_clip(uint32_t index, const ExactClip& clip, std::span<const float> times_s, uint64_t size_bytes,
                     Character& character);
 

@@ -11,9 +11,10 @@
 #include <atomic>
 #include <chrono>
 #include <cstdio>
+#include <exception>
 #include <future>
+#include <mutex>
 #include <system_error>
-#include <thread>
 
 namespace throng {
 
@@ -55,6 +56,7 @@ public:
             while (thread.wait_for(kReportInterval) != std::future_status::ready) report();
             thread.get();
         }
+        if (failure_) std::rethrow_exception(failure_);
         writer_.finish();
     }
 
@@ -74,17 +76,26 @@ private:
 
     // Clips do not depend on each other: the result is the same with any number of threads.
     void pack() {
-        try {
-            for (size_t clip = next_++; clip < clips_.size(); clip = next_++) {
+        for (size_t clip = next_++; clip < clips_.size(); clip = next_++) {
+            try {
                 report();
                 writer_.add(static_cast<uint32_t>(clip),
                             pack_clip(character_, clips_[clip], boxes_, settings_, progress_));
                 rows_done_ += clips_[clip].times_s.size();
+            } catch (...) {
+                fail(clip);
             }
-        } catch (...) {
-            next_ = clips_.size();  // the other threads need not begin more
-            throw;
         }
+    }
+
+    // Begins no more clips. Those before `clip` have begun, so that the failure of the first is reported whichever
+    // thread is the fastest.
+    void fail(size_t clip) {
+        next_ = clips_.size();
+        const std::lock_guard lock(failing_);
+        if (failure_ && failed_clip_ < clip) return;
+        failed_clip_ = clip;
+        failure_ = std::current_exception();
     }
 
     const std::span<const ExactClip> clips_;
@@ -95,6 +106,9 @@ private:
     const PackSettings settings_;
     PackedClipWriter writer_;
     std::atomic<size_t> next_ = 0, rows_done_ = 0;
+    std::mutex failing_;
+    size_t failed_clip_ = 0;
+    std::exception_ptr failure_;
     // Destroyed first: the destructor of a future waits for its thread.
     std::vector<std::future<void>> threads_;
 };

@@ -15,7 +15,8 @@ void check_error_bound(double error, const std::string& place);
 
 // Packs clips on threads of its own, beside other work of the thread that made it.
 //
-// Fills times_s, words, keys, root_rows and tracks of the character, completes its clips, and may add warnings. Until
+// Fills times_s, words, keys, root_rows and tracks of the character, completes its clips, and may add warnings. The
+// mesh, the facts of all clips and the morph tracks must be there before. Until
 // finish() has returned, nothing else may use these, or change the rig, the name or the size. `error`: largest
 // displacement of a skinned point, as a part of the character's size; if a clip cannot keep it, its keys are nearly the
 // finest possible, and the character gets a warning. Based on: Nicholas Frechette, Animation Compression Library (ACL),
@@ -26,7 +27,7 @@ class ClipPacking {
 public:
     // Begins. Keeps the references. Throws kLimit where there are too many rows; all else is thrown by finish().
     ClipPacking(std::span<const ExactClip> clips, double error, Character& character, const Progress& progress);
-    ~ClipPacking();  // without finish(): stops soon
+    ~ClipPacking();  // without finish(): waits for the clips that are being packed, and begins no more
     ClipPacking(const ClipPacking&) = delete;
     ClipPacking& operator=(const ClipPacking&) = delete;
 

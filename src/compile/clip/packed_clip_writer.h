@@ -27,7 +27,7 @@ private:
     std::map<std::array<uint32_t, 8>, uint32_t> positions_;
 };
 
-// Appends packed clips to the character, in the order of `clips`. Keeps the references.
+// Completes the clips of a character with packed keys, in the order of `clips`. Keeps the references.
 class PackedClipWriter {
 public:
     PackedClipWriter(std::span<const ExactClip> clips, double error, Character& character);

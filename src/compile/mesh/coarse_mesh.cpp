@@ -5,6 +5,9 @@
 #include "skin/skin_reference.h"
 
 #include <algorithm>
+#include <iterator>
+#include <optional>
+#include <utility>
 
 namespace throng {
 CoarseMesh::CoarseMesh(const Character& character, const PosedMesh& fine, const WeldedMesh& welded,

@@ -2,7 +2,6 @@
 // elsewhere.
 #pragma once
 
-#include "base/progress.h"
 #include "compile/mesh/posed_mesh.h"
 #include "compile/mesh/welded_mesh.h"
 
@@ -30,7 +29,8 @@ public:
     // Three vertices of this mesh for each triangle.
     std::span<const uint32_t> indices() const { return indices_; }
     std::span<const uint32_t> sources() const { return sources_; }  // [vertices], the character's
-    // [PosedMesh::groups()]: where a vertex is in each group of poses, model space.
+    // [PosedMesh::groups()]: where a vertex is in each group of poses, model space; lanes beyond the last pose mean
+    // nothing.
     const Four3* positions(uint32_t vertex) const { return &positions_[vertex * groups_]; }
     Vec3<float> position(uint32_t vertex, uint32_t pose) const {
         return positions(vertex)[pose / kLanes].at(pose % kLanes);

@@ -3,8 +3,6 @@
 #include "compile/mesh/surface_comparison.h"
 
 #include <algorithm>
-#include <array>
-#include <cmath>
 #include <utility>
 
 namespace throng {
@@ -17,8 +15,8 @@ constexpr int kRounds = 3, kStepsOfRound = 3;
 constexpr float kStep = 0.4f;          // of the way: the places of a triangle pull at the same points
 constexpr float kHold = 1;             // a weight that slows points which are hardly pulled at
 constexpr float kWorthMoving = 0.95f;  // of the error before
-// Of the character's size. Levels that are as close are shown instead of the fine mesh where a character is hundreds of
-// pixels tall, as few of a crowd are: for these, copies of vertices are not worth their memory.
+// Of the character's size. A level this close to the fine mesh replaces it where a character is still hundreds of
+// pixels tall. Few of a crowd are, so copies of vertices would not be worth their memory.
 constexpr float kSmall = 2.5e-3f;
 
 class VertexFit {

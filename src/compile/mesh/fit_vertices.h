@@ -15,7 +15,7 @@ struct FittedLevel {
 // An edge collapse leaves a surface that touches the fine one at its vertices and is off on one side between them;
 // where the fine one is round, that is the inside. Moving the vertices by half of that, to the other side, halves the
 // error. Moves all points along the weighted mean of what they are off by, with weights so high a power of the distance
-// that the largest one counts. Keeps the vertices where they are if this gains little.
+// that the largest one counts. Keeps the vertices where they are if they are close enough, or if this gains little.
 FittedLevel fit_vertices(CoarseMesh mesh, const Progress& progress);
 
 }  // namespace throng

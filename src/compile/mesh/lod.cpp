@@ -15,9 +15,7 @@
 
 #include <algorithm>
 #include <chrono>
-#include <cmath>
 #include <future>
-#include <limits>
 #include <utility>
 
 namespace throng {

@@ -11,7 +11,7 @@
 
 namespace throng {
 
-constexpr uint32_t kLodPoses = 7;  // of all clips together, beside the rest pose: enough to make levels in
+inline constexpr uint32_t kLodPoses = 7;  // poses of clips that levels are made in, beside the rest pose
 
 // Fills lods, lod_ranges and lod_indices from the mesh in `poses`, of which the first must be the rest pose, adds the
 // vertices that levels have moved, and measures errors in the same poses; errors are above 0. Does not use clips. A

@@ -15,9 +15,11 @@ Four3 in_four_poses(std::span<const std::vector<Vec3<float>>> positions, uint32_
     return places;
 }
 
-std::vector<MeshPose> mesh_poses(const Character& character, uint32_t count, const ClipSampler& sample) {
+std::vector<MeshPose> mesh_poses(const Character& character, uint32_t count, const ClipSampler& sample,
+                                 const Progress& progress) {
     std::vector<MeshPose> poses;
     for (const SampledPose& of : sampled_poses(character, count)) {
+        progress.poll();
         const std::vector<MorphLayer> layers{{.active_clips = {{.clip = of.clip, .time_s = of.time_s}}}};
         poses.push_back({of.clip < character.clips.size() ? model_from_joint_of(character.rig, sample(of))
                                                           : rest_model_from_joint(character.rig),

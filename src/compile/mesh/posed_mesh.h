@@ -31,8 +31,9 @@ struct MeshPose {
 // The local pose of a clip at a time: [joint_count].
 using ClipSampler = std::function<std::vector<Trs<double>>(const SampledPose&)>;
 
-// The rest pose, then `count` poses of clips, as sampled_poses() chooses them.
-std::vector<MeshPose> mesh_poses(const Character& character, uint32_t count, const ClipSampler& sample);
+// The rest pose, then `count` poses of clips, as sampled_poses() chooses them. `progress` is only polled.
+std::vector<MeshPose> mesh_poses(const Character& character, uint32_t count, const ClipSampler& sample,
+                                 const Progress& progress = {});
 
 struct PosedMesh {
     // The first of `poses` must be the rest pose. Every three `indices`, vertices of the character, form a triangle.

@@ -28,13 +28,13 @@ std::array<double, 3> nearest_weights(const Vec3<double>& p, const Vec3<double>&
     return {of_a / sum, of_b / sum, of_c / sum};
 }
 
-// Of the largest distance of a place: where another pose is known to be no farther away than that, no nearer triangle
-// is searched for.
+// A place is not searched for in other poses if the triangle known there is at most this many times as far away as the
+// nearest one in its worst pose.
 constexpr float kAlmostNearest = 1.1f;
 
 }  // namespace
 
-SurfaceComparison::SurfaceComparison(CoarseMesh& coarse)
+SurfaceComparison::SurfaceComparison(const CoarseMesh& coarse)
     : coarse_(coarse), fine_(coarse.fine()), welded_(coarse.welded()), near_(fine_.pose_count()) {
     std::vector<Vec3<float>> at_rest;
     for (uint32_t vertex = 0; vertex < coarse.sources().size(); ++vertex) at_rest.push_back(coarse.position(vertex, 0));
@@ -85,11 +85,11 @@ SurfaceComparison::Result SurfaceComparison::compare(float part, float least, co
     // First looks at some places, so that hardly any is farther away than what is known then
     constexpr size_t kSome = 16;
     for (size_t number = 0; number < place_count(); number += kSome) {
-        progress.poll_at(number);
+        progress.poll_at(number * near_.size());
         look_at(number);
     }
     for (size_t number = 0; number < place_count(); ++number) {
-        progress.poll_at(number);
+        progress.poll_at(number * near_.size());
         look_at(number);
         for (uint32_t pose = 0; pose < near_.size(); ++pose) {
             if (near_[pose].squared_distance <= std::max(part_ * largest_, least_)) continue;
@@ -101,11 +101,11 @@ SurfaceComparison::Result SurfaceComparison::compare(float part, float least, co
     }
     result.largest = std::sqrt(largest_);
     const float far = std::max(part * result.largest, least);
-    std::erase_if(result.pairs, [&](const PlacePair& pair) { return length(pair.apart) <= far; });
+    std::erase_if(result.pairs, [&](const PlacePair& pair) { return !(length(pair.apart) > far); });
     return result;
 }
 
-// The squared distance of places that are neither the furthest nor in a pair.
+// A squared distance: places up to that are neither the furthest nor in a pair.
 float SurfaceComparison::near_enough() const { return std::max(part_ * largest_, std::min(least_, largest_)); }
 
 // Sets near_.
@@ -120,7 +120,7 @@ void SurfaceComparison::look_at(size_t number) {
     while (true) {
         uint32_t pose = kNone;
         for (uint32_t other = 0; other < near_.size(); ++other)
-            if (!near_[other].is_nearest &&
+            if (!near_[other].is_searched &&
                 (pose == kNone || near_[other].squared_distance > near_[pose].squared_distance))
                 pose = other;
         if (pose == kNone) return;
@@ -146,15 +146,15 @@ void SurfaceComparison::try_triangle(size_t number, uint32_t triangle) {
         const Four distances = squared_distances(place(number, group), in_poses[0][group], in_poses[1][group],
                                                  in_poses[2][group]);
         for (uint32_t lane = 0; lane < kLanes && pose + lane < near_.size(); ++lane)
-            if (Near& near = near_[pose + lane]; !near.is_nearest && distances[lane] < near.squared_distance)
+            if (Near& near = near_[pose + lane]; !near.is_searched && distances[lane] < near.squared_distance)
                 near = {triangle, distances[lane], false};
     }
 }
 
-// Finds the nearest triangle, or any that is near enough, a squared distance.
-void SurfaceComparison::search(size_t number, uint32_t pose, float near_enough) {
+// Finds the nearest triangle, or any that is no farther than `enough`, a squared distance.
+void SurfaceComparison::search(size_t number, uint32_t pose, float enough) {
     const TriangleIndex::Nearest found = other_surface(number, pose)
-                                             .nearest(place(number, pose / kLanes).at(pose % kLanes), near_enough,
+                                             .nearest(place(number, pose / kLanes).at(pose % kLanes), enough,
                                                       near_[pose].triangle);
     near_[pose] = {found.triangle, found.squared_distance, true};
     steps_ += found.steps;

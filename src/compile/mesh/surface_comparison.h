@@ -14,7 +14,7 @@
 
 namespace throng {
 
-// A place of one surface, and the nearest place of the other, in a pose.
+// A place of one surface, and a place near it on the other, in a pose.
 struct PlacePair {
     uint32_t pose = 0;
     size_t number = 0;           // of the place that was searched for: see SurfaceComparison
@@ -28,15 +28,16 @@ struct PlacePair {
 class SurfaceComparison {
 public:
     // Keeps the reference. `coarse` may be moved between the calls.
-    explicit SurfaceComparison(CoarseMesh& coarse);
+    explicit SurfaceComparison(const CoarseMesh& coarse);
 
     struct Result {
-        float largest = 0;             // the largest distance of any place in any pose, model space: exact
+        float largest = 0;             // the largest distance of any place in any pose, model space
         std::vector<PlacePair> pairs;  // ordered by their numbers
     };
     // Finds the largest distance, and the pairs that are farther apart than `part` of that and than `least`, model
-    // space. A pair's triangle may be one that is slightly farther away than the nearest, if it is near in another
-    // pose.
+    // space. Only in poses that were searched is a pair's triangle the nearest one. In others a nearer one may exist,
+    // but the pair is at most 1.1 times as far apart as the place is in its worst pose. Both meshes must have
+    // triangles.
     Result compare(float part, float least, const Progress& progress);
     // After the coarse mesh has moved a little: finds the nearest place anew, in the same triangle.
     void update(PlacePair& pair) const;
@@ -51,7 +52,7 @@ private:
     struct Near {
         uint32_t triangle = 0;
         float squared_distance = 0;
-        bool is_nearest = false;
+        bool is_searched = false;  // the triangle is the nearest one, or near enough
     };
 
     // Numbers of places: first those of the fine mesh, its points, then coarse_places().
@@ -67,9 +68,9 @@ private:
     float near_enough() const;
     void look_at(size_t number);
     void try_triangle(size_t number, uint32_t triangle);
-    void search(size_t number, uint32_t pose, float near_enough);
+    void search(size_t number, uint32_t pose, float enough);
 
-    CoarseMesh& coarse_;
+    const CoarseMesh& coarse_;
     const PosedMesh& fine_;
     const WeldedMesh& welded_;
     std::vector<TriangleIndex> coarse_surfaces_;  // [poses]

@@ -13,7 +13,9 @@
 namespace throng {
 namespace {
 
-constexpr float kClose = 5e-7f;  // of the character's size: the vertices of a point stay this close in all poses
+// Of the character's size: the vertices of a point stay this close in all poses. Errors of levels are measured at
+// points, so it has to be less than what is added to them for rounding (lod.cpp).
+constexpr float kClose = 5e-7f;
 
 // Union-find with path halving (R. E. Tarjan and J. van Leeuwen, Worst-case Analysis of Set Union Algorithms, 1984).
 uint32_t root_of(std::vector<uint32_t>& sets, uint32_t member) {
