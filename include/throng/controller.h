@@ -126,6 +126,8 @@ struct Controller {
     Result<uint32_t> parameter_named(std::string_view parameter_name) const;
     Result<uint32_t> layer_named(std::string_view layer_name) const;
     Result<uint32_t> mask_named(std::string_view mask_name) const;
+    // All events with this name, as CharacterEvent::event has them: several clips may have one, such as a step.
+    std::vector<uint32_t> find_events(std::string_view event_name) const;
 };
 
 // A controller of `count` layers (at least 1), none of which has states: they play what Crowd::play() says.

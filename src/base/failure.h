@@ -2,6 +2,7 @@
 // two.
 #pragma once
 
+#include "base/default_floats.h"
 #include "base/error_place.h"
 #include "base/text.h"
 
@@ -45,10 +46,12 @@ auto call_application(const std::string& place, const char* name, const Call& ca
     }
 }
 
-// Runs `body` and returns its value, or the Error that it threw. `place` is given to errors that name none.
+// Runs `body`, with DefaultFloats, and returns its value, or the Error that it threw. `place` is given to errors that
+// name none.
 template <class Body>
 auto as_result(Body&& body, std::string place = {}) -> Result<std::invoke_result_t<Body>> {
     using T = std::invoke_result_t<Body>;
+    const DefaultFloats floats;
     try {
         if constexpr (std::is_void_v<T>) {
             body();

@@ -3,23 +3,33 @@
 
 #include <throng/asset.h>
 
-#include <concepts>
 #include <string>
 #include <string_view>
 #include <vector>
 
 namespace throng {
 
+template <class T>
+std::string_view item_name(const T& item) {
+    return item.name;
+}
+inline std::string_view item_name(const std::string& name) { return name; }
+
 // The index of the first item with this name, or kNone. Items may be the names themselves.
 template <class T>
 uint32_t find_name(const std::vector<T>& items, std::string_view name) {
-    for (size_t i = 0; i < items.size(); ++i)
-        if constexpr (std::same_as<T, std::string>) {
-            if (items[i] == name) return static_cast<uint32_t>(i);
-        } else {
-            if (items[i].name == name) return static_cast<uint32_t>(i);
-        }
+    for (uint32_t i = 0; i < items.size(); ++i)
+        if (item_name(items[i]) == name) return i;
     return kNone;
+}
+
+// The indices of all items with this name.
+template <class T>
+std::vector<uint32_t> find_all_names(const std::vector<T>& items, std::string_view name) {
+    std::vector<uint32_t> found;
+    for (uint32_t i = 0; i < items.size(); ++i)
+        if (item_name(items[i]) == name) found.push_back(i);
+    return found;
 }
 
 }  // namespace throng

@@ -139,10 +139,7 @@ Result<uint32_t> Character::morph_named(std::string_view morph_name) const {
 }
 
 std::vector<uint32_t> Character::find_sections(std::string_view section_name) const {
-    std::vector<uint32_t> found;
-    for (uint32_t i = 0; i < section_names.size(); ++i)
-        if (section_names[i] == section_name) found.push_back(i);
-    return found;
+    return find_all_names(section_names, section_name);
 }
 
 std::vector<uint32_t> Character::find_sections_of_material(std::string_view material_name) const {

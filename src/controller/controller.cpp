@@ -58,6 +58,9 @@ uint32_t Controller::find_parameter(std::string_view parameter_name) const {
 }
 uint32_t Controller::find_layer(std::string_view layer_name) const { return find_name(layers, layer_name); }
 uint32_t Controller::find_mask(std::string_view mask_name) const { return find_name(masks, mask_name); }
+std::vector<uint32_t> Controller::find_events(std::string_view event_name) const {
+    return find_all_names(events, event_name);
+}
 Result<uint32_t> Controller::parameter_named(std::string_view parameter_name) const {
     return index_named(name, "parameter", parameters, parameter_name);
 }

@@ -277,6 +277,12 @@ TEST(AddClips, GetUniqueNames) {
     EXPECT_EQ(add("more.glb", "Jump"), "more Jump 2");
     EXPECT_EQ(add("folder.v1/crawl.glb", "Armature|Take 001|BaseLayer"), "crawl");
     EXPECT_EQ(add(".glb", ""), "clip");
+
+    from.name = "run.glb";
+    from.clips.assign(3, from.clips[0]);
+    EXPECT_TRUE(add_clips(asset, from));
+    const size_t count = asset.clips.size();
+    EXPECT_EQ(asset.clips[count - 3].name + ", " + asset.clips[count - 1].name, "run 3, run 5");
 }
 
 Asset face(size_t target_count) {

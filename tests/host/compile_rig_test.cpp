@@ -247,6 +247,23 @@ TEST(Compile, AnAssetWithNothingToDrawIsRefused) {
     EXPECT_EQ(refusal_of({}).code, ErrorCode::kUnsupported);
 }
 
+TEST(Compile, KeysThatExceedAllFloatsAreRefused) {
+    AssetBuilder builder;
+    const uint32_t large = builder.node(kNone, {.scale = {1e3, 1e3, 1e3}}), child = builder.node(large);
+    builder.mesh(child);
+    builder.asset.clips = {{.name = "leap", .duration_s = 1}};
+    AssetTrack track{.node = child, .target = TrackTarget::kTranslation, .times_s = {0, 1}};
+    for (const float at : {0.0f, 1e37f}) {
+        track.values = {0, 0, 0, at, 0, 0};
+        builder.asset.clips[0].tracks = {track};
+        const Result<Character> character = compile_character(builder.asset);
+        ASSERT_EQ(character.ok(), at == 0);
+        if (character) continue;
+        const std::string text = character.error().text();
+        EXPECT_TRUE(contains(text, "animations[0]: the track of node 1 exceeds all floats at 1.000000 s")) << text;
+    }
+}
+
 // Meshes of only points or lines have no indices, and need no joint.
 TEST(Compile, NodesThatAreNotDrawnNeedNoJoint) {
     AssetBuilder lines;

@@ -40,6 +40,8 @@ TEST(ControllerJson, EveryFieldIsRead) {
     EXPECT_EQ(c.events[0].name + c.events[0].clip, "stepwalk");
     EXPECT_EQ(c.events[0].time_s, 0.3);
     EXPECT_EQ(c.events[1].time_s, 0.1);
+    EXPECT_EQ(c.find_events("step"), (std::vector{0u, 1u}));
+    EXPECT_TRUE(c.find_events("stride").empty());
 
     ASSERT_EQ(c.masks.size(), 2u);
     ASSERT_EQ(c.masks[0].items.size(), 2u);

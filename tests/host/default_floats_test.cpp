@@ -1,5 +1,8 @@
-// The rounding mode and trapped floating-point exceptions of an application's thread change no sample and no update.
+// The rounding mode and trapped floating-point exceptions of an application's thread change no sample, no update and
+// no compiled character.
+#include "compile/file/character_file.h"
 #include "tests/host/native_cases.h"
+#include "tools/creatures/creature.h"
 
 #include <throng/joint_sampler.h>
 #include <throng/reference.h>
@@ -59,6 +62,17 @@ TEST(DefaultFloats, HoldInAJointSampler) {
         sample_all(got);
     }
     EXPECT_EQ(got, wanted);
+}
+
+TEST(DefaultFloats, HoldWhileACharacterIsCompiled) {
+    const Asset asset = *make_creature({.joint_count = 30, .level_count = 10, .face_count = 600});
+    const Character wanted = *compile_character(asset);
+    Character got;
+    {
+        const UnusualFloats unusual;
+        got = *compile_character(asset);
+    }
+    EXPECT_EQ(write_character(got), write_character(wanted));
 }
 
 // Also outside of jobs, where the shared poses of a skin pool are computed.

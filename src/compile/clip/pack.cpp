@@ -15,6 +15,7 @@
 #include <future>
 #include <mutex>
 #include <system_error>
+#include <utility>
 
 namespace throng {
 
@@ -82,19 +83,21 @@ private:
                 writer_.add(static_cast<uint32_t>(clip),
                             pack_clip(character_, clips_[clip], boxes_, settings_, progress_));
                 rows_done_ += clips_[clip].times_s.size();
+            } catch (const Failure& failure) {
+                fail(clip, failure.error.code == ErrorCode::kCancelled);
             } catch (...) {
-                fail(clip);
+                fail(clip, false);
             }
         }
     }
 
     // Begins no more clips. Those before `clip` have begun, so that the failure of the first is reported whichever
-    // thread is the fastest.
-    void fail(size_t clip) {
+    // thread is the fastest. That the call was cancelled is reported last: the failure of a hook cancels the others.
+    void fail(size_t clip, bool is_cancelled) {
         next_ = clips_.size();
         const std::lock_guard lock(failing_);
-        if (failure_ && failed_clip_ < clip) return;
-        failed_clip_ = clip;
+        if (failure_ && failed_ < std::pair(is_cancelled, clip)) return;
+        failed_ = {is_cancelled, clip};
         failure_ = std::current_exception();
     }
 
@@ -107,7 +110,7 @@ private:
     PackedClipWriter writer_;
     std::atomic<size_t> next_ = 0, rows_done_ = 0;
     std::mutex failing_;
-    size_t failed_clip_ = 0;
+    std::pair<bool, size_t> failed_;  // whether it was only cancelled, and the clip
     std::exception_ptr failure_;
     // Destroyed first: the destructor of a future waits for its thread.
     std::vector<std::future<void>> threads_;

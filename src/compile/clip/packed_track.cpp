@@ -30,7 +30,7 @@ PackedBits quantised(const PackedTrack& track, TrackTarget target, const TrackVa
         const uint32_t count = packed_bit_count(track, component);
         if (count == 0) return 0u;
         const double level = std::nearbyint((v - double{track.minimum[of_track]}) / double{track.step[of_track]});
-        return static_cast<uint32_t>(std::clamp(level, 0.0, double((1u << count) - 1)));
+        return level > 0 ? static_cast<uint32_t>(std::min(level, double((1u << count) - 1))) : 0u;  // also if it is NaN
     };
     PackedBits bits{};
     if (target != TrackTarget::kRotation) {

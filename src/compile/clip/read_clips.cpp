@@ -1,11 +1,13 @@
 #include "compile/clip/read_clips.h"
 
 #include "base/failure.h"
+#include "base/finite.h"
 #include "compile/limits.h"
 #include "compile/clip/source_track.h"
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 
 namespace throng {
 namespace {
@@ -13,6 +15,7 @@ namespace {
 // As a part of the character's size. A rotation by this many radians moves no point further than that
 constexpr double kRelativeBound = 1e-6;
 
+constexpr size_t kUnitedAtOnce = 1 << 22;       // times, before equal ones become one
 constexpr size_t kRefinedKeyLimit = 4'000'000;  // of cubic tracks: seconds of work, tens of MiB
 
 // A track of the clip that varies, and where it comes from.
@@ -66,16 +69,28 @@ private:
             const bool constant = source.is_constant();
             if (!constant) columns_.push_back({source, clip_.tracks.size()});
             clip_.tracks.push_back({joint, track.target, !constant && track.interpolation == Interpolation::kStep, {}});
-            if (constant) clip_.tracks.back().keys.push_back(key_of(source.evaluate(0)));
+            if (constant) clip_.tracks.back().keys.push_back(key_at(source, 0));
         }
         keys_before_ += clip_.tracks.size() - columns_.size();
+    }
+
+    // A cubic track may overshoot, and what lies above a joint may scale its track.
+    TrackKey key_at(const SourceTrack& source, float time_s) const {
+        const TrackKey key = key_of(source.evaluate(double{time_s}));
+        if (!all_finite(key))
+            throw Failure(ErrorCode::kInvalidFile, place_, "the track of node ", source.track().node,
+                          " exceeds all floats at ", time_s, " s");
+        return key;
     }
 
     void unite_times() {
         for (const Column& column : columns_) {
             const auto& times = column.source.track().times_s;
             times_s_.insert(times_s_.end(), times.begin(), times.end());
-            if (times_s_.size() > (size_t{1} << 22)) unique_times();  // keeps the array small, however many tracks
+            if (times_s_.size() <= kUnitedAtOnce) continue;
+            progress_.poll();
+            unique_times();
+            check_size(times_s_.size());
         }
         split_half_turns();
         unique_times();
@@ -137,12 +152,12 @@ private:
                               "limit of " +
                                   std::to_string(kRefinedKeyLimit) + " keys");
         }
-        if (relative_bound_ > kRelativeBound)
-            character_.warnings.push_back(place_ + ": its cubic tracks are approximated within " +
-                                          std::to_string(relative_bound_) +
-                                          " of the character's size; 0.000001 would take more than " +
-                                          std::to_string(kRefinedKeyLimit) + " keys");
-        relative_bound_ = kRelativeBound;
+        if (relative_bound_ <= kRelativeBound) return;
+        char bound[32];
+        std::snprintf(bound, sizeof bound, "%.2g", relative_bound_);
+        character_.warnings.push_back(joined(place_, ": its cubic tracks are approximated within ", bound,
+                                             " of the character's size; 1e-06 would take more than ", kRefinedKeyLimit,
+                                             " keys"));
     }
 
     // Halves intervals until interpolation between rows follows the cubic tracks. Returns the part of the clip for
@@ -242,7 +257,7 @@ private:
             track.keys.reserve(times_s_.size());
             for (const float time_s : times_s_) {
                 progress_.poll_at(track.keys.size());
-                track.keys.push_back(key_of(column.source.evaluate(time_s)));
+                track.keys.push_back(key_at(column.source, time_s));
             }
             if (track.target == TrackTarget::kRotation) join_hemispheres(track.keys);
         }

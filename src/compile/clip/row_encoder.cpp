@@ -12,9 +12,12 @@ RowEncoder::RowEncoder(const Character& character, const ClipGrid& grid, ClipMet
       meter_(meter),
       track_of_(grid.still.size() * 3),
       tracks_(track_of_.size()),
-      bit_counts_(track_of_.size()),
-      decoded_(grid.tracks) {
-    for (size_t track = 0; track < grid.tracks.size(); ++track) track_of_[slot_of(grid.tracks[track])] = track;
+      bit_counts_(track_of_.size()) {
+    for (size_t number = 0; number < grid.tracks.size(); ++number) {
+        const ExactTrack& track = grid.tracks[number];
+        track_of_[slot_of(track)] = number;
+        decoded_.push_back({track.joint, track.target, track.step});
+    }
 }
 
 void RowEncoder::plan(std::span<const TrackShape> shapes, std::span<const double> tolerances) {

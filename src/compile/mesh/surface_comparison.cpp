@@ -110,7 +110,7 @@ float SurfaceComparison::near_enough() const { return std::max(part_ * largest_,
 
 // Sets near_.
 void SurfaceComparison::look_at(size_t number) {
-    // A guess: what was near the neighbour
+    // A guess: what was near it before, or near its neighbour
     uint32_t& likely = likely_[number];
     if (likely == kNone) likely = number == 0 || is_fine(number) != is_fine(number - 1) ? 0 : likely_[number - 1];
     if (likely == kNone) likely = 0;

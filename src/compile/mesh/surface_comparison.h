@@ -18,7 +18,7 @@ namespace throng {
 struct PlacePair {
     uint32_t pose = 0;
     size_t number = 0;           // of the place that was searched for: see SurfaceComparison
-    uint32_t triangle = 0;       // of the other surface, where its nearest place lies
+    uint32_t triangle = 0;       // of the other surface, where the place near it lies
     CoarseMesh::Place coarse{};  // the place of the coarse mesh
     Vec3<float> apart{};         // from there to the place of the fine mesh, model space
 };

@@ -244,14 +244,26 @@ std::string stem_of(const std::string& file) {
     return stem.empty() ? "clip" : stem;
 }
 
-// A name for the clip that is not in `names`; `stem` is the name of its file without extension.
-std::string free_name(const std::string& name, const std::string& stem, const std::unordered_set<std::string>& names) {
-    if (!is_generic_name(name) && !names.contains(name)) return name;
-    const std::string base = is_generic_name(name) ? stem : stem + " " + name;
-    std::string numbered = base;
-    for (uint32_t number = 2; names.contains(numbered); ++number) numbered = joined(base, " ", number);
-    return numbered;
-}
+// Names of clips, each once.
+class ClipNames {
+public:
+    void insert(const std::string& name) { names_.insert(name); }
+
+    // A name for the clip that is new; `stem` is the name of its file without extension.
+    std::string add(const std::string& name, const std::string& stem) {
+        if (!is_generic_name(name) && names_.insert(name).second) return name;
+        const std::string base = is_generic_name(name) ? stem : stem + " " + name;
+        if (names_.insert(base).second) return base;
+        for (uint32_t& number = last_numbers_.try_emplace(base, 1).first->second;;) {
+            std::string numbered = joined(base, " ", ++number);
+            if (names_.insert(numbered).second) return numbered;
+        }
+    }
+
+private:
+    std::unordered_set<std::string> names_;
+    std::unordered_map<std::string, uint32_t> last_numbers_;  // of those that begin with a name
+};
 
 // The warnings of `from` about nodes and animations that `asset` does not have already. Warnings about the other file's
 // meshes do not concern this character.
@@ -284,12 +296,9 @@ Result<void> add_clips(Asset& asset, const Asset& from) {
             };
             if (!without.empty()) warn(without, adder.turned_differently());
             for (const std::string& morphs : adder.without_morphs()) warn(morphs, "");
-            std::unordered_set<std::string> names;
+            ClipNames names;
             for (const AssetClip& clip : asset.clips) names.insert(clip.name);
-            for (AssetClip& clip : clips) {
-                clip.name = free_name(clip.name, stem_of(from.name), names);
-                names.insert(clip.name);
-            }
+            for (AssetClip& clip : clips) clip.name = names.add(clip.name, stem_of(from.name));
             // Reserves first, so that nothing fails half-way after that.
             asset.clips.reserve(asset.clips.size() + clips.size());
             asset.warnings.reserve(asset.warnings.size() + warnings.size());
