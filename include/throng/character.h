@@ -265,7 +265,7 @@ struct CompileSettings {
 inline const CompileSettings kExact{.error = 0};
 
 // Compiles an asset. Computes with threads of its own: up to three that pack clips, and meanwhile up to ten that make
-// levels of detail. Each that packs, and at last the calling one, may take some 100 MiB.
+// levels of detail. Each that packs, and at last the calling one, may take some 400 MB for a clip of very many rows.
 //
 // Limits: 65,535 joints; 65,536 palette entries; 256 MiB each of keys, of packed words and of the track table; for
 // packing, 2^28 poses of a joint (rows of exact keys, of all clips, times joints); 4,096 morphs, and 256 MiB each of

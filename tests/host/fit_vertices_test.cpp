@@ -71,7 +71,8 @@ std::vector<float> all_distances(const Meshes& of, const SurfaceComparison& comp
         distances.push_back(
             nearest_of_all(of.welded.places(point)[pose / kLanes].at(pose % kLanes), of.coarse.indices(), of_coarse));
     for (const CoarseMesh::Place& place : comparison.coarse_places())
-        distances.push_back(nearest_of_all(of.coarse.position(place, pose), of.indices, of_fine));
+        distances.push_back(
+            nearest_of_all(of.coarse.positions(place, pose / kLanes).at(pose % kLanes), of.indices, of_fine));
     return distances;
 }
 

@@ -28,6 +28,7 @@ void check_error_bound(double error, const std::string& place) {
         std::string("the error bound is ") + text + "; it must be 0 (exact) or 1e-6 to 0.1 of the character's size");
 }
 
+// What the threads share.
 class ClipPacking::Work {
 public:
     Work(std::span<const ExactClip> clips, double error, Character& character, const Progress& progress)
@@ -39,7 +40,7 @@ public:
           settings_{error * double{character.size},
                     std::min(GridSettings().joint_rows, kPackingLimit / std::max<size_t>(1, clips.size()))},
           writer_(clips, error, character) {
-        constexpr size_t kMaxThreads = 3;  // beside the calling one; each may hold some 100 MiB
+        constexpr size_t kMaxThreads = 3;  // beside the calling one; for a long clip each may hold some 400 MB
         const size_t thread_count = std::min({clips.size(), kMaxThreads, size_t{processor_threads()} - 1});
         try {
             for (size_t i = 0; i < thread_count; ++i)

@@ -10,6 +10,7 @@
 #include <utility>
 
 namespace throng {
+
 CoarseMesh::CoarseMesh(const Character& character, const PosedMesh& fine, const WeldedMesh& welded,
                        std::span<const uint32_t> indices)
     : character_(character), fine_(fine), welded_(welded), groups_(fine.groups()) {
@@ -42,7 +43,7 @@ AffineT<double> CoarseMesh::model_from_bind(uint32_t vertex, uint32_t pose) cons
     return blended_reference(character_, section, sources_[vertex] - section.first_vertex, fine_.model_from_bind[pose]);
 }
 
-// Most of what making a coarse mesh takes, and only those need it that are moved.
+// Computed when a mesh is first moved: many never are, and this takes longer than all else of a coarse mesh.
 std::span<const CoarseMesh::Columns> CoarseMesh::model_from_rest() {
     if (!model_from_rest_.empty()) return model_from_rest_;
     model_from_rest_.resize(positions_.size());
@@ -70,14 +71,10 @@ void CoarseMesh::move(std::vector<Vec3<float>> shifts) {
     }
 }
 
-Four3 CoarseMesh::position(const Place& place, size_t group) const {
+Four3 CoarseMesh::positions(const Place& place, size_t group) const {
     Four3 sum = positions(place.vertices[0])[group] * four(place.weights[0]);
     for (size_t k = 1; k < 3; ++k) sum = sum + positions(place.vertices[k])[group] * four(place.weights[k]);
     return sum;
-}
-
-Vec3<float> CoarseMesh::position(const Place& place, uint32_t pose) const {
-    return position(place, size_t{pose / kLanes}).at(pose % kLanes);
 }
 
 Vec3<float> CoarseMesh::pull_at_rest(uint32_t vertex, uint32_t pose, const Vec3<float>& pull) {

@@ -35,13 +35,13 @@ public:
     Vec3<float> position(uint32_t vertex, uint32_t pose) const {
         return positions(vertex)[pose / kLanes].at(pose % kLanes);
     }
+
     // A place of this mesh: a weighted sum of three vertices.
     struct Place {
         std::array<uint32_t, 3> vertices{};
         std::array<float, 3> weights{};
     };
-    Four3 position(const Place& place, size_t group) const;
-    Vec3<float> position(const Place& place, uint32_t pose) const;
+    Four3 positions(const Place& place, size_t group) const;  // in a group of poses
 
     // Vertices at one place are one point.
     uint32_t point_of(uint32_t vertex) const { return point_of_[vertex]; }

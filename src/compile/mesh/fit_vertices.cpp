@@ -15,8 +15,9 @@ constexpr int kRounds = 3, kStepsOfRound = 3;
 constexpr float kStep = 0.4f;          // of the way: the places of a triangle pull at the same points
 constexpr float kHold = 1;             // a weight that slows points which are hardly pulled at
 constexpr float kWorthMoving = 0.95f;  // of the error before
-// Of the character's size. A level this close to the fine mesh replaces it where a character is still hundreds of
-// pixels tall. Few of a crowd are, so copies of vertices would not be worth their memory.
+// As a part of the character's size: levels that are off by no more stay as they are. They replace the fine mesh where
+// a character is still hundreds of pixels tall. Few of a crowd are that near, too few for copies of vertices to be
+// worth their memory.
 constexpr float kSmall = 2.5e-3f;
 
 class VertexFit {

@@ -23,6 +23,7 @@ constexpr size_t groups_of_four(size_t poses) { return (poses + kLanes - 1) / kL
 // Where a vertex is in a group of poses. `positions` are [poses][vertices].
 Four3 in_four_poses(std::span<const std::vector<Vec3<float>>> positions, uint32_t vertex, size_t group);
 
+// What determines where a mesh is, apart from the character.
 struct MeshPose {
     std::vector<AffineT<double>> model_from_joint;  // [joint_count]
     std::vector<WeightedMorph> morphs;

@@ -69,9 +69,9 @@ void SurfaceComparison::move_surfaces() {
     }
 }
 
-Four3 SurfaceComparison::place(size_t number, size_t group) const {
+Four3 SurfaceComparison::places(size_t number, size_t group) const {
     return is_fine(number) ? welded_.places(static_cast<uint32_t>(number))[group]
-                           : coarse_.position(coarse_place(number), group);
+                           : coarse_.positions(coarse_place(number), group);
 }
 
 const TriangleIndex& SurfaceComparison::other_surface(size_t number, uint32_t pose) const {
@@ -81,8 +81,8 @@ const TriangleIndex& SurfaceComparison::other_surface(size_t number, uint32_t po
 SurfaceComparison::Result SurfaceComparison::compare(float part, float least, const Progress& progress) {
     move_surfaces();
     Result result;
-    part_ = part * part, least_ = least * least, largest_ = 0;
-    // First looks at some places, so that hardly any is farther away than what is known then
+    squared_part_ = part * part, squared_least_ = least * least, squared_largest_ = 0;
+    // Looks at some places first: where little is known of the largest distance, more has to be searched for
     constexpr size_t kSome = 16;
     for (size_t number = 0; number < place_count(); number += kSome) {
         progress.poll_at(number * near_.size());
@@ -92,21 +92,23 @@ SurfaceComparison::Result SurfaceComparison::compare(float part, float least, co
         progress.poll_at(number * near_.size());
         look_at(number);
         for (uint32_t pose = 0; pose < near_.size(); ++pose) {
-            if (near_[pose].squared_distance <= std::max(part_ * largest_, least_)) continue;
+            if (near_[pose].squared_distance <= std::max(squared_part_ * squared_largest_, squared_least_)) continue;
             PlacePair& pair = result.pairs.emplace_back(
                 PlacePair{.pose = pose, .number = number, .triangle = near_[pose].triangle});
             if (!is_fine(number)) pair.coarse = coarse_place(number);
             update(pair);
         }
     }
-    result.largest = std::sqrt(largest_);
+    result.largest = std::sqrt(squared_largest_);
     const float far = std::max(part * result.largest, least);
     std::erase_if(result.pairs, [&](const PlacePair& pair) { return !(length(pair.apart) > far); });
     return result;
 }
 
-// A squared distance: places up to that are neither the furthest nor in a pair.
-float SurfaceComparison::near_enough() const { return std::max(part_ * largest_, std::min(least_, largest_)); }
+// No place within this distance can be the furthest one or belong to a pair, so none is searched for.
+float SurfaceComparison::squared_near_enough() const {
+    return std::max(squared_part_ * squared_largest_, std::min(squared_least_, squared_largest_));
+}
 
 // Sets near_.
 void SurfaceComparison::look_at(size_t number) {
@@ -116,20 +118,22 @@ void SurfaceComparison::look_at(size_t number) {
     if (likely == kNone) likely = 0;
     near_.assign(near_.size(), {.squared_distance = std::numeric_limits<float>::infinity()});
     try_triangle(number, likely);
-    float furthest = 0;  // squared, of the poses that have been searched
+    float squared_furthest = 0;  // of the poses that have been searched
     while (true) {
-        uint32_t pose = kNone;
+        uint32_t pose = kNone;  // the one that is the farthest, as far as is known
         for (uint32_t other = 0; other < near_.size(); ++other)
             if (!near_[other].is_searched &&
                 (pose == kNone || near_[other].squared_distance > near_[pose].squared_distance))
                 pose = other;
         if (pose == kNone) return;
-        const float distance = near_[pose].squared_distance, enough = near_enough();
-        if (distance <= enough) return;
-        if (distance <= largest_ && distance <= kAlmostNearest * kAlmostNearest * furthest) return;
+        const float known = near_[pose].squared_distance, enough = squared_near_enough();
+        if (known <= enough) return;
+        if (known <= squared_largest_ && known <= kAlmostNearest * kAlmostNearest * squared_furthest) return;
         search(number, pose, enough);
-        if (near_[pose].squared_distance > enough) furthest = std::max(furthest, near_[pose].squared_distance);
-        largest_ = std::max(largest_, near_[pose].squared_distance);
+        const float found = near_[pose].squared_distance;
+        // Only what is not near enough is the exact distance
+        if (found > enough) squared_furthest = std::max(squared_furthest, found);
+        squared_largest_ = std::max(squared_largest_, found);
         if (near_[pose].triangle == likely) continue;
         likely = near_[pose].triangle;
         try_triangle(number, likely);
@@ -143,7 +147,7 @@ void SurfaceComparison::try_triangle(size_t number, uint32_t triangle) {
         in_poses[k] = is_fine(number) ? coarse_.positions(corners[k]) : welded_.places(welded_.point_of(corners[k]));
     for (uint32_t pose = 0; pose < near_.size(); pose += kLanes) {
         const size_t group = pose / kLanes;
-        const Four distances = squared_distances(place(number, group), in_poses[0][group], in_poses[1][group],
+        const Four distances = squared_distances(places(number, group), in_poses[0][group], in_poses[1][group],
                                                  in_poses[2][group]);
         for (uint32_t lane = 0; lane < kLanes && pose + lane < near_.size(); ++lane)
             if (Near& near = near_[pose + lane]; !near.is_searched && distances[lane] < near.squared_distance)
@@ -151,11 +155,10 @@ void SurfaceComparison::try_triangle(size_t number, uint32_t triangle) {
     }
 }
 
-// Finds the nearest triangle, or any that is no farther than `enough`, a squared distance.
-void SurfaceComparison::search(size_t number, uint32_t pose, float enough) {
-    const TriangleIndex::Nearest found = other_surface(number, pose)
-                                             .nearest(place(number, pose / kLanes).at(pose % kLanes), enough,
-                                                      near_[pose].triangle);
+// Finds the nearest triangle, or any that is no farther than enough.
+void SurfaceComparison::search(size_t number, uint32_t pose, float squared_enough) {
+    const TriangleIndex::Nearest found =
+        other_surface(number, pose).nearest(place(number, pose), squared_enough, near_[pose].triangle);
     near_[pose] = {found.triangle, found.squared_distance, true};
     steps_ += found.steps;
 }
@@ -166,7 +169,7 @@ void SurfaceComparison::update(PlacePair& pair) const {
     for (size_t k = 0; k < 3; ++k)
         triangle[k] = is_fine(pair.number) ? coarse_.position(corners[k], pair.pose)
                                            : fine_.positions[pair.pose][corners[k]];
-    const Vec3<float> from = place(pair.number, pair.pose / kLanes).at(pair.pose % kLanes);
+    const Vec3<float> from = place(pair.number, pair.pose);
     const std::array<double, 3> exact = nearest_weights(from.as<double>(), triangle[0].as<double>(),
                                                         triangle[1].as<double>(), triangle[2].as<double>());
     std::array<float, 3> weights;

@@ -48,7 +48,7 @@ public:
     std::span<const CoarseMesh::Place> coarse_places() const { return coarse_places_; }
 
 private:
-    // What is known of a place in a pose: a triangle near it, and the squared distance from there.
+    // A triangle near a place in a pose, and how far away it is.
     struct Near {
         uint32_t triangle = 0;
         float squared_distance = 0;
@@ -61,14 +61,15 @@ private:
     const CoarseMesh::Place& coarse_place(size_t number) const {
         return coarse_places_[number - welded_.point_count()];
     }
-    Four3 place(size_t number, size_t group) const;
+    Four3 places(size_t number, size_t group) const;  // in a group of poses
+    Vec3<float> place(size_t number, uint32_t pose) const { return places(number, pose / kLanes).at(pose % kLanes); }
     const TriangleIndex& other_surface(size_t number, uint32_t pose) const;
     void make_coarse_places();
     void move_surfaces();
-    float near_enough() const;
+    float squared_near_enough() const;
     void look_at(size_t number);
     void try_triangle(size_t number, uint32_t triangle);
-    void search(size_t number, uint32_t pose, float enough);
+    void search(size_t number, uint32_t pose, float squared_enough);
 
     const CoarseMesh& coarse_;
     const PosedMesh& fine_;
@@ -77,9 +78,8 @@ private:
     std::vector<CoarseMesh::Place> coarse_places_;
     std::vector<uint32_t> likely_;  // [places]: a triangle that was near before
     std::vector<Near> near_;        // [poses], of the place that is looked at
-    // Squared
-    float part_ = 0, least_ = 0;
-    float largest_ = 0;  // as far as is known
+    float squared_part_ = 0, squared_least_ = 0;
+    float squared_largest_ = 0;  // as far as is known
     uint64_t steps_ = 0;
 };
 

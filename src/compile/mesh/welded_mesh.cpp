@@ -13,8 +13,8 @@
 namespace throng {
 namespace {
 
-// Of the character's size: the vertices of a point stay this close in all poses. Errors of levels are measured at
-// points, so it has to be less than what is added to them for rounding (lod.cpp).
+// As a part of the character's size: vertices that stay this close in all poses are one point. The errors of levels are
+// measured at points, not at each vertex, so this has to be less than what is added to them for rounding (lod.cpp).
 constexpr float kClose = 5e-7f;
 
 // Union-find with path halving (R. E. Tarjan and J. van Leeuwen, Worst-case Analysis of Set Union Algorithms, 1984).

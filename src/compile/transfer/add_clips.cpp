@@ -262,7 +262,7 @@ public:
 
 private:
     std::unordered_set<std::string> names_;
-    std::unordered_map<std::string, uint32_t> last_numbers_;  // of those that begin with a name
+    std::unordered_map<std::string, uint32_t> last_numbers_;  // by the name without its number
 };
 
 // The warnings of `from` about nodes and animations that `asset` does not have already. Warnings about the other file's
