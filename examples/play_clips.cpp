@@ -14,7 +14,7 @@ int main(int argc, char** argv) {
     }
     const Character character = load_character(argv[1]).expect();
     // An unknown name ends the program, with a line that says which names there are.
-    const uint32_t clips[]{character.clip_named(argv[2]).expect(), character.clip_named(argv[3]).expect()};
+    const ClipIndex clips[]{character.clip_named(argv[2]).expect(), character.clip_named(argv[3]).expect()};
     const uint32_t joint = character.rig.joint_named(argv[4]).expect();
 
     // A layer that plays what play() says, with fades. An event is a moment of a clip.

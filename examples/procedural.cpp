@@ -54,7 +54,7 @@ int main(int argc, char** argv) {
                                 {.groups = {{.character = &creature, .instance_count = kCount, .procedural = &rules},
                                             {.character = &creature, .instance_count = 1}}})
                       .expect();
-    const uint32_t walk = creature.find_clip("walk"), fly = creature.find_clip("fly");
+    const ClipIndex walk = creature.find_clip("walk"), fly = creature.find_clip("fly");
     std::vector<Affine> places;
     std::vector<Playback> playbacks;
     for (uint32_t i = 0; i < kCount; ++i) {

@@ -1,11 +1,12 @@
 // A game server without a GPU: 2,000 characters of several files, each under a controller, stepped 30 times a second of
 // game time; shots are tested against hit boxes at six joints of each, and only these joints are computed.
 //   server character.glb controller.json [character.glb controller.json ...]
+#include "times.h"
+
 #include <throng/throng.h>
 
 #include <algorithm>
 #include <array>
-#include <chrono>
 #include <cstdio>
 #include <random>
 #include <vector>
@@ -64,7 +65,7 @@ int main(int argc, char** argv) {
     std::vector<double> ticks_ms;
     uint32_t hit_count = 0;
     for (uint32_t tick = 0; tick < kTicks; ++tick) {
-        const auto begin = std::chrono::steady_clock::now();
+        const Stopwatch stopwatch;
         const uint32_t player = tick * 7919 % crowd.instance_count();  // another player changes something in each tick
         crowd.set_parameter(InstanceHandle{player}, 0, 5 * unit(random)).expect();
         crowd.update(kTick_s).expect();
@@ -74,7 +75,7 @@ int main(int argc, char** argv) {
                 hit_count += static_cast<uint32_t>(
                     std::ranges::count_if(block.host.socket, [&](const Affine& box) { return hits(box, eye, 0.2f); }));
         }
-        ticks_ms.push_back(std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count());
+        ticks_ms.push_back(stopwatch.elapsed().clock_ms);
     }
     std::ranges::sort(ticks_ms);
     std::printf("%u characters on %s: a tick takes %.2f ms (the slowest of %u: %.2f); %u hits\n",

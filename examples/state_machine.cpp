@@ -53,7 +53,7 @@ int main(int argc, char** argv) {
     crowd.set_placement(crowd.instances(0).expect(), places).expect();
     crowd.watch(crowd.instances(0).expect()).expect();
 
-    const uint32_t speed = controller.find_parameter("speed"), attack = controller.find_parameter("attack");
+    const ParameterIndex speed = controller.find_parameter("speed"), attack = controller.find_parameter("attack");
     if (speed == kNone || attack == kNone) {
         std::fprintf(stderr, "state_machine: %s: needs the parameters 'speed' and 'attack'\n", argv[2]);
         return 1;

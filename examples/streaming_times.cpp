@@ -2,10 +2,11 @@
 // same for a crowd of another character beside it, and for one of a character that is already on the device; then
 // adding another crowd's group to the first crowd, and removing it again.
 //   streaming_times [--device] one.glb other.glb ...   (--device: by the device's kernels, not natively)
+#include "times.h"
+
 #include <throng/throng.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cstdio>
 #include <cstring>
 #include <span>
@@ -17,9 +18,9 @@ namespace {
 
 template <class Work>
 double milliseconds_of(const Work& work) {
-    const auto start = std::chrono::steady_clock::now();
+    const Stopwatch stopwatch;
     work();
-    return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+    return stopwatch.elapsed().clock_ms;
 }
 
 constexpr float kStep_s = 1.0f / 60;
@@ -63,7 +64,7 @@ int main(int argc, char** argv) {
     print_times("the first once more", device, all.first(1), path);
 
     Crowd coming = make_crowd(device, all.last(1), path);
-    uint32_t group = 0;
+    GroupIndex group;
     const double add = milliseconds_of([&] { group = running.add_groups(std::move(coming)).expect()[0]; });
     const double first = milliseconds_of([&] { running.update(kStep_s).expect(); });
     const double remove = milliseconds_of([&] { running.remove_group(group).expect(); });

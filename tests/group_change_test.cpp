@@ -38,19 +38,19 @@ TEST_F(GroupChanges, GroupsMayBeEmpty) {
     of.groups.insert(of.groups.begin(), {.character = &other_character_, .instance_count = 0});
     of.groups.push_back({.character = &other_character_, .instance_count = 0});
     Crowd crowd = create(of);
-    EXPECT_EQ(crowd.add_groups(create(of)).value(), (std::vector<uint32_t>{3, 4, 5}));
+    EXPECT_EQ(crowd.add_groups(create(of)).value(), (std::vector<GroupIndex>{3, 4, 5}));
     EXPECT_EQ(crowd.instances(4)->first(), 2u);
     EXPECT_EQ(crowd.instances(3)->size(), 0u);
     for (const uint32_t empty : {0u, 5u}) ASSERT_TRUE(crowd.remove_group(empty));
     ASSERT_TRUE(crowd.remove_group(1));
-    EXPECT_EQ(crowd.groups(), (std::vector<uint32_t>{2, 3, 4}));
+    EXPECT_EQ(crowd.groups(), (std::vector<GroupIndex>{2, 3, 4}));
     EXPECT_EQ(crowd.group_of({2}).value(), 4u);
     EXPECT_FALSE(crowd.group_of({0})) << "of the group that has been removed";
     EXPECT_FALSE(crowd.group_of({4}));
     EXPECT_FALSE(crowd.remove_group(4)) << "the last that is not empty";
     go_on(crowd);
     EXPECT_EQ(crowd.outputs().size(), 1u);
-    EXPECT_EQ(crowd.add_groups(create(of)).value(), (std::vector<uint32_t>{0, 1, 5}));
+    EXPECT_EQ(crowd.add_groups(create(of)).value(), (std::vector<GroupIndex>{0, 1, 5}));
     EXPECT_EQ(crowd.instances(1)->first(), 0u);
     go_on(crowd);
 }
@@ -111,8 +111,8 @@ TEST_F(GroupChanges, HandlesOfRemovedGroupsAreRefused) {
 
 TEST_F(GroupChanges, NumbersAreReusedButHandlesAreNot) {
     Crowd crowd = create(settings(3));
-    EXPECT_EQ(crowd.add_groups(create(settings(4, 4))).value(), std::vector<uint32_t>{1});
-    EXPECT_EQ(crowd.add_groups(create(settings(2))).value(), std::vector<uint32_t>{2});
+    EXPECT_EQ(crowd.add_groups(create(settings(4, 4))).value(), std::vector<GroupIndex>{1});
+    EXPECT_EQ(crowd.add_groups(create(settings(2))).value(), std::vector<GroupIndex>{2});
     EXPECT_EQ(crowd.instance_count(), 9u);
     const std::vector<InstanceHandle> removed = alive_in(crowd, 1), last = alive_in(crowd, 2);
     EXPECT_EQ(removed.front(), (InstanceHandle{3, 0}));
@@ -135,8 +135,8 @@ TEST_F(GroupChanges, NumbersAreReusedButHandlesAreNot) {
     // The groups of two and one fit into the gap, a group of three does not
     CrowdSettings small = settings(2);
     small.groups.push_back({.character = &other_character_, .instance_count = 1});
-    EXPECT_EQ(crowd.add_groups(create(small)).value(), (std::vector<uint32_t>{1, 3}));
-    EXPECT_EQ(crowd.add_groups(create(settings(3, 3))).value(), std::vector<uint32_t>{4});
+    EXPECT_EQ(crowd.add_groups(create(small)).value(), (std::vector<GroupIndex>{1, 3}));
+    EXPECT_EQ(crowd.add_groups(create(settings(3, 3))).value(), std::vector<GroupIndex>{4});
     EXPECT_EQ(alive_in(crowd, 1), (std::vector<InstanceHandle>{{3, 2}, {4, 2}}));
     EXPECT_EQ(alive_in(crowd, 3), (std::vector<InstanceHandle>{{5, 2}}));
     EXPECT_EQ(alive_in(crowd, 4).front(), (InstanceHandle{9, 2}));
@@ -161,7 +161,7 @@ TEST_F(GroupChanges, EventsOfRemovedGroupsKeepTheirHandles) {
     EXPECT_TRUE(crowd.feedback().value().empty()) << "nobody has any";
     uint64_t update_count = 2, event_count = 0;
     for (uint32_t generation = 0; generation < 3; ++generation) {
-        ASSERT_EQ(crowd.add_groups(create(of)).value(), std::vector<uint32_t>{1});
+        ASSERT_EQ(crowd.add_groups(create(of)).value(), std::vector<GroupIndex>{1});
         ASSERT_TRUE(crowd.set_parameter(*crowd.instances(1), parameter_of(dragon, "forward"), 1));
         std::vector<InstanceHandle> watched = alive_in(crowd, 1);
         watched.push_back({1, 0});  // of the group that stays

@@ -15,7 +15,7 @@ inline std::vector<InstanceHandle> alive_in(const Crowd& crowd, uint32_t group) 
 }
 
 // The contents of these groups' outputs, keyed by the position in `groups`.
-inline Contents contents_of_groups(const Crowd& crowd, const std::vector<uint32_t>& groups) {
+inline Contents contents_of_groups(const Crowd& crowd, const std::vector<GroupIndex>& groups) {
     Contents all;
     for (size_t i = 0; i < groups.size(); ++i) {
         std::vector<OutputBlock> blocks;

@@ -41,8 +41,8 @@ struct Groups {
     CrowdSettings settings;
 };
 
-std::vector<uint32_t> numbers(uint32_t first, uint32_t count = kGroupContinuityKinds) {
-    std::vector<uint32_t> all(count);
+std::vector<GroupIndex> numbers(uint32_t first, uint32_t count = kGroupContinuityKinds) {
+    std::vector<GroupIndex> all(count);
     std::iota(all.begin(), all.end(), first);
     return all;
 }
@@ -52,7 +52,7 @@ std::vector<uint32_t> numbers(uint32_t first, uint32_t count = kGroupContinuityK
 // `first_plot` on.
 class RandomCaller {
 public:
-    RandomCaller(const Groups& of, std::vector<uint32_t> groups, uint32_t first_plot, uint32_t first_kind = 0)
+    RandomCaller(const Groups& of, std::vector<GroupIndex> groups, uint32_t first_plot, uint32_t first_kind = 0)
         : of_(of), groups_(std::move(groups)), first_plot_(first_plot), first_kind_(first_kind) {}
 
     void place(Crowd& crowd) const {
@@ -116,7 +116,7 @@ private:
     }
 
     const Groups& of_;
-    std::vector<uint32_t> groups_;
+    std::vector<GroupIndex> groups_;
     uint32_t first_plot_, first_kind_;
 };
 
@@ -152,7 +152,7 @@ TEST_P(GroupContinuity, GroupChangesDoNotAffectOtherGroups) {
     Crowd crowd = groups_.make(), undisturbed = groups_.make();
     const RandomCaller ours(groups_, numbers(0), 0);
     const uint32_t end = crowd.instance_count();
-    std::vector<uint32_t> others;
+    std::vector<GroupIndex> others;
     for (Crowd* const one : {&crowd, &undisturbed}) {
         ours.place(*one);
         EXPECT_TRUE(one->set_wind({.velocity = {1, 0, 2}, .gust = 0.5f}));
@@ -202,7 +202,7 @@ TEST_P(GroupContinuity, AddedGroupsMatchASeparateCrowd) {
             return other;
         };
         Crowd alone = make_other();
-        const std::vector<uint32_t> numbers_here = crowd.add_groups(make_other()).value();
+        const std::vector<GroupIndex> numbers_here = crowd.add_groups(make_other()).value();
         EXPECT_EQ(numbers_here, numbers(kGroupContinuityKinds));
         const RandomCaller theirs(groups_, numbers_here, 2000);
         for (uint32_t number = 10 * time; number < 10 * time + 8; ++number) {

@@ -32,7 +32,7 @@ struct Instance {
 
 std::vector<MorphLayer> layers_of(const Character& character, const Playback& playback) {
     const auto active_clip = [&](const ClipPlayback& play, double weight) {
-        return MorphActiveClip{play.clip == kNone ? static_cast<uint32_t>(character.clips.size()) : play.clip,
+        return MorphActiveClip{play.clip == kNone ? static_cast<uint32_t>(character.clips.size()) : play.clip.number,
                                play.time_s, weight};
     };
     return {{.active_clips = {active_clip(playback.first, double{playback.weight}),
@@ -49,7 +49,7 @@ public:
     std::vector<std::vector<io::ActiveMorph>> run_two(const std::vector<Playback>& playbacks) const {
         std::vector<io::InstancePlayback> states;
         const auto play = [&](const ClipPlayback& from) {
-            return io::ClipPlay{from.clip == kNone ? static_cast<uint32_t>(character_.clips.size()) : from.clip,
+            return io::ClipPlay{from.clip == kNone ? static_cast<uint32_t>(character_.clips.size()) : from.clip.number,
                                 from.loop, static_cast<float>(from.time_s), from.speed};
         };
         for (const Playback& playback : playbacks)

@@ -1,11 +1,12 @@
-// A game that draws no picture until its end: waves of attackers in the colours of their teams walk to the middle of a
-// field with things in their hands, die there, lie for a while and disappear, while others arrive. It runs on its own
-// Vulkan device with two frames in flight. Once a second a frame is dropped; beasts are loaded while the game runs; and
-// it is saved and restored, after which the same things happen again. Prints how long its calls take.
-//   game creature.glb guard.json lantern.glb beast.glb picture.png [2000]
+// A game that draws no picture until its end: waves of attackers of two kinds, in the colours of their teams, walk to
+// the middle of a field with things in their hands, die there, lie for a while and disappear, while others arrive. It
+// runs on its own Vulkan device with two frames in flight. Once a second a frame is dropped; beasts are loaded while
+// the game runs; and it is saved and restored, after which the same things happen again. Prints how long its calls
+// take.
+//   game one.glb other.glb guard.json lantern.glb beast.glb picture.png [2000]
 // (./run throng generate makes such files; examples/controllers has the controller; the number: most attackers at once)
-#include "frames.h"
-#include "times.h"
+#include "../frames.h"
+#include "../times.h"
 
 #include <throng/throng.h>
 
@@ -22,6 +23,7 @@
 #include <memory>
 #include <numbers>
 #include <random>
+#include <span>
 #include <vector>
 
 using namespace throng;
@@ -32,15 +34,18 @@ constexpr float kFrame_s = 1.0f / 60;
 constexpr uint32_t kFrames = 600, kWaveEvery = 60, kMaxDying = 600, kMaxAtOnce = 32;
 constexpr uint32_t kDropEvery = 60, kLoadAt = 150, kSaveAt = 400, kReplayed = 60, kBeasts = 20;
 constexpr double kFalls_s = 0.6, kLies_s = 1.5;
+constexpr uint32_t kKinds = 2, kThings = kKinds;  // groups: a kind of attackers each, then their things
 
 Affine scaled(float scale) { return {{{{scale, 0, 0, 0}, {0, scale, 0, 0}, {0, 0, scale, 0}}}}; }
 
 struct Attacker {
+    uint32_t kind = 0;
     InstanceHandle body, thing;
     Affine world_from_model{};
 };
 
 struct Dying {
+    uint32_t kind = 0;
     InstanceHandle body;
     double gone_s = 0;
     std::vector<Trs<float>> pose{};  // as it was shown when it began to fall; empty until it has come back
@@ -58,12 +63,9 @@ struct World {
 
 class Game {
 public:
-    Game(const Device& device, const Character& body, const Controller& mind, const Character& thing, uint32_t most)
-        : most_(most),
-          body_(body),
-          size_(length(body.bounds_max - body.bounds_min)),
-          socket_from_thing_(scaled(0.2f * size_ / length(thing.bounds_max - thing.bounds_min))),
-          crowd_(make_crowd(device, body, mind, thing)) {}
+    Game(const Device& device, std::span<const Character> kinds, const Controller& mind, const Character& thing,
+         uint32_t most)
+        : most_(most), kinds_(kinds), thing_size_(thing.size), crowd_(make_crowd(device, mind, thing)) {}
 
     // Returns how long its calls took.
     Elapsed play(uint32_t frame) {
@@ -120,19 +122,20 @@ public:
     }
 
 private:
-    Crowd make_crowd(const Device& device, const Character& body, const Controller& mind,
-                     const Character& thing) const {
-        const CrowdGroup bodies{.character = &body,
-                                .controller = &mind,
-                                .sockets = {body.rig.joint_count() - 1},
-                                .steering = Steering{.radius = 0.2f * size_,
-                                                     .speed = 1.5f * size_,
-                                                     .speed_parameter = mind.parameter_named("speed").expect()},
-                                .pose_capacity = kMaxDying,
-                                .capacity = most_,
-                                .outfits = {{}, {armoured(body)}}};
-        const CrowdGroup things{.character = &thing, .is_carried = true, .capacity = most_};
-        return Crowd::create(device, settings_with({bodies, things}, most_)).expect();
+    Crowd make_crowd(const Device& device, const Controller& mind, const Character& thing) const {
+        std::vector<CrowdGroup> groups;
+        for (const Character& body : kinds_)
+            groups.push_back({.character = &body,
+                              .controller = &mind,
+                              .sockets = {body.rig.joint_count() - 1},
+                              .steering = Steering{.radius = 0.2f * body.size,
+                                                   .speed = 1.5f * body.size,
+                                                   .speed_parameter = mind.parameter_named("speed").expect()},
+                              .pose_capacity = kMaxDying,
+                              .capacity = most_ / kKinds,
+                              .outfits = {{}, {armoured(body)}}});
+        groups.push_back({.character = &thing, .is_carried = true, .capacity = most_});
+        return Crowd::create(device, settings_with(std::move(groups), most_)).expect();
     }
 
     // Steel all over, with a little of the team's colour.
@@ -143,31 +146,32 @@ private:
         return outfit;
     }
 
-    // Attackers come from all sides, as many as there is room for. Each wave has a colour, and one in four attackers is
-    // armoured.
+    // Attackers of one kind come from all sides, as many as there is room for. Each wave has a colour, and one in four
+    // attackers is armoured.
     void send_wave(uint32_t wave) {
-        const uint32_t room = most_ - crowd_->alive_count(0).expect(), wave_size = most_ / 5,
-                       count = std::min(wave_size, room);
+        const uint32_t kind = wave % kKinds, room = most_ / kKinds - crowd_->alive_count(kind).expect(),
+                       wave_size = most_ / 5, count = std::min(wave_size, room);
+        const float size = kinds_[kind].size;
         world.refused += wave_size - count;
         std::vector<Affine> places;
         std::uniform_real_distribution<float> side(0, 6.2831853f), depth(20, 30);
         for (uint32_t i = 0; i < count; ++i) {
-            const float angle = side(world.random), distance = depth(world.random) * size_;
+            const float angle = side(world.random), distance = depth(world.random) * size;
             const float c = std::cos(angle), s = std::sin(angle);
             places.push_back({{{{-c, 0, -s, distance * s}, {0, 1, 0, 0}, {s, 0, -c, distance * c}}}});
         }
-        const std::vector<InstanceHandle> bodies = crowd_->spawn(0, places).expect(),
-                                          things = crowd_->spawn(1, places).expect();
+        const std::vector<InstanceHandle> bodies = crowd_->spawn(kind, places).expect(),
+                                          things = crowd_->spawn(kThings, places).expect();
         std::uniform_real_distribution<float> aside(-6, 6);
         std::vector<Vec3<float>> goals;
         std::vector<InstanceLook> looks;
         std::vector<Attachment> hands;
         constexpr std::array<std::array<float, 3>, 3> kTeams{{{1, 0.4f, 0.3f}, {0.4f, 0.6f, 1}, {0.9f, 0.8f, 0.3f}}};
         for (uint32_t i = 0; i < count; ++i) {
-            goals.push_back({aside(world.random) * size_, 0, aside(world.random) * size_});
+            goals.push_back({aside(world.random) * size, 0, aside(world.random) * size});
             looks.push_back({.tint = kTeams[wave % kTeams.size()], .outfit = i % 4 == 0 ? 1u : 0u});
-            hands.push_back({.carrier = bodies[i], .socket_from_model = socket_from_thing_});
-            world.attackers[bodies[i].instance] = {bodies[i], things[i], places[i]};
+            hands.push_back({.carrier = bodies[i], .socket_from_model = scaled(0.2f * size / thing_size_)});
+            world.attackers[bodies[i].instance] = {kind, bodies[i], things[i], places[i]};
         }
         crowd_->set_destination(bodies, goals).expect();
         crowd_->set_look(bodies, looks).expect();
@@ -209,11 +213,11 @@ private:
         std::erase_if(world.attackers, [&](const auto& entry) {
             const Attacker& attacker = entry.second;
             const auto& row = attacker.world_from_model.row;
-            const bool is_near = std::hypot(row[0][3], row[2][3]) < 12 * size_;
+            const bool is_near = std::hypot(row[0][3], row[2][3]) < 12 * kinds_[attacker.kind].size;
             if (!is_near || chance(world.random) > 0.02f || world.dying.size() == kMaxDying || hit.size() == kMaxAtOnce)
                 return false;
             hit.push_back(attacker.body);
-            world.dying.push_back({attacker.body, now_s + kLies_s});
+            world.dying.push_back({attacker.kind, attacker.body, now_s + kLies_s});
             gone.push_back(attacker.thing);
             ++world.died;
             return true;
@@ -225,24 +229,24 @@ private:
 
     // The attackers that were hit fall on their backs, stiff; a real game would have physics here instead.
     void fall() {
-        std::vector<InstanceHandle> falling;
-        std::vector<Trs<float>> poses;
+        std::array<std::vector<InstanceHandle>, kKinds> falling;
+        std::array<std::vector<Trs<float>>, kKinds> poses;
         for (Dying& one : world.dying) {
             if (one.pose.empty() || one.falls_s > kFalls_s) continue;
             const double part = std::min(one.falls_s / kFalls_s, 1.0), angle_rad = part * part * std::numbers::pi / 2;
             const Trs<double> back{.rotation = axis_angle(Vec3<double>{-1, 0, 0}, angle_rad)};
-            falling.push_back(one.body);
+            falling[one.kind].push_back(one.body);
             for (uint32_t joint = 0; joint < one.pose.size(); ++joint) {
                 Trs<double> to = one.pose[joint].as<double>();
-                if (body_.rig.parents[joint] == kNone) {
+                if (kinds_[one.kind].rig.parents[joint] == kNone) {
                     to.translation = transform_point(to_affine(back), to.translation);
                     to.rotation = back.rotation * to.rotation;
                 }
-                poses.push_back(to.as<float>());
+                poses[one.kind].push_back(to.as<float>());
             }
             one.falls_s += double{kFrame_s};
         }
-        crowd_->set_pose(falling, poses).expect();
+        for (uint32_t kind = 0; kind < kKinds; ++kind) crowd_->set_pose(falling[kind], poses[kind]).expect();
     }
 
     void watch() {
@@ -252,9 +256,8 @@ private:
     }
 
     uint32_t most_;
-    const Character& body_;
-    float size_;
-    Affine socket_from_thing_;
+    std::span<const Character> kinds_;  // [kKinds]
+    float thing_size_;
     TimedCrowd crowd_;
     std::deque<Feedback> pending_;
 };
@@ -337,23 +340,24 @@ private:
 }  // namespace
 
 int main(int argc, char** argv) {
-    const int most = argc == 7 ? std::atoi(argv[6]) : 2000;
-    if (argc < 6 || argc > 7 || most < 5 || most > 100'000) {
-        std::fprintf(stderr, "usage: game creature.glb controller.json thing.glb beast.glb picture.png [ATTACKERS]\n");
+    const int most = argc == 8 ? std::atoi(argv[7]) : 2000;
+    if (argc < 7 || argc > 8 || most < 5 || most > 100'000) {
+        std::fprintf(stderr, "usage: game one.glb other.glb controller.json thing.glb beast.glb picture.png [COUNT]\n");
         return 2;
     }
     Cleanup cleanup;  // first, so that Vulkan outlives all that throng has made with it
     const AdoptedDevice vulkan = open_vulkan(cleanup, "game");
     Frames frames(vulkan, cleanup);
     const Device device = Device::adopt(vulkan).expect();
-    const Character body = load_character(argv[1]).expect(), thing = load_character(argv[3]).expect();
-    const Controller mind = load_controller(argv[2]).expect();
-    Game game(device, body, mind, thing, static_cast<uint32_t>(most));
+    const std::array kinds{load_character(argv[1]).expect(), load_character(argv[2]).expect()};
+    const Controller mind = load_controller(argv[3]).expect();
+    const Character thing = load_character(argv[4]).expect();
+    Game game(device, kinds, mind, thing, static_cast<uint32_t>(most));
     // Before anybody plays: compile what some devices compile late, and run the first update, which uploads everything
     device.warm_up().expect();
     game.record(frames.begin());
     frames.submit();
-    Loop loop(game, frames, [&] { return std::make_unique<Beasts>(device, vulkan, argv[4]); });
+    Loop loop(game, frames, [&] { return std::make_unique<Beasts>(device, vulkan, argv[5]); });
     loop.run(0, kSaveAt);
     const Game::Saved saved = game.save();
     loop.run(kSaveAt, kSaveAt + kReplayed);
@@ -365,8 +369,8 @@ int main(int argc, char** argv) {
     loop.run(kSaveAt + kReplayed, kFrames);
 
     const World& world = game.world;
-    std::printf("%u attackers came, %u died, %u are still in the crowd; %u found no room\n", world.born, world.died,
-                (*game.crowd()).alive_count(0).expect(), world.refused);
+    std::printf("%u attackers came, %u died, %zu still walk; %u found no room\n", world.born, world.died,
+                world.attackers.size(), world.refused);
     std::printf("%u steps, and %u of attackers that were gone when the feedback arrived\n", world.steps,
                 world.steps_of_the_gone);
     std::printf("saved in %zu bytes; restored, the same %u frames %s\n", saved.crowd.size(), kReplayed,
@@ -383,6 +387,6 @@ int main(int argc, char** argv) {
 
     Renderer renderer = Renderer::create(device, {.width = 1280, .height = 720}).expect();
     const Camera camera = fit_camera(main_bounds(*game.crowd()), 16.0f / 9);
-    write_png(argv[5], renderer.render(*game.crowd(), camera).expect().picture).expect();
+    write_png(argv[6], renderer.render(*game.crowd(), camera).expect().picture).expect();
     return is_same && loop.has_beasts() && world.died > 0 && world.steps > 0 ? 0 : 1;
 }

@@ -2,6 +2,7 @@
 // An engine with its own importer fills an Asset itself and hands it to compile_character().
 #pragma once
 
+#include <throng/index.h>
 #include <throng/load_hooks.h>
 #include <throng/result.h>
 #include <throng/transform.h>
@@ -16,8 +17,6 @@
 #include <vector>
 
 namespace throng {
-
-inline constexpr uint32_t kNone = 0xFFFFFFFFu;  // "no index", wherever an index is optional
 
 struct AssetNode {
     std::string name{};

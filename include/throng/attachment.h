@@ -12,7 +12,7 @@ namespace throng {
 // that update.
 struct Attachment {
     InstanceHandle carrier{};    // of a group with sockets in world space; it may hang on another itself
-    uint32_t socket = 0;         // which of CrowdGroup::sockets of the carrier's group
+    SocketIndex socket = 0;      // which of CrowdGroup::sockets of the carrier's group
     Affine socket_from_model{};  // the model relative to the socket: place, rotation and scale
 };
 

@@ -239,9 +239,9 @@ struct Character {
     // Index of the clip, or of the first morph, with this name, or kNone. clip_named() and morph_named() are the same,
     // but a missing name is an error that says which there are: kInvalidArgument. (A Playback of clip kNone is the rest
     // pose, not an error.)
-    uint32_t find_clip(std::string_view clip_name) const;
+    ClipIndex find_clip(std::string_view clip_name) const;
     uint32_t find_morph(std::string_view morph_name) const;
-    Result<uint32_t> clip_named(std::string_view clip_name) const;
+    Result<ClipIndex> clip_named(std::string_view clip_name) const;
     Result<uint32_t> morph_named(std::string_view morph_name) const;
     // Indices of all sections with this name, and of all whose material has this name: for outfits.
     std::vector<uint32_t> find_sections(std::string_view section_name) const;

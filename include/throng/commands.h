@@ -48,9 +48,9 @@ struct InstanceCommand {
     static InstanceCommand despawn(uint32_t instance);
     static InstanceCommand set_placement(uint32_t instance, const Affine& world_from_model);
     static InstanceCommand set_playback(uint32_t instance, const Playback& playback);
-    static InstanceCommand play(uint32_t instance, uint32_t layer, const LayerPlayback& playback);
-    static InstanceCommand set_layer(uint32_t instance, uint32_t layer, const LayerBlend& blend);
-    static InstanceCommand set_parameter(uint32_t instance, uint32_t parameter, float value);
+    static InstanceCommand play(uint32_t instance, LayerIndex layer, const LayerPlayback& playback);
+    static InstanceCommand set_layer(uint32_t instance, LayerIndex layer, const LayerBlend& blend);
+    static InstanceCommand set_parameter(uint32_t instance, ParameterIndex parameter, float value);
     static InstanceCommand set_look(uint32_t instance, const InstanceLook& look);
 };
 

@@ -105,8 +105,8 @@ struct ControllerLayer {
     // Index of the state with this name, for Crowd::set_state(), or kNone. The state that a
     // file names as `start` comes first, before the others in their order. state_named() is the same, but a missing
     // name is an error that says which there are: kInvalidArgument.
-    uint32_t find_state(std::string_view state_name) const;
-    Result<uint32_t> state_named(std::string_view state_name) const;
+    StateIndex find_state(std::string_view state_name) const;
+    Result<StateIndex> state_named(std::string_view state_name) const;
 };
 
 struct Controller {
@@ -120,14 +120,14 @@ struct Controller {
     // name is an error that says which there are: kInvalidArgument. (kNone is also a valid mask, the whole body, and a
     // valid Steering::speed_parameter, none. There, a wrong name given to find_mask() or find_parameter() would go
     // unnoticed.)
-    uint32_t find_parameter(std::string_view parameter_name) const;
-    uint32_t find_layer(std::string_view layer_name) const;
-    uint32_t find_mask(std::string_view mask_name) const;
-    Result<uint32_t> parameter_named(std::string_view parameter_name) const;
-    Result<uint32_t> layer_named(std::string_view layer_name) const;
-    Result<uint32_t> mask_named(std::string_view mask_name) const;
+    ParameterIndex find_parameter(std::string_view parameter_name) const;
+    LayerIndex find_layer(std::string_view layer_name) const;
+    MaskIndex find_mask(std::string_view mask_name) const;
+    Result<ParameterIndex> parameter_named(std::string_view parameter_name) const;
+    Result<LayerIndex> layer_named(std::string_view layer_name) const;
+    Result<MaskIndex> mask_named(std::string_view mask_name) const;
     // All events with this name, as CharacterEvent::event has them: several clips may have one, such as a step.
-    std::vector<uint32_t> find_events(std::string_view event_name) const;
+    std::vector<EventIndex> find_events(std::string_view event_name) const;
 };
 
 // A controller of `count` layers (at least 1), none of which has states: they play what Crowd::play() says.

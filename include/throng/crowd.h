@@ -50,12 +50,12 @@ public:
     uint32_t instance_count() const;
     // The numbers of its groups, ascending: those of CrowdSettings::groups, and what add_groups() has returned, without
     // those that have been removed.
-    std::vector<uint32_t> groups() const;
+    std::vector<GroupIndex> groups() const;
     // The group that an instance belongs to, or belonged to before it was despawned (for example, that of an event).
     // Errors: kInvalidArgument (no group has such a number).
-    Result<uint32_t> group_of(const InstanceHandle& instance) const;
+    Result<GroupIndex> group_of(const InstanceHandle& instance) const;
     // Errors: kInvalidArgument (no such group).
-    Result<GroupPath> path(uint32_t group) const;
+    Result<GroupPath> path(GroupIndex group) const;
 
     // Moves the groups of another crowd of the same device, which has not been updated yet, into this one: for a
     // character that a game streams in, or for more instances of one. A loading thread can make that crowd while this
@@ -77,12 +77,12 @@ public:
     // more. Errors: kInvalidArgument (other settings, device; it has been updated; a group with on_terrain for a crowd
     // without terrain; the second half of an update for a view with occlusion is still to come), kUnsupported (on a
     // software device, if one crowd is updated natively and the other cannot be), kLimit, kOutOfMemory.
-    Result<std::vector<uint32_t>> add_groups(Crowd&& other);
+    Result<std::vector<GroupIndex>> add_groups(Crowd&& other);
     // Removes a group with all of its instances; instances attached to them stay where they are. The other groups and
     // their instances keep their numbers. The group's memory is freed some ten updates later (record() with a time step
     // of 0 counts). Errors: kInvalidArgument (no such group; the only one with instances; the last record() failed; the
     // second half of an update for a view with occlusion is still to come).
-    Result<void> remove_group(uint32_t group);
+    Result<void> remove_group(GroupIndex group);
 
     // Adds instances to a group with CrowdGroup::capacity, one for each placement, or removes some; this takes effect
     // with the next record(). New instances get the lowest numbers that are free, and are as they would be in a new
@@ -93,11 +93,11 @@ public:
     //
     // Errors: kInvalidArgument (no such group, or without capacity; placement not finite; the handle of an instance
     // that is gone, or one given twice), kLimit (more than there is room for).
-    Result<std::vector<InstanceHandle>> spawn(uint32_t group, std::span<const Affine> world_from_model);
+    Result<std::vector<InstanceHandle>> spawn(GroupIndex group, std::span<const Affine> world_from_model);
     Result<void> despawn(std::span<const InstanceHandle> instances);
     // The same for one instance. Templates, so that spawn(group, {a, b}) still means the calls above.
     template <std::same_as<Affine> One>
-    Result<InstanceHandle> spawn(uint32_t group, const One& world_from_model) {
+    Result<InstanceHandle> spawn(GroupIndex group, const One& world_from_model) {
         const Result<std::vector<InstanceHandle>> spawned = spawn(group, std::span<const Affine>(&world_from_model, 1));
         if (!spawned) return spawned.error();
         return spawned->front();
@@ -111,13 +111,13 @@ public:
     Result<InstanceHandle> handle(uint32_t instance) const;
     // The number of live instances of a group. Errors: kInvalidArgument (no such group, or one with
     // CrowdGroup::shaders_populate).
-    Result<uint32_t> alive_count(uint32_t group) const;
+    Result<uint32_t> alive_count(GroupIndex group) const;
 
     // All instance numbers of the crowd, or of one group, in use or not. In groups without CrowdGroup::capacity all are
     // in use; in others, a call that is given all numbers is an error while some are free. Errors: kInvalidArgument (no
     // such group).
     Instances instances() const;
-    Result<Instances> instances(uint32_t group) const;
+    Result<Instances> instances(GroupIndex group) const;
 
     // The calls below take effect with the next record(), in the order in which they are made. Each sets one value for
     // all of the instances, or one for each. After an error nothing has been set. Errors of all: kInvalidArgument (an
@@ -156,8 +156,8 @@ public:
     // Controller. Errors: kInvalidArgument (no controller; layer with states; inertial fade on a layer without
     // ControllerLayer::inertial_plays; clip, mask or parameter out of range; value not finite; negative fade; weight
     // outside 0..1; set_state(): layer without states, no such state, phase outside 0..1).
-    Result<void> play(const Instances& instances, uint32_t layer, const LayerPlayback& playback);
-    Result<void> play(const Instances& instances, uint32_t layer, std::span<const LayerPlayback> playback);
+    Result<void> play(const Instances& instances, LayerIndex layer, const LayerPlayback& playback);
+    Result<void> play(const Instances& instances, LayerIndex layer, std::span<const LayerPlayback> playback);
     // Puts a layer with states into one of them, whatever its transitions say: a state that comes from another machine,
     // a saved game or a script, or the first motion of the layer in WatchedInstance::layers. It starts with the given
     // PlayedMotion::phase and loops; the beginning of a state that plays backwards is phase 1. PlayedMotion::fade,
@@ -166,19 +166,19 @@ public:
     // The state replaces what is shown within `fade_s` seconds (0: at once, but an inertial transition under way decays
     // as before). Transitions are taken from it in the same update already; while it fades in, only those that may
     // interrupt. Older plays of its sync group that are still fading out continue in step with it, from its phase.
-    Result<void> set_state(const Instances& instances, uint32_t layer, const PlayedMotion& motion, float fade_s = 0);
-    Result<void> set_state(const Instances& instances, uint32_t layer, std::span<const PlayedMotion> motion,
+    Result<void> set_state(const Instances& instances, LayerIndex layer, const PlayedMotion& motion, float fade_s = 0);
+    Result<void> set_state(const Instances& instances, LayerIndex layer, std::span<const PlayedMotion> motion,
                            float fade_s = 0);
-    Result<void> set_layer(const Instances& instances, uint32_t layer, const LayerBlend& blend);
-    Result<void> set_layer(const Instances& instances, uint32_t layer, std::span<const LayerBlend> blend);
-    Result<void> set_parameter(const Instances& instances, uint32_t parameter, float value);
-    Result<void> set_parameter(const Instances& instances, uint32_t parameter, std::span<const float> value);
+    Result<void> set_layer(const Instances& instances, LayerIndex layer, const LayerBlend& blend);
+    Result<void> set_layer(const Instances& instances, LayerIndex layer, std::span<const LayerBlend> blend);
+    Result<void> set_parameter(const Instances& instances, ParameterIndex parameter, float value);
+    Result<void> set_parameter(const Instances& instances, ParameterIndex parameter, std::span<const float> value);
 
     // Input of the procedural rules. Until it is set a target has weight 0, and does nothing. Errors: kInvalidArgument
     // (no such target, place not within +-1e15, weight outside 0..1; wind: velocity beyond 1e6, gust outside 0..1,
     // wavelength below 1e-6).
-    Result<void> set_target(const Instances& instances, uint32_t target, const TargetPlace& place);
-    Result<void> set_target(const Instances& instances, uint32_t target, std::span<const TargetPlace> place);
+    Result<void> set_target(const Instances& instances, TargetIndex target, const TargetPlace& place);
+    Result<void> set_target(const Instances& instances, TargetIndex target, std::span<const TargetPlace> place);
     Result<void> set_wind(const Wind& wind);
 
     // Where agents (CrowdGroup::steering) walk to; the height does not matter. An agent without a destination stands,
@@ -332,7 +332,7 @@ public:
     uint32_t frame_slot_count() const;
     uint32_t frame_slot() const;
     // What a group is drawn from, besides its outputs. Errors: kInvalidArgument (no such group).
-    Result<GroupMesh> mesh(uint32_t group) const;
+    Result<GroupMesh> mesh(GroupIndex group) const;
     // Times of the newest of the last four updates that has finished. Errors: kInvalidArgument where timestamps are
     // off, the queue has none, or nothing has run yet.
     Result<StageTimes> stage_times() const;

@@ -13,6 +13,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace throng {
@@ -94,6 +95,11 @@ struct CrowdGroup {
     uint32_t morph_limit = 0;
     // Ways in which its instances can look, chosen by set_look(), which is an error for groups without outfits
     std::vector<Outfit> outfits{};
+
+    // The first of `sockets` that is a joint of this name, or kNone. socket_named() is the same, but a missing name is
+    // an error that says which there are: kInvalidArgument.
+    SocketIndex find_socket(std::string_view joint_name) const;
+    Result<SocketIndex> socket_named(std::string_view joint_name) const;
 };
 
 // How an update gets from clips to skin matrices. On a native device all of these are native.

@@ -1,8 +1,9 @@
 // What comes back from updates to the CPU.
 #pragma once
 
-#include <throng/character.h>
+#include <throng/index.h>
 #include <throng/population.h>
+#include <throng/transform.h>
 
 #include <cstdint>
 #include <span>
@@ -13,8 +14,8 @@ namespace throng {
 // An event of a controller's clip that an instance passed.
 struct CharacterEvent {
     InstanceHandle instance;
-    uint32_t event = 0;  // index into Controller::events
-    uint32_t layer = 0;
+    EventIndex event = 0;  // index into Controller::events
+    LayerIndex layer = 0;
     float time_s = 0;  // after the beginning of the update's time step
 };
 

@@ -78,7 +78,7 @@ struct HostOutputs {
 // update that lists it writes its current ones there too. It does so even if they lie in a slot that is in flight: the
 // update of that slot did not list the instance.
 struct OutputBlock {
-    uint32_t group = 0;
+    GroupIndex group = 0;
     uint32_t first_instance = 0;  // of the crowd
     uint32_t instance_count = 0;
     uint32_t palette_count = 0;

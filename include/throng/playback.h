@@ -12,7 +12,7 @@ namespace throng {
 // step, so that after an hour at 60 updates a second it is off by some hundredths of a second (0.045 s for a clip of
 // 60 s). Controllers count in 2^-32 of a cycle, and do not drift.
 struct ClipPlayback {
-    uint32_t clip = kNone;  // index of Character::clips; kNone is the rest pose
+    ClipIndex clip = kNone;  // index of Character::clips; kNone is the rest pose
     double time_s = 0;
     float speed = 1;   // seconds of clip per second; may be negative
     bool loop = true;  // else the time stays within [0, duration]
@@ -40,7 +40,7 @@ struct LayerBlend {
     float weight = 1;
     float fade_s = 0;
     LayerMode mode = LayerMode::kOverride;
-    uint32_t mask = kNone;  // index of Controller::masks; kNone: all joints
+    MaskIndex mask = kNone;  // index of Controller::masks; kNone: all joints
 };
 
 }  // namespace throng

@@ -1,7 +1,7 @@
 // Which instances a call is about; instances that come and go.
 #pragma once
 
-#include <throng/character.h>
+#include <throng/index.h>
 
 #include <concepts>
 #include <cstdint>

@@ -1,6 +1,7 @@
 // Joints that are moved by rules: wind, springs, look-at, reaching. docs/procedural.md defines them.
 #pragma once
 
+#include <throng/index.h>
 #include <throng/result.h>
 #include <throng/transform.h>
 
@@ -88,8 +89,8 @@ struct ProceduralRules {
 
     // Index of the target with this name, for Crowd::set_target(), or kNone. target_named() is the same, but a missing
     // name is an error that says which there are: kInvalidArgument.
-    uint32_t find_target(std::string_view target_name) const;
-    Result<uint32_t> target_named(std::string_view target_name) const;
+    TargetIndex find_target(std::string_view target_name) const;
+    Result<TargetIndex> target_named(std::string_view target_name) const;
 };
 
 }  // namespace throng

@@ -39,13 +39,13 @@ public:
     ~ReferenceCharacter();
 
     // As Crowd's functions of these names, for this character.
-    Result<void> play(uint32_t layer, const LayerPlayback& playback);
-    Result<void> set_state(uint32_t layer, const PlayedMotion& motion, float fade_s = 0);
-    Result<void> set_layer(uint32_t layer, const LayerBlend& blend);
-    Result<void> set_parameter(uint32_t parameter, float value);
+    Result<void> play(LayerIndex layer, const LayerPlayback& playback);
+    Result<void> set_state(LayerIndex layer, const PlayedMotion& motion, float fade_s = 0);
+    Result<void> set_layer(LayerIndex layer, const LayerBlend& blend);
+    Result<void> set_parameter(ParameterIndex parameter, float value);
     Result<void> set_pose(std::span<const Trs<float>> parent_from_joint, float fade_s = 0);
     Result<void> clear_pose(float fade_s = 0);
-    Result<void> set_target(uint32_t target, const TargetPlace& place);
+    Result<void> set_target(TargetIndex target, const TargetPlace& place);
     Result<void> set_wind(const Wind& wind);
     Result<void> update(float time_step_s);
 

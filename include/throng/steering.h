@@ -1,7 +1,7 @@
 // Agents, and the ground they stand on.
 #pragma once
 
-#include <throng/character.h>
+#include <throng/index.h>
 
 #include <cstdint>
 #include <vector>
@@ -20,7 +20,7 @@ struct Steering {
     float turn = 3;  // radians a second, at most; 0 to 1e6
     // Parameter of the controller that each update sets to the speed at which the agent wants to walk, in units of its
     // model space a second; 0: it stands
-    uint32_t speed_parameter = kNone;
+    ParameterIndex speed_parameter = kNone;
 };
 
 // Heights of the ground over a grid of points, bilinear between them; beyond the edges, the height of the nearest

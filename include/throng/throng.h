@@ -6,6 +6,7 @@
 #include <throng/crowd.h>
 #include <throng/device.h>
 #include <throng/draw.h>
+#include <throng/index.h>
 #include <throng/joint_sampler.h>
 #include <throng/procedural.h>
 #include <throng/reference.h>

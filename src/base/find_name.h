@@ -1,7 +1,7 @@
 // Looks up items by name.
 #pragma once
 
-#include <throng/asset.h>
+#include <throng/index.h>
 
 #include <string>
 #include <string_view>
@@ -24,9 +24,9 @@ uint32_t find_name(const std::vector<T>& items, std::string_view name) {
 }
 
 // The indices of all items with this name.
-template <class T>
-std::vector<uint32_t> find_all_names(const std::vector<T>& items, std::string_view name) {
-    std::vector<uint32_t> found;
+template <class IndexType = uint32_t, class T>
+std::vector<IndexType> find_all_names(const std::vector<T>& items, std::string_view name) {
+    std::vector<IndexType> found;
     for (uint32_t i = 0; i < items.size(); ++i)
         if (item_name(items[i]) == name) found.push_back(i);
     return found;

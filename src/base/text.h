@@ -4,7 +4,6 @@
 #include <cstdint>
 #include <string>
 #include <string_view>
-#include <type_traits>
 
 namespace throng {
 
@@ -13,7 +12,7 @@ template <class... Parts>
 std::string joined(const Parts&... parts) {
     std::string out;
     const auto add = [&](const auto& part) {
-        if constexpr (std::is_arithmetic_v<std::remove_cvref_t<decltype(part)>>)
+        if constexpr (requires { std::to_string(part); })
             out += std::to_string(part);
         else
             out += part;

@@ -50,7 +50,7 @@ InstanceCommand InstanceCommand::set_playback(uint32_t instance, const Playback&
     return command;
 }
 
-InstanceCommand InstanceCommand::play(uint32_t instance, uint32_t layer, const LayerPlayback& playback) {
+InstanceCommand InstanceCommand::play(uint32_t instance, LayerIndex layer, const LayerPlayback& playback) {
     InstanceCommand command{.instance = instance, .kind = CommandKind::kPlay, .target = layer};
     const std::span data(command.data);
     put_clip(data.subspan<0, 4>(), playback.clip);
@@ -59,14 +59,14 @@ InstanceCommand InstanceCommand::play(uint32_t instance, uint32_t layer, const L
     return command;
 }
 
-InstanceCommand InstanceCommand::set_layer(uint32_t instance, uint32_t layer, const LayerBlend& blend) {
+InstanceCommand InstanceCommand::set_layer(uint32_t instance, LayerIndex layer, const LayerBlend& blend) {
     return {.instance = instance,
             .kind = CommandKind::kBlendLayer,
             .target = layer,
             .data = {bits(blend.weight), blend.mode == LayerMode::kAdditive ? 1u : 0u, blend.mask, bits(blend.fade_s)}};
 }
 
-InstanceCommand InstanceCommand::set_parameter(uint32_t instance, uint32_t parameter, float value) {
+InstanceCommand InstanceCommand::set_parameter(uint32_t instance, ParameterIndex parameter, float value) {
     return {.instance = instance, .kind = CommandKind::kSetParameter, .target = parameter, .data = {bits(value)}};
 }
 

@@ -59,7 +59,7 @@ io::ControlCommand play_command(std::span<const LayerKind> kinds, std::span<cons
     return {.instance = 0,
             .kind = is_inertial ? io::kCommandPlayInertial : io::kCommandPlay,
             .target = layer,
-            .motion = rests ? clip_count : clip.clip,
+            .motion = rests ? clip_count : clip.clip.number,
             .phase = rests ? 0 : phase_at(clip.time_s, clip_durations_s[clip.clip], clip.loop),
             .loop = clip.loop ? 1u : 0u,
             .value = clip.speed,

@@ -48,27 +48,27 @@ void check_joints(const Controller& controller, const Character& character) {
 
 }  // namespace
 
-uint32_t ControllerLayer::find_state(std::string_view state_name) const { return find_name(states, state_name); }
-Result<uint32_t> ControllerLayer::state_named(std::string_view state_name) const {
-    return index_named(name, "state", states, state_name);
+StateIndex ControllerLayer::find_state(std::string_view state_name) const { return find_name(states, state_name); }
+Result<StateIndex> ControllerLayer::state_named(std::string_view state_name) const {
+    return index_named<StateIndex>(name, "state", states, state_name);
 }
 
-uint32_t Controller::find_parameter(std::string_view parameter_name) const {
+ParameterIndex Controller::find_parameter(std::string_view parameter_name) const {
     return find_name(parameters, parameter_name);
 }
-uint32_t Controller::find_layer(std::string_view layer_name) const { return find_name(layers, layer_name); }
-uint32_t Controller::find_mask(std::string_view mask_name) const { return find_name(masks, mask_name); }
-std::vector<uint32_t> Controller::find_events(std::string_view event_name) const {
-    return find_all_names(events, event_name);
+LayerIndex Controller::find_layer(std::string_view layer_name) const { return find_name(layers, layer_name); }
+MaskIndex Controller::find_mask(std::string_view mask_name) const { return find_name(masks, mask_name); }
+std::vector<EventIndex> Controller::find_events(std::string_view event_name) const {
+    return find_all_names<EventIndex>(events, event_name);
 }
-Result<uint32_t> Controller::parameter_named(std::string_view parameter_name) const {
-    return index_named(name, "parameter", parameters, parameter_name);
+Result<ParameterIndex> Controller::parameter_named(std::string_view parameter_name) const {
+    return index_named<ParameterIndex>(name, "parameter", parameters, parameter_name);
 }
-Result<uint32_t> Controller::layer_named(std::string_view layer_name) const {
-    return index_named(name, "layer", layers, layer_name);
+Result<LayerIndex> Controller::layer_named(std::string_view layer_name) const {
+    return index_named<LayerIndex>(name, "layer", layers, layer_name);
 }
-Result<uint32_t> Controller::mask_named(std::string_view mask_name) const {
-    return index_named(name, "mask", masks, mask_name);
+Result<MaskIndex> Controller::mask_named(std::string_view mask_name) const {
+    return index_named<MaskIndex>(name, "mask", masks, mask_name);
 }
 
 Controller direct_layers(uint32_t count, std::vector<JointMask> masks, bool inertial_plays) {

@@ -3,9 +3,30 @@
 #include "base/failure.h"
 #include "crowd/crowd_state.h"
 #include "crowd/path.h"
+#include "json/known_names.h"
 #include "reference/reference.h"
 
 namespace throng {
+namespace {
+
+// [sockets], a socket that is not a joint of the group's character has none.
+std::vector<std::string> socket_names(const CrowdGroup& group) {
+    std::vector<std::string> names(group.sockets.size());
+    if (!group.character) return names;
+    const std::vector<std::string>& joints = group.character->rig.names;
+    for (size_t i = 0; i < names.size(); ++i)
+        if (group.sockets[i] < joints.size()) names[i] = joints[group.sockets[i]];
+    return names;
+}
+
+}  // namespace
+
+SocketIndex CrowdGroup::find_socket(std::string_view joint_name) const {
+    return find_name(socket_names(*this), joint_name);
+}
+Result<SocketIndex> CrowdGroup::socket_named(std::string_view joint_name) const {
+    return index_named<SocketIndex>("group", "socket", socket_names(*this), joint_name);
+}
 
 Result<ScanAdvice> advise_scan(const Device& device, const Rig& rig, uint32_t instance_count) {
     return as_result([&] {
@@ -47,22 +68,22 @@ CrowdState& Crowd::state() const {
 
 uint32_t Crowd::instance_count() const { return state_ ? state_->instance_count : 0; }
 
-std::vector<uint32_t> Crowd::groups() const {
-    std::vector<uint32_t> numbers;
+std::vector<GroupIndex> Crowd::groups() const {
+    std::vector<GroupIndex> numbers;
     for (uint32_t i = 0; state_ && i < state_->groups.size(); ++i)
         if (!state_->groups[i].is_gone()) numbers.push_back(i);
     return numbers;
 }
 
-Result<uint32_t> Crowd::group_of(const InstanceHandle& instance) const {
-    return as_result([&] {
+Result<GroupIndex> Crowd::group_of(const InstanceHandle& instance) const {
+    return as_result([&]() -> GroupIndex {
         if (const Batch* const batch = batch_at(state().batches, instance.instance)) return batch->group;
         throw Failure(ErrorCode::kInvalidArgument, "instance " + std::to_string(instance.instance),
                       "no group has an instance of this number");
     });
 }
 
-Result<GroupPath> Crowd::path(uint32_t group) const {
+Result<GroupPath> Crowd::path(GroupIndex group) const {
     return as_result([&] {
         const Group& of = state().group_at(group);
         std::string reason = shown_reason(of.native, of.path_reason);
@@ -74,19 +95,19 @@ Result<GroupPath> Crowd::path(uint32_t group) const {
     });
 }
 
-Result<std::vector<uint32_t>> Crowd::add_groups(Crowd&& other) {
+Result<std::vector<GroupIndex>> Crowd::add_groups(Crowd&& other) {
     return as_result([&] {
-        std::vector<uint32_t> numbers = state().add_groups(other.state());
+        std::vector<GroupIndex> numbers = state().add_groups(other.state());
         other.state_.reset();
         return numbers;
     });
 }
 
-Result<void> Crowd::remove_group(uint32_t group) {
+Result<void> Crowd::remove_group(GroupIndex group) {
     return as_result([&] { state().remove_group(group); });
 }
 
-Result<std::vector<InstanceHandle>> Crowd::spawn(uint32_t group, std::span<const Affine> world_from_model) {
+Result<std::vector<InstanceHandle>> Crowd::spawn(GroupIndex group, std::span<const Affine> world_from_model) {
     return as_result([&] { return state().spawn(group, world_from_model); });
 }
 
@@ -100,13 +121,13 @@ Result<InstanceHandle> Crowd::handle(uint32_t instance) const {
     return as_result([&] { return state().handle(instance); });
 }
 
-Result<uint32_t> Crowd::alive_count(uint32_t group) const {
+Result<uint32_t> Crowd::alive_count(GroupIndex group) const {
     return as_result([&] { return state().alive_count(group); });
 }
 
 Instances Crowd::instances() const { return Instances::numbered(0, instance_count()); }
 
-Result<Instances> Crowd::instances(uint32_t group) const {
+Result<Instances> Crowd::instances(GroupIndex group) const {
     return as_result([&] { return state().instances(group); });
 }
 
@@ -146,44 +167,44 @@ Result<void> Crowd::detach(const Instances& instances) {
     return as_result([&] { state().detach(instances); });
 }
 
-Result<void> Crowd::play(const Instances& instances, uint32_t layer, const LayerPlayback& playback) {
+Result<void> Crowd::play(const Instances& instances, LayerIndex layer, const LayerPlayback& playback) {
     return as_result([&] { state().play(instances, layer, Each(playback)); });
 }
 
-Result<void> Crowd::play(const Instances& instances, uint32_t layer, std::span<const LayerPlayback> playback) {
+Result<void> Crowd::play(const Instances& instances, LayerIndex layer, std::span<const LayerPlayback> playback) {
     return as_result([&] { state().play(instances, layer, Each(instances, playback, "play")); });
 }
 
-Result<void> Crowd::set_state(const Instances& instances, uint32_t layer, const PlayedMotion& motion, float fade_s) {
+Result<void> Crowd::set_state(const Instances& instances, LayerIndex layer, const PlayedMotion& motion, float fade_s) {
     return as_result([&] { state().set_state(instances, layer, Each(motion), fade_s); });
 }
 
-Result<void> Crowd::set_state(const Instances& instances, uint32_t layer, std::span<const PlayedMotion> motion,
+Result<void> Crowd::set_state(const Instances& instances, LayerIndex layer, std::span<const PlayedMotion> motion,
                               float fade_s) {
     return as_result([&] { state().set_state(instances, layer, Each(instances, motion, "state"), fade_s); });
 }
 
-Result<void> Crowd::set_layer(const Instances& instances, uint32_t layer, const LayerBlend& blend) {
+Result<void> Crowd::set_layer(const Instances& instances, LayerIndex layer, const LayerBlend& blend) {
     return as_result([&] { state().set_layer(instances, layer, Each(blend)); });
 }
 
-Result<void> Crowd::set_layer(const Instances& instances, uint32_t layer, std::span<const LayerBlend> blend) {
+Result<void> Crowd::set_layer(const Instances& instances, LayerIndex layer, std::span<const LayerBlend> blend) {
     return as_result([&] { state().set_layer(instances, layer, Each(instances, blend, "layer")); });
 }
 
-Result<void> Crowd::set_parameter(const Instances& instances, uint32_t parameter, float value) {
+Result<void> Crowd::set_parameter(const Instances& instances, ParameterIndex parameter, float value) {
     return as_result([&] { state().set_parameter(instances, parameter, Each(value)); });
 }
 
-Result<void> Crowd::set_parameter(const Instances& instances, uint32_t parameter, std::span<const float> value) {
+Result<void> Crowd::set_parameter(const Instances& instances, ParameterIndex parameter, std::span<const float> value) {
     return as_result([&] { state().set_parameter(instances, parameter, Each(instances, value, "parameter")); });
 }
 
-Result<void> Crowd::set_target(const Instances& instances, uint32_t target, const TargetPlace& place) {
+Result<void> Crowd::set_target(const Instances& instances, TargetIndex target, const TargetPlace& place) {
     return as_result([&] { state().set_target(instances, target, Each(place)); });
 }
 
-Result<void> Crowd::set_target(const Instances& instances, uint32_t target, std::span<const TargetPlace> place) {
+Result<void> Crowd::set_target(const Instances& instances, TargetIndex target, std::span<const TargetPlace> place) {
     return as_result([&] { state().set_target(instances, target, Each(instances, place, "target")); });
 }
 
@@ -294,7 +315,7 @@ uint32_t Crowd::frame_slot_count() const { return state_ ? static_cast<uint32_t>
 
 uint32_t Crowd::frame_slot() const { return state_ ? state_->slot : 0; }
 
-Result<GroupMesh> Crowd::mesh(uint32_t group) const {
+Result<GroupMesh> Crowd::mesh(GroupIndex group) const {
     return as_result([&] { return state().group_at(group).mesh(); });
 }
 

@@ -181,14 +181,14 @@ CrowdState::RebuiltStages CrowdState::rebuild_stages(std::span<const StageState>
     return made;
 }
 
-std::vector<uint32_t> CrowdState::add_groups(CrowdState& from) {
+std::vector<GroupIndex> CrowdState::add_groups(CrowdState& from) {
     check_may_change("add groups");
     check_goes_with(from);
     const std::vector<StageState> before = stage_states(), joining = from.stage_states();
     std::vector<Move> moves;
     for (uint32_t group = 0; group < from.groups.size(); ++group)
         if (!from.groups[group].is_gone()) moves.push_back(plan_move(from, group, moves));
-    std::vector<uint32_t> numbers;
+    std::vector<GroupIndex> numbers;
     for (const Move& move : moves) {
         put_in(from.take_out(move.from), move.to, move.first_to);
         if (!natively_) groups[move.to].leave_native("the crowd's other groups are not updated natively");
@@ -207,7 +207,7 @@ std::vector<uint32_t> CrowdState::add_groups(CrowdState& from) {
     from.groups.clear();
     commit_group_change(std::move(made),
                         {.stages = std::move(from.stages), .buffer = std::move(from.terrain_heights_)});
-    for (const uint32_t group : numbers) population->join_group(group);
+    for (const GroupIndex group : numbers) population->join_group(group);
     return numbers;
 }
 

@@ -21,31 +21,40 @@ void CrowdState::watch(const Instances& instances) {
                           std::to_string(watch_capacity_));
     check_alive(instances, "watch");
     watched_.clear();
-    for (uint32_t i = 0; i < instances.size(); ++i) {
-        const uint32_t instance = instances.number(i);
+    for (uint32_t i = 0; i < instances.size(); ++i) watched_.push_back({.instance = instances.number(i), .place = i});
+    std::ranges::stable_sort(watched_, {}, &Watched::instance);
+}
+
+// Fills watched_runs_.
+void CrowdState::find_watched_runs() {
+    watched_runs_.clear();
+    for (size_t first = 0, end = 0; first < watched_.size(); first = end) {
+        const uint32_t instance = watched_[first].instance;
         const Batch& batch = batch_of(instance);
         const Group& group = groups[batch.group];
+        const auto is_next = [&] {
+            return watched_[end].instance - instance == end - first && batch.has(watched_[end].instance);
+        };
+        for (end = first + 1; end < watched_.size() && is_next();) ++end;
+        const auto count = static_cast<uint32_t>(end - first);
         const auto all = [&](const Buffer& buffer, uint64_t size_bytes) {
-            return buffer ? BufferRange(buffer, (instance - batch.first_instance) * size_bytes, size_bytes)
+            return buffer ? BufferRange(buffer, (instance - batch.first_instance) * size_bytes, count * size_bytes)
                           : BufferRange();
         };
-        Watched one{.instance = instance,
-                    .place = i,
-                    .placement = all(batch[io::kPlacementsBuffer], sizeof(Affine)),
-                    .root = all(batch[io::kRootsBuffer], sizeof(io::RootState)),
-                    .sockets = all(batch[io::kSocketsBuffer], group.socket_count() * sizeof(Affine)),
-                    .parameters = {},
-                    .layers = {},
-                    .layer_kinds = {},
-                    .clip_count = static_cast<uint32_t>(group.clip_durations_s.size())};
-        if (group.controller) {
-            one.parameters = all(batch[io::kParametersBuffer], group.controller->parameter_count * sizeof(float));
-            one.layers = all(batch[io::kLayersBuffer], group.controller->layer_count * sizeof(io::LayerState));
-            one.layer_kinds = group.controller->layer_kinds;
-        }
-        watched_.push_back(one);
+        WatchedRun& run = watched_runs_.emplace_back();
+        run = {.count = count,
+               .placements = all(batch[io::kPlacementsBuffer], sizeof(Affine)),
+               .roots = all(batch[io::kRootsBuffer], sizeof(io::RootState)),
+               .sockets = all(batch[io::kSocketsBuffer], group.socket_count() * sizeof(Affine)),
+               .parameters = {},
+               .layers = {},
+               .layer_kinds = {},
+               .clip_count = static_cast<uint32_t>(group.clip_durations_s.size())};
+        if (!group.controller) continue;
+        run.parameters = all(batch[io::kParametersBuffer], group.controller->parameter_count * sizeof(float));
+        run.layers = all(batch[io::kLayersBuffer], group.controller->layer_count * sizeof(io::LayerState));
+        run.layer_kinds = group.controller->layer_kinds;
     }
-    std::ranges::sort(watched_, {}, &Watched::instance);
 }
 
 void CrowdState::request_poses(const Instances& instances) {

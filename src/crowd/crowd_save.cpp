@@ -146,11 +146,10 @@ void CrowdState::exchange(StateArchive& archive) {
         archive.value(batch.has_updated);
         archive.values(std::span(batch.inertia_states.get(), batch.inertia_bytes));
     }
-    std::vector<const Watched*> in_call_order;
-    for (const Watched& one : watched_) in_call_order.push_back(&one);
+    std::vector<Watched> in_call_order = watched_;
     std::ranges::sort(in_call_order, {}, &Watched::place);
     std::vector<uint32_t> watched;
-    for (const Watched* one : in_call_order) watched.push_back(one->instance);
+    for (const Watched& one : in_call_order) watched.push_back(one.instance);
     archive.list(watched, instance_count);
     if (watched.size() > watch_capacity_)
         throw Failure(ErrorCode::kInvalidArgument, "crowd state", "it does not fit this crowd: it has ", watched.size(),

@@ -236,7 +236,10 @@ void CrowdState::record(VkCommandBuffer commands, float time_step_s, const Crowd
     if (timer) timer->begin(commands);
     for (const auto& stage : stages) stage->record(update);
     if (timer) timer->publish(commands);
-    if (feedback) feedback->end(commands, watched_, take_pose_requests());
+    if (feedback) {
+        find_watched_runs();
+        feedback->end(commands, watched_, watched_runs_, take_pose_requests());
+    }
     placements->end(commands);
     copy_to_previous(commands);
     had_updated_ = std::exchange(has_updated_, true);

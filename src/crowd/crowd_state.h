@@ -38,7 +38,7 @@ struct CrowdState {
 
     const Group& group_at(uint32_t group) const;  // throws kInvalidArgument
     // Takes over all groups of another crowd, which then has none. Returns the numbers that they have here.
-    std::vector<uint32_t> add_groups(CrowdState& from);
+    std::vector<GroupIndex> add_groups(CrowdState& from);
     void remove_group(uint32_t group);
     std::vector<InstanceHandle> spawn(uint32_t group, std::span<const Affine> world_from_model);
     void despawn(std::span<const InstanceHandle> instances);
@@ -139,6 +139,7 @@ private:
     uint64_t skin_row_count(const Batch& batch) const;
     HostOutputs host_outputs(const Batch& batch, uint32_t slot) const;
     void make_feedback();
+    void find_watched_runs();
     std::vector<RequestedPose> take_pose_requests();
     using Stages = std::vector<std::unique_ptr<Stage>>;
     Stages make_stages(Uploads& uploads);
@@ -234,10 +235,11 @@ private:
     bool awaits_commands_ =
         false;                  // the last update was recorded into commands, which may have run or been dropped since
     bool can_discard_ = false;  // the last record() has not been discarded, and groups have not changed since
-    bool may_be_pending_ = false;    // commands of a record() that has not been discarded may not have run
-    bool is_half_recorded_ = false;  // the last record() failed midway
-    float full_rate_factor_ = 1;     // the budget's factor on CrowdView::full_rate_pixels
-    std::vector<Watched> watched_;
+    bool may_be_pending_ = false;           // commands of a record() that has not been discarded may not have run
+    bool is_half_recorded_ = false;         // the last record() failed midway
+    float full_rate_factor_ = 1;            // the budget's factor on CrowdView::full_rate_pixels
+    std::vector<Watched> watched_;          // by instance
+    std::vector<WatchedRun> watched_runs_;  // of the last update; kept to reuse the memory
     uint32_t watch_capacity_ = 0;
     std::vector<uint32_t> pose_requests_, recorded_pose_requests_;  // for the next record(), and of the last one
     uint32_t pose_request_capacity_ = 0;

@@ -60,13 +60,18 @@ void FeedbackRing::begin(VkCommandBuffer commands) {
         slot.update.is_read = true;  // its content is lost
     }
     slot.done.reset();
-    slot.before = std::exchange(slot.update, {.number = ++update_count_, .is_read = false, .watched = {}, .poses = {}});
+    std::swap(slot.before, slot.update);  // end() fills the memory of the older one
+    slot.update.number = ++update_count_;
+    slot.update.is_read = false;
+    slot.update.watched.clear();
+    slot.update.runs.clear();
+    slot.update.poses.clear();
     record_fill(*gpu_, commands, BufferRange(events_, 0, sizeof(io::EventHead)), 0);
 }
 
 void FeedbackRing::discard() {
     Slot& slot = last_slot();
-    slot.update = std::move(slot.before);
+    std::swap(slot.before, slot.update);
     slot.done.set();  // as it was: the update before it is done, or was dropped
     --update_count_;
 }
@@ -83,7 +88,8 @@ BufferRange FeedbackRing::happened() const {
     return {events_, 0, sizeof head + std::min(head.count, event_capacity_) * sizeof(io::EventRecord)};
 }
 
-void FeedbackRing::end(VkCommandBuffer commands, std::span<const Watched> watched, std::vector<RequestedPose> poses) {
+void FeedbackRing::end(VkCommandBuffer commands, std::span<const Watched> watched, std::span<const WatchedRun> runs,
+                       std::vector<RequestedPose> poses) {
     Slot& slot = last_slot();
     memory_barrier(*gpu_, commands, kShaderWrite | kTransferWrite, kTransferRead | kTransferWrite);
     copies_.assign(1, {commands ? BufferRange(events_) : happened(), 0});
@@ -99,11 +105,12 @@ void FeedbackRing::end(VkCommandBuffer commands, std::span<const Watched> watche
             copies_.push_back({range, at});
         at += range.size_bytes;
     };
-    for (size_t part = 0; part < Watched::kParts; ++part)
-        for (const Watched& one : watched) copy(one.parts()[part]);
+    for (size_t part = 0; part < WatchedRun::kParts; ++part)
+        for (const WatchedRun& run : runs) copy(run.parts()[part]);
     for (const RequestedPose& pose : poses) copy(pose.skin);
     record_copies(*gpu_, commands, copies_, slot.copy);
     slot.update.watched.assign(watched.begin(), watched.end());
+    slot.update.runs.assign(runs.begin(), runs.end());
     slot.update.poses = std::move(poses);
     slot.done.record_set(commands);
 }
@@ -145,10 +152,10 @@ Feedback FeedbackRing::read(const Slot& slot) const {
 void FeedbackRing::read_watched(const Slot& slot, const std::byte*& at, Feedback& feedback) {
     Feedback::Arrays& arrays = feedback.arrays;
     std::vector<uint32_t> motion_counts;  // of each layer
-    std::array<const std::byte*, Watched::kParts> next_of_parts{};
-    for (size_t part = 0; part < Watched::kParts; ++part) {
+    std::array<const std::byte*, WatchedRun::kParts> next_of_parts{};
+    for (size_t part = 0; part < WatchedRun::kParts; ++part) {
         next_of_parts[part] = at;
-        for (const Watched& one : slot.update.watched) at += one.parts()[part].size_bytes;
+        for (const WatchedRun& run : slot.update.runs) at += run.parts()[part].size_bytes;
     }
     auto& [placement, root, socket_bytes, parameter_bytes, layer_bytes] = next_of_parts;
     const auto take = [](const std::byte*& from, void* into, uint64_t size_bytes) {
@@ -160,23 +167,25 @@ void FeedbackRing::read_watched(const Slot& slot, const std::byte*& at, Feedback
         array.resize(before + size_bytes / sizeof(array[0]));
         take(from, array.data() + before, size_bytes);
     };
-    std::vector<io::LayerState> layers;
-    feedback.watched.reserve(slot.update.watched.size());
-    for (const Watched& one : slot.update.watched) {
-        WatchedInstance& watched = feedback.watched.emplace_back();
-        watched.instance = {one.instance};
-        io::RootState state{.move = {0, 0, 1, 0}};
-        take(placement, &watched.world_from_model, one.placement.size_bytes);
-        take(root, &state, one.root.size_bytes);
-        append(socket_bytes, arrays.sockets, one.sockets.size_bytes);
-        append(parameter_bytes, arrays.parameters, one.parameters.size_bytes);
-        layers.clear();
-        append(layer_bytes, layers, one.layers.size_bytes);
-        watched.move = over_the_ground(state.move);
-        for (size_t layer = 0; layer < layers.size(); ++layer) {
-            append_played(arrays.motions, layers[layer], one.layer_kinds[layer], one.clip_count);
-            motion_counts.push_back(layers[layer].play_count);
-            arrays.layer_weights.push_back(layers[layer].weight);
+    feedback.watched.resize(slot.update.watched.size());
+    size_t index = 0;
+    for (const WatchedRun& run : slot.update.runs) {
+        append(socket_bytes, arrays.sockets, run.sockets.size_bytes);
+        append(parameter_bytes, arrays.parameters, run.parameters.size_bytes);
+        for (const size_t end = index + run.count; index < end; ++index) {
+            WatchedInstance& watched = feedback.watched[index];
+            watched.instance = {slot.update.watched[index].instance};
+            io::RootState state{.move = {0, 0, 1, 0}};
+            take(placement, &watched.world_from_model, run.placements.size_bytes / run.count);
+            take(root, &state, run.roots.size_bytes / run.count);
+            watched.move = over_the_ground(state.move);
+            for (const LayerKind& kind : run.layer_kinds) {
+                io::LayerState layer;
+                take(layer_bytes, &layer, sizeof layer);
+                append_played(arrays.motions, layer, kind, run.clip_count);
+                motion_counts.push_back(layer.play_count);
+                arrays.layer_weights.push_back(layer.weight);
+            }
         }
     }
     size_t motion = 0, socket = 0, parameter = 0, layer = 0;
@@ -184,16 +193,19 @@ void FeedbackRing::read_watched(const Slot& slot, const std::byte*& at, Feedback
         arrays.layers.emplace_back(arrays.motions.data() + motion, count);
         motion += count;
     }
-    for (size_t i = 0; i < feedback.watched.size(); ++i) {
-        const Watched& one = slot.update.watched[i];
-        WatchedInstance& watched = feedback.watched[i];
+    index = 0;
+    for (const WatchedRun& run : slot.update.runs) {
         const auto next = [](const auto& array, size_t& first, uint64_t count) {
             return std::span(array).subspan(std::exchange(first, first + count), count);
         };
-        watched.sockets = next(arrays.sockets, socket, one.sockets.size_bytes / sizeof(Affine));
-        watched.parameters = next(arrays.parameters, parameter, one.parameters.size_bytes / sizeof(float));
-        watched.layer_weights = std::span(arrays.layer_weights).subspan(layer, one.layer_kinds.size());
-        watched.layers = next(arrays.layers, layer, one.layer_kinds.size());
+        for (const size_t end = index + run.count; index < end; ++index) {
+            WatchedInstance& watched = feedback.watched[index];
+            watched.sockets = next(arrays.sockets, socket, run.sockets.size_bytes / run.count / sizeof(Affine));
+            watched.parameters = next(arrays.parameters, parameter,
+                                      run.parameters.size_bytes / run.count / sizeof(float));
+            watched.layer_weights = std::span(arrays.layer_weights).subspan(layer, run.layer_kinds.size());
+            watched.layers = next(arrays.layers, layer, run.layer_kinds.size());
+        }
     }
     const auto place_of = [&](uint32_t i) { return slot.update.watched[i].place; };
     std::vector<uint32_t> order(feedback.watched.size());

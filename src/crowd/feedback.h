@@ -15,20 +15,25 @@
 
 namespace throng {
 
-// Where the device has the data of a watched instance that feedback copies to the CPU.
 struct Watched {
-    uint32_t instance = 0;                   // of the crowd
-    uint32_t place = 0;                      // in the order that the application asked for
-    BufferRange placement;                   // Affine
-    BufferRange root;                        // io::RootState; none where there is no root motion
-    BufferRange sockets;                     // Affine[]; none where there are no sockets
-    BufferRange parameters;                  // float[]; none where there is no controller
-    BufferRange layers;                      // io::LayerState[layers]; none where there is no controller
+    uint32_t instance = 0;  // of the crowd
+    uint32_t place = 0;     // in the order that the application asked for
+};
+
+// Watched instances of one batch with consecutive numbers: where the device has their data that feedback copies to the
+// CPU, side by side.
+struct WatchedRun {
+    uint32_t count = 0;
+    BufferRange placements;                  // Affine[count]
+    BufferRange roots;                       // io::RootState[count]; none where there is no root motion
+    BufferRange sockets;                     // Affine[count][sockets]
+    BufferRange parameters;                  // float[count][parameters]; none where there is no controller
+    BufferRange layers;                      // io::LayerState[count][layers]; none where there is no controller
     std::span<const LayerKind> layer_kinds;  // of the group, which outlives it (Retired)
     uint32_t clip_count = 0;                 // of the character
 
     static constexpr size_t kParts = 5;
-    std::array<BufferRange, kParts> parts() const { return {placement, root, sockets, parameters, layers}; }
+    std::array<BufferRange, kParts> parts() const { return {placements, roots, sockets, parameters, layers}; }
 };
 
 // An instance whose pose is read back, once.
@@ -63,8 +68,9 @@ public:
     void begin(VkCommandBuffer commands);
     // Takes the last update back: its commands will never be submitted.
     void discard();
-    // `watched`: sorted by instance, since adjacent data is copied together.
-    void end(VkCommandBuffer commands, std::span<const Watched> watched, std::vector<RequestedPose> poses);
+    // The runs are those of all that are watched, in their order.
+    void end(VkCommandBuffer commands, std::span<const Watched> watched, std::span<const WatchedRun> runs,
+             std::vector<RequestedPose> poses);
     // Feedback of the updates that have finished and have not been read, oldest first.
     std::vector<Feedback> take();
     uint64_t size_bytes() const;
@@ -75,6 +81,7 @@ private:
         uint64_t number = 0;   // 0: none
         bool is_read = false;  // by take()
         std::vector<Watched> watched;
+        std::vector<WatchedRun> runs;
         std::vector<RequestedPose> poses;
     };
     struct Slot {

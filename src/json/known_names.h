@@ -43,10 +43,10 @@ private:
 };
 
 // The index of the first item with this name; items may be the names themselves. Errors: kInvalidArgument (unknown()).
-template <class T>
-Result<uint32_t> index_named(const std::string& place, const char* kind, const std::vector<T>& items,
-                             std::string_view name) {
-    return as_result([&] {
+template <class IndexType = uint32_t, class T>
+Result<IndexType> index_named(const std::string& place, const char* kind, const std::vector<T>& items,
+                              std::string_view name) {
+    return as_result([&]() -> IndexType {
         if (const uint32_t index = find_name(items, name); index != kNone) return index;
         KnownNames known(kind);
         for (const T& item : items)

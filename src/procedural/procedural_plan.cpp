@@ -202,9 +202,9 @@ private:
 
 }  // namespace
 
-uint32_t ProceduralRules::find_target(std::string_view target_name) const { return find_name(targets, target_name); }
-Result<uint32_t> ProceduralRules::target_named(std::string_view target_name) const {
-    return index_named("procedural rules", "target", targets, target_name);
+TargetIndex ProceduralRules::find_target(std::string_view target_name) const { return find_name(targets, target_name); }
+Result<TargetIndex> ProceduralRules::target_named(std::string_view target_name) const {
+    return index_named<TargetIndex>("procedural rules", "target", targets, target_name);
 }
 
 void check_target(uint32_t target, uint32_t target_count, const TargetPlace& value, const ErrorPlace& place) {

@@ -164,24 +164,24 @@ Result<ReferenceCharacter> ReferenceCharacter::create(const Character& character
     });
 }
 
-Result<void> ReferenceCharacter::play(uint32_t layer, const LayerPlayback& playback) {
+Result<void> ReferenceCharacter::play(LayerIndex layer, const LayerPlayback& playback) {
     return as_result([&] {
         state_->controller.apply(play_command(state_->kinds, state_->clip_durations_s, layer, playback, "play"));
     });
 }
 
-Result<void> ReferenceCharacter::set_state(uint32_t layer, const PlayedMotion& motion, float fade_s) {
+Result<void> ReferenceCharacter::set_state(LayerIndex layer, const PlayedMotion& motion, float fade_s) {
     return as_result([&] { state_->controller.apply(state_command(state_->kinds, layer, motion, fade_s, "state")); });
 }
 
-Result<void> ReferenceCharacter::set_layer(uint32_t layer, const LayerBlend& blend) {
+Result<void> ReferenceCharacter::set_layer(LayerIndex layer, const LayerBlend& blend) {
     return as_result([&] {
         state_->controller.apply(
             layer_command(state_->kinds, static_cast<uint32_t>(state_->masks.size()), layer, blend, "layer"));
     });
 }
 
-Result<void> ReferenceCharacter::set_parameter(uint32_t parameter, float value) {
+Result<void> ReferenceCharacter::set_parameter(ParameterIndex parameter, float value) {
     return as_result([&] {
         check_parameter(static_cast<uint32_t>(state_->controller.parameters.size()), parameter, value, "parameter");
         state_->controller.parameters[parameter] = value;
@@ -204,7 +204,7 @@ Result<void> ReferenceCharacter::clear_pose(float fade_s) {
     });
 }
 
-Result<void> ReferenceCharacter::set_target(uint32_t target, const TargetPlace& place) {
+Result<void> ReferenceCharacter::set_target(TargetIndex target, const TargetPlace& place) {
     return as_result([&] {
         check_target(target, state_->rules ? static_cast<uint32_t>(state_->rules->targets.size()) : 0, place, "target");
         state_->rules->targets[target] = {place.world_place.as<double>(), place.weight};

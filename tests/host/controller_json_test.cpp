@@ -40,7 +40,7 @@ TEST(ControllerJson, EveryFieldIsRead) {
     EXPECT_EQ(c.events[0].name + c.events[0].clip, "stepwalk");
     EXPECT_EQ(c.events[0].time_s, 0.3);
     EXPECT_EQ(c.events[1].time_s, 0.1);
-    EXPECT_EQ(c.find_events("step"), (std::vector{0u, 1u}));
+    EXPECT_EQ(c.find_events("step"), (std::vector<EventIndex>{0, 1}));
     EXPECT_TRUE(c.find_events("stride").empty());
 
     ASSERT_EQ(c.masks.size(), 2u);

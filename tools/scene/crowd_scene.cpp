@@ -251,8 +251,10 @@ CrowdScene::CrowdScene(const Device& device, const SceneOptions& options, CrowdS
             unwrap(crowd_->set_playback(Instances::numbered(first, group.instance_count),
                                         std::span(field.playback).subspan(first, group.instance_count)));
         if (cast.looks[k])
-            unwrap(crowd_->set_look(Instances::numbered(first, group.instance_count),
-                                    cast.looks[k]->of_instances(group.instance_count, options.seed + k)));
+            unwrap(crowd_->set_look(
+                Instances::numbered(first, group.instance_count),
+                cast.looks[k]->of_instances(
+                    characters[k], std::span(field.placement).subspan(first, group.instance_count), options.seed + k)));
         first += group.instance_count;
     }
     unwrap(crowd_->set_placement(crowd_->instances(), field.placement));

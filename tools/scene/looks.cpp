@@ -5,6 +5,7 @@
 #include "json/known_names.h"
 #include "tools/cli/command.h"
 #include "tools/creatures/creature_math.h"
+#include "tools/scene/look_choice.h"
 
 #include <algorithm>
 #include <cmath>
@@ -189,17 +190,17 @@ Looks::Looks(const std::string& path, const Character& character) {
         file));
 }
 
-std::vector<InstanceLook> Looks::of_instances(uint32_t count, uint64_t seed) const {
+std::vector<InstanceLook> Looks::of_instances(const Character& character, std::span<const Affine> world_from_model,
+                                              uint64_t seed) const {
     Random random(seed);
-    std::vector<InstanceLook> looks(count);
-    for (InstanceLook& look : looks) {
-        look.outfit = std::min(static_cast<uint32_t>(random.unit() * kOutfits), kOutfits - 1);
-        if (tints_.empty()) continue;
+    return looks_unlike_neighbours(character, outfits_, world_from_model, [&] {
+        InstanceLook look{.outfit = std::min(static_cast<uint32_t>(random.unit() * kOutfits), kOutfits - 1)};
+        if (tints_.empty()) return look;
         const Color &a = one_of(tints_, random), &b = one_of(tints_, random);
         const auto between = static_cast<float>(random.unit());
         for (size_t i = 0; i < a.size(); ++i) look.tint[i] = a[i] + (b[i] - a[i]) * between;
-    }
-    return looks;
+        return look;
+    });
 }
 
 }  // namespace throng::tools

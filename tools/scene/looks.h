@@ -3,6 +3,7 @@
 
 #include <throng/throng.h>
 
+#include <span>
 #include <string>
 #include <vector>
 
@@ -14,8 +15,10 @@ public:
     Looks(const std::string& file, const Character& character);
 
     const std::vector<Outfit>& outfits() const { return outfits_; }
-    // The looks of `count` instances, for this seed.
-    std::vector<InstanceLook> of_instances(uint32_t count, uint64_t seed) const;
+    // Looks of instances of the character that stand at these places, for this seed: no two neighbours look alike, as
+    // far as the file has choices.
+    std::vector<InstanceLook> of_instances(const Character& character, std::span<const Affine> world_from_model,
+                                           uint64_t seed) const;
 
 private:
     using Color = std::array<float, 3>;  // linear

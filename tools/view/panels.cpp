@@ -228,7 +228,7 @@ bool blend_row(float& weight_of_first) {
     return true;
 }
 
-bool clip_row(const char* name, const Character& character, uint32_t& clip) {
+bool clip_row(const char* name, const Character& character, ClipIndex& clip) {
     std::vector<Choice> choices;
     for (const auto& one : character.clips) choices.push_back({one.name.c_str()});
     size_t chosen = clip;

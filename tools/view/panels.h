@@ -41,7 +41,7 @@ bool slider_row(const char* name, float& value, float least, float most, const c
                 ImGuiSliderFlags flags = ImGuiSliderFlags_None);
 // How much of each of two clips is played.
 bool blend_row(float& weight_of_first);
-bool clip_row(const char* name, const Character& character, uint32_t& clip);
+bool clip_row(const char* name, const Character& character, ClipIndex& clip);
 // Edits a controller's parameter; a trigger's value is 1 when it is changed.
 bool parameter_row(const Controller& controller, uint32_t parameter, float& value);
 

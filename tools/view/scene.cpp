@@ -138,10 +138,14 @@ void Scene::make_crowd() {
                   .skins_once = of.skins_once})));
     director_.emplace(shown_.field.groups, of.seed);
     for (uint32_t group = 0; group < shown_.field.groups.size(); ++group) {
+        const Instances instances = *crowd_->instances(group);
         if (!controller_of(group)) send_playback(group);
         if (cast().looks[group])
-            tools::unwrap(crowd_->set_look(*crowd_->instances(group), cast().looks[group]->of_instances(
-                                                                          instance_count_of(group), of.seed + group)));
+            tools::unwrap(crowd_->set_look(
+                instances,
+                cast().looks[group]->of_instances(
+                    cast().characters[group],
+                    std::span(shown_.field.placement).subspan(instances.first(), instances.size()), of.seed + group)));
         for (uint32_t p = 0; p < parameters(group).size(); ++p)
             if (parameters(group)[p] != controller_of(group)->parameters[p].initial)
                 set_parameter(group, p, parameters(group)[p]);

@@ -55,7 +55,7 @@ inline constexpr uint32_t kMaxCharacters = 100'000;
 struct GroupPlayback {
     // Each character has its own clips and weights, by the seed; otherwise all have those below, each at its own time
     bool own = true;
-    uint32_t first = 0, second = 0;  // clips
+    ClipIndex first = 0, second = 0;
     float weight = 1;
 
     bool operator==(const GroupPlayback&) const = default;

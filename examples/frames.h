@@ -1,7 +1,7 @@
 // The application's own frames: two command buffers used in turns, each with a fence.
 #pragma once
 
-#include "../open_vulkan.h"
+#include "open_vulkan.h"
 
 inline VkCommandBuffer begun(VkCommandBuffer commands) {
     const VkCommandBufferBeginInfo info{.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO,

@@ -1,4 +1,4 @@
-// How long the game's calls take: processor time of the calling thread, and wall-clock time, which includes time in
+// How long calls take: processor time of the calling thread, and wall-clock time, which includes time in
 // which other threads had the processor.
 #pragma once
 
