@@ -351,6 +351,39 @@ TEST(SkinPool, ClipsOfExcessiveDurationAreRefused) {
     EXPECT_EQ(crowd.error().code, ErrorCode::kLimit) << crowd.error().text();
 }
 
+// All joints are computed for each shared pose, although only one of them has a skin matrix.
+TEST(SkinPool, PosesThatWouldTakeHoursAreRefused) {
+    Asset asset{.name = "long"};
+    for (uint32_t node = 0; node < 128; ++node)
+        asset.nodes.push_back({.name = "joint", .parent = node == 0 ? kNone : node - 1});
+    asset.skins = {{.joints = {127}, .inverse_binds = std::vector<Affine>(1)}};
+    AssetPrimitive triangle{.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}},
+                            .influence_count = 4,
+                            .influence_joints = std::vector<uint16_t>(12),
+                            .influence_weights = {1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0},
+                            .indices = {0, 1, 2}};
+    asset.meshes = {{.primitives = {triangle}}};
+    asset.mesh_instances = {{.node = 0, .mesh = 0, .skin = 0}};
+    const float seconds = 2500;
+    asset.clips = {{.name = "clip", .duration_s = seconds}};
+    for (uint32_t node = 0; node < 128; ++node)
+        asset.clips[0].tracks.push_back({.node = node,
+                                         .target = TrackTarget::kRotation,
+                                         .times_s = {0, seconds},
+                                         .values = {0, 0, 0, 1, 0, 0, 1, 0}});
+    const Character character = compile_character(asset).value();
+    ASSERT_EQ(character.rig.joint_count(), 128u);
+    const auto refusal = [&](float poses_per_s) {
+        const SkinPool pool{.capacity = 1, .shared_poses_per_s = poses_per_s};
+        const Result<Crowd> crowd = Crowd::create(
+            test_device(),
+            {.groups = {{.character = &character, .instance_count = 1, .skin_pool = pool}}, .culling = Culling{}});
+        return crowd ? std::string() : crowd.error().text();
+    };
+    EXPECT_NE(refusal(1000).find("rows times joints are at most"), std::string::npos) << refusal(1000);
+    EXPECT_EQ(refusal(1), "");
+}
+
 TEST(SkinPool, IncompatibleSettingsAreRefused) {
     const Character character = small_character();
     const auto message = [&](CrowdGroup group, CrowdSettings settings) {

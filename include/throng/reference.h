@@ -1,5 +1,6 @@
 // The definition of every stage: scalar, double precision, on the CPU, no Vulkan. The kernels are tested against it; a
-// program can use it for the exact pose of one character at once (hit tests, servers).
+// program can use it for the exact pose of one character at once (hit tests, servers). Characters must be as
+// character.h says; unlike Crowd::create(), nothing here checks one that an application has edited.
 #pragma once
 
 #include <throng/character.h>

@@ -15,7 +15,10 @@
 namespace throng {
 
 struct Failure : std::exception {
-    explicit Failure(Error e) : error(std::move(e)), text(error.text()) {}
+    // Names that an application has given, or a file, may be part of the texts: they are made safe for one line.
+    explicit Failure(Error e)
+        : error{e.code, printable(e.place, std::string::npos), printable(e.message, std::string::npos)},
+          text(error.text()) {}
     // The message is the concatenation of the parts.
     template <class... Parts>
     Failure(ErrorCode code, std::string place, const Parts&... message)

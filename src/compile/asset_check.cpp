@@ -125,6 +125,8 @@ private:
         require_size_or_none(primitive.normals, n, "normals");
         require_size_or_none(primitive.texcoords, n, "texcoords");
         require_size_or_none(primitive.colors, n, "colors");
+        require(all_finite(primitive.normals) && all_finite(primitive.texcoords) && all_finite(primitive.colors),
+                "normals, texcoords or colors are not finite");
         require(primitive.influence_count % 4 == 0, "influence_count is ", primitive.influence_count,
                 ", not a multiple of 4: fill up with weights of 0");
         require_size(primitive.influence_joints, n * primitive.influence_count, "influence_joints");
@@ -159,7 +161,8 @@ private:
     }
 
     void check(const AssetClip& clip) {
-        require(std::isfinite(clip.duration_s) && clip.duration_s >= 0, "duration_s must be finite, and not negative");
+        require(std::isfinite(static_cast<float>(clip.duration_s)) && clip.duration_s >= 0,
+                "duration_s must be within a float's range, and not negative");
         const auto require_end = [&](const std::vector<float>& times_s) {
             require(times_s.back() <= static_cast<float>(clip.duration_s), "its last key, at ", times_s.back(),
                     " s, is after the clip's duration_s of ", clip.duration_s, " s");
@@ -167,12 +170,15 @@ private:
         std::set<std::pair<uint32_t, TrackTarget>> moved;
         each(clip.tracks, "tracks", [&](const AssetTrack& track) {
             require_index(track.node, asset_.nodes.size(), "node", "nodes");
+            require(track.target <= last_of<TrackTarget>, "target has an unknown value");
             require(moved.emplace(track.node, track.target).second, "an earlier track has the same node and target");
             check_keys(track, track.target == TrackTarget::kRotation ? 4 : 3);
             require_end(track.times_s);
         });
+        std::set<uint32_t> morphed;
         each(clip.morph_tracks, "morph_tracks", [&](const AssetMorphTrack& track) {
             require_index(track.node, asset_.nodes.size(), "node", "nodes");
+            require(morphed.insert(track.node).second, "an earlier track has the same node");
             const auto meshes = std::ranges::equal_range(asset_.mesh_instances, track.node, {},
                                                          &AssetMeshInstance::node);
             size_t target_count = 0;  // at most one of a node's meshes should have any
@@ -189,6 +195,7 @@ private:
         require(!times.empty() && all_finite(times) && times.front() >= 0,
                 "times_s must be finite, not negative and not empty");
         require(std::ranges::adjacent_find(times, std::greater_equal()) == times.end(), "times_s must increase");
+        require(track.interpolation <= last_of<Interpolation>, "interpolation has an unknown value");
         const bool is_cubic = track.interpolation == Interpolation::kCubicSpline;
         require_size(track.values, times.size() * of_key * (is_cubic ? 3 : 1), "values");
         require(all_finite(track.values), "values are not finite");

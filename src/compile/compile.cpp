@@ -2,6 +2,7 @@
 
 #include "base/failure.h"
 #include "base/find_name.h"
+#include "base/finite.h"
 #include "base/progress.h"
 #include "bind/bind_reference.h"
 #include "compile/asset_check.h"
@@ -45,13 +46,18 @@ void measure(Character& character) {
 
     constexpr double kInfinity = std::numeric_limits<double>::infinity();
     Box bounds{{kInfinity, kInfinity, kInfinity}, {-kInfinity, -kInfinity, -kInfinity}, false};
-    for (const Vec3<double>& point : points) bounds.add(point);
+    const auto refuse_rest = [&] {
+        throw Failure(ErrorCode::kInvalidFile, character.name, "the rest pose is not finite");
+    };
+    for (const Vec3<double>& point : points) {
+        if (!all_finite(point)) refuse_rest();
+        bounds.add(point);
+    }
     character.bounds_min = bounds.low.as<float>();
     character.bounds_max = bounds.high.as<float>();
     character.size = static_cast<float>(length(bounds.high - bounds.low));
     if (character.size == 0) character.size = 1;  // joints without a mesh, all in one place
-    if (!std::isfinite(character.size))
-        throw Failure(ErrorCode::kInvalidFile, character.name, "the rest pose is not finite");
+    if (!std::isfinite(character.size)) refuse_rest();
 }
 
 // Rough share of the work that is done after each step of compiling an asset; kLoaded: after load_character() has

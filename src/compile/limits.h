@@ -10,7 +10,7 @@ namespace throng {
 
 inline constexpr size_t kJointLimit = 65'535;
 inline constexpr size_t kPaletteLimit = 65'536;  // an influence names its entry in 16 bits
-// Rows of all clips times joints. This many take minutes to measure
+// Rows of all clips, or of shared poses, times joints. This many take minutes to measure
 inline constexpr uint64_t kPackingLimit = uint64_t{1} << 28;
 // Each morph costs every instance of a crowd a little time
 inline constexpr size_t kMorphLimit = 4'096;
@@ -26,6 +26,10 @@ inline constexpr size_t kSectionLimit = 262'144;
 // The last value of an enumeration whose values come from files and applications.
 template <class Enum>
 inline constexpr Enum last_of{};
+template <>
+inline constexpr Interpolation last_of<Interpolation> = Interpolation::kCubicSpline;
+template <>
+inline constexpr TrackTarget last_of<TrackTarget> = TrackTarget::kScale;
 template <>
 inline constexpr AlphaMode last_of<AlphaMode> = AlphaMode::kBlend;
 template <>

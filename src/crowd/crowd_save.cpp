@@ -210,8 +210,9 @@ void CrowdState::save_state(std::vector<std::byte>& out) {
 void CrowdState::download_all(std::span<const KeptBuffer> kept, std::span<std::byte> contents) const {
     if (contents.empty()) return;
     size_t at = 0;
-    if (gpu->is_native()) {
-        for (const auto& [batch, number, buffer] : kept) {
+    if (std::ranges::all_of(kept, [](const KeptBuffer& one) { return one.buffer->mapped() != nullptr; })) {
+        if (!gpu->is_native()) gpu->wait_idle();            // what was submitted may still write to the buffers
+        for (const auto& [batch, number, buffer] : kept) {  // native, or memory of a software device
             std::memcpy(contents.data() + at, buffer->mapped(), buffer->size_bytes());
             at += buffer->size_bytes();
         }

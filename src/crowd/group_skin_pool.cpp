@@ -1,6 +1,7 @@
 #include "crowd/group_skin_pool.h"
 
 #include "base/failure.h"
+#include "compile/limits.h"
 #include "crowd/staged_update.h"
 #include "native/native.h"
 #include "native/shared_poses.h"
@@ -52,6 +53,9 @@ GroupSkinPool make_skin_pool(Uploads& uploads, SharedRigs& rigs, Group& group, c
         throw Failure(ErrorCode::kLimit, place,
                       std::to_string(rows) + " rows, including those of shared poses; at most " +
                           std::to_string(max_rows) + " fit in one buffer (of this device, and of at most 256 MiB)");
+    if (rows * character.rig.joint_count() > kPackingLimit)
+        throw Failure(ErrorCode::kLimit, place, rows, " rows of a character with ", character.rig.joint_count(),
+                      " joints; rows times joints are at most ", kPackingLimit, ": set a smaller shared_poses_per_s");
     if (const uint32_t most = uploads.gpu()->properties.limits.maxComputeWorkGroupCount[0];
         std::min(pool.capacity, made_of.instance_count) > most)
         throw Failure(ErrorCode::kLimit, place,

@@ -76,6 +76,12 @@ TEST(AssetCheck, ErrorsNameWhatIsWrong) {
         {"meshes[0].primitives[0]: material is 1", [&](Asset& a) { primitive(a).material = 1; }},
         {"meshes[0].primitives[0]: positions", [&](Asset& a) { primitive(a).positions[2].y = kNan; }},
         {"meshes[0].primitives[0]: normals has 2", [&](Asset& a) { primitive(a).normals.pop_back(); }},
+        {"meshes[0].primitives[0]: normals, texcoords or colors are not finite",
+         [&](Asset& a) { primitive(a).normals[1].z = kNan; }},
+        {"meshes[0].primitives[0]: normals, texcoords or colors are not finite",
+         [&](Asset& a) { primitive(a).texcoords[2][0] = kNan; }},
+        {"meshes[0].primitives[0]: normals, texcoords or colors are not finite",
+         [&](Asset& a) { primitive(a).colors[0][3] = kNan; }},
         {"meshes[0].primitives[0]: texcoords has 2", [&](Asset& a) { primitive(a).texcoords.pop_back(); }},
         {"meshes[0].primitives[0]: colors has 4", [&](Asset& a) { primitive(a).colors.push_back({}); }},
         {"meshes[0].primitives[0]: influence_joints has 12", [&](Asset& a) { primitive(a).influence_count = 8; }},
@@ -106,6 +112,14 @@ TEST(AssetCheck, ErrorsNameWhatIsWrong) {
              a.mesh_instances = {{.node = 2}, {.node = 0}};
          }},
         {"clips[0]: duration_s", [&](Asset& a) { a.clips[0].duration_s = -1; }},
+        {"clips[0]: duration_s", [&](Asset& a) { a.clips[0].duration_s = 1e39; }},
+        {"clips[0].tracks[0]: target has", [&](Asset& a) { track(a).target = static_cast<TrackTarget>(255); }},
+        {"clips[0].tracks[0]: interpolation has",
+         [&](Asset& a) { track(a).interpolation = static_cast<Interpolation>(3); }},
+        {"clips[0].morph_tracks[0]: interpolation has",
+         [&](Asset& a) { a.clips[0].morph_tracks[0].interpolation = static_cast<Interpolation>(3); }},
+        {"clips[0].morph_tracks[1]: an earlier track has the same node",
+         [&](Asset& a) { a.clips[0].morph_tracks.push_back(a.clips[0].morph_tracks[0]); }},
         {"clips[0].tracks[0]: its last key, at 1.000000 s, is after the clip's duration_s of 0.500000 s",
          [&](Asset& a) { a.clips[0].duration_s = 0.5; }},
         {"clips[0].morph_tracks[0]: its last key", [&](Asset& a) { a.clips[0].morph_tracks[0].times_s.back() = 9; }},
@@ -127,6 +141,30 @@ TEST(AssetCheck, ErrorsNameWhatIsWrong) {
         EXPECT_EQ(character.error().code, ErrorCode::kInvalidArgument) << message;
         EXPECT_TRUE(contains(character.error().text(), message)) << message << " | " << character.error().text();
     }
+}
+
+// The name comes from the application.
+TEST(AssetCheck, RefusalsAreOneLineWhateverTheName) {
+    Asset asset = filled();
+    asset.name = "two\nlines\x1b[2J";
+    asset.nodes[2].parent = 7;
+    const Result<Character> character = compile_character(asset);
+    ASSERT_FALSE(character);
+    EXPECT_EQ(character.error().text(), "two?lines?[2J: nodes[2]: parent is 7, but there are 3 nodes");
+}
+
+// Each scale is a float, their product is not. Other vertices are where they should be.
+TEST(AssetCheck, ARestPoseThatOverflowsIsRefused) {
+    Asset asset = filled();
+    for (uint32_t node = 1; node <= 2; ++node) asset.nodes[node].parent_from_node.scale = {1e38f, 1e38f, 1e38f};
+    for (uint32_t i = 0; i < 10; ++i) {
+        asset.nodes.push_back({.name = "more", .parent = static_cast<uint32_t>(asset.nodes.size() - 1)});
+        asset.nodes.back().parent_from_node.scale = {1e38f, 1e38f, 1e38f};
+    }
+    asset.skins[0].joints[1] = static_cast<uint32_t>(asset.nodes.size() - 1);
+    const Result<Character> character = compile_character(asset);
+    ASSERT_FALSE(character);
+    EXPECT_EQ(character.error().text(), "filled: the rest pose is not finite");
 }
 
 // Keys are floats, and 0.1f is more than 0.1.

@@ -51,8 +51,10 @@ struct Extracted {
 // The joint's motion in one clip.
 class JointMotion {
 public:
-    JointMotion(const ExactClip& clip, const Rig& rig, uint32_t joint, const Similarity& model_from_parent, double size)
-        : times_s_(clip.times_s),
+    JointMotion(const ExactClip& clip, const Rig& rig, uint32_t joint, const Similarity& model_from_parent, double size,
+                const Progress& progress)
+        : progress_(progress),
+          times_s_(clip.times_s),
           rotation_(clip.track(rig, joint, TrackTarget::kRotation)),
           translation_(clip.track(rig, joint, TrackTarget::kTranslation)),
           model_from_parent_(model_from_parent),
@@ -73,6 +75,7 @@ public:
         row_interval_s_ = duration_s_ / (row_count - 1);
         GroundMove move;
         for (size_t row = 0; row < static_cast<size_t>(row_count); ++row) {
+            progress_.poll_at(row);
             if (row > 0) move = move_to(at(row_time_s(row)), move);
             rows_.push_back(key_of(TrackValue{move.x, move.z, move.cos, move.sin}));
         }
@@ -151,6 +154,7 @@ private:
         }
         std::vector<TrackValue> rotations, translations;
         for (const float time_s : times_s) {
+            progress_.poll_at(rotations.size());
             const Residual residual = residual_at(time_s);
             rotations.push_back(residual.rotation);
             translations.push_back(residual.translation);
@@ -173,6 +177,7 @@ private:
     // Halves an interval between keys until they follow what is left of the motion. New keys lie at times of rows,
     // since between rows the motion hardly bends. Keys half a turn apart get one in the middle.
     void add_between(float from_s, float to_s, std::vector<float>& times_s) const {
+        progress_.poll();
         const std::vector<float> rows_s = rows_between(from_s, to_s);
         const Residual from = residual_at(from_s), to = residual_at(to_s);
         float middle_s = from_s;
@@ -210,6 +215,7 @@ private:
         });
     }
 
+    const Progress& progress_;
     std::span<const float> times_s_;
     ExactTrack rotation_, translation_;
     Similarity model_from_parent_, parent_from_model_;
@@ -236,10 +242,10 @@ public:
         size_t done = 0;
         for (ExactClip& clip : clips_) {
             progress.report(done++, clips_.size());
-            JointMotion motion(clip, character_.rig, joint_, model_from_parent(clip), character_.size);
+            JointMotion motion(clip, character_.rig, joint_, model_from_parent(clip), character_.size, progress);
             std::optional<Extracted> extracted = motion.extract(place_);
             if (extracted)
-                replace_tracks(clip, std::move(*extracted));
+                replace_tracks(clip, std::move(*extracted), progress);
             else
                 count_keys(clip, key_count(clip, clip.times_s.size()));
             moves = moves || extracted;
@@ -272,7 +278,7 @@ private:
     }
 
     // Replaces the joint's rotation and translation. The other tracks are sampled at the new rows.
-    void replace_tracks(ExactClip& clip, Extracted extracted) {
+    void replace_tracks(ExactClip& clip, Extracted extracted, const Progress& progress) {
         auto& [times_s, rotation, translation] = extracted.rest;
         std::erase_if(clip.tracks, [&](const ExactTrack& track) {
             return track.joint == joint_ && track.target != TrackTarget::kScale;
@@ -281,8 +287,10 @@ private:
         for (ExactTrack& track : clip.tracks) {
             if (!track.varies()) continue;
             std::vector<TrackKey> keys;
-            for (const float time_s : times_s)
+            for (const float time_s : times_s) {
+                progress.poll_at(keys.size());
                 keys.push_back(key_of(track.between(find_rows_reference(clip.times_s, time_s))));
+            }
             track.keys = std::move(keys);
         }
         clip.tracks.push_back(std::move(rotation));
