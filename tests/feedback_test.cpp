@@ -72,5 +72,38 @@ TEST(Feedback, ReportsSpeedLoopAndWeight) {
     EXPECT_EQ(copy_of(of_states.layer_weights), (std::vector{1.0f, 0.25f}));
 }
 
+// What is watched lies in runs of consecutive numbers on the device, of one group each.
+TEST(Feedback, KeepsTheOrderOfTheCallAndRepeatedInstances) {
+    const Character character = creature(20, 8);
+    const Controller controller = direct_layers(1);
+    Crowd crowd = create({.groups = {{.character = &character, .instance_count = 3, .sockets = {1, 3}},
+                                     {.character = &character, .instance_count = 3, .controller = &controller}}});
+    for (uint32_t i = 0; i < crowd.instance_count(); ++i) {
+        const Trs<float> place{.translation = {static_cast<float>(10 * i), 0, 0}};
+        ASSERT_TRUE(crowd.set_placement(InstanceHandle{i}, to_affine(place)));
+    }
+    const std::vector<InstanceHandle> asked{{4}, {1}, {0}, {5}, {1}, {2}, {4}};
+    ASSERT_TRUE(crowd.watch(asked));
+    const std::vector<std::byte> saved = crowd.save_state().value();
+    const auto expect_right = [&] {
+        ASSERT_TRUE(crowd.update(0.1f));
+        const Feedback feedback = feedback_of(crowd);
+        ASSERT_EQ(feedback.watched.size(), asked.size());
+        for (size_t i = 0; i < asked.size(); ++i) {
+            const WatchedInstance& watched = feedback.watched[i];
+            const float x = 10 * static_cast<float>(asked[i].instance);
+            EXPECT_EQ(watched.instance, asked[i]) << i;
+            EXPECT_EQ(watched.world_from_model.row[0][3], x) << i;
+            EXPECT_EQ(watched.sockets.size(), asked[i].instance < 3 ? 2u : 0u) << i;
+            for (const Affine& world_from_joint : watched.sockets) EXPECT_NEAR(world_from_joint.row[0][3], x, 5) << i;
+            EXPECT_EQ(watched.layers.size(), asked[i].instance < 3 ? 0u : 1u) << i;
+        }
+    };
+    expect_right();
+    const Result<void> restored = crowd.restore_state(saved);
+    ASSERT_TRUE(restored) << restored.error().text();
+    expect_right();
+}
+
 }  // namespace
 }  // namespace throng::test

@@ -380,7 +380,7 @@ TEST(SkinPool, PosesThatWouldTakeHoursAreRefused) {
             {.groups = {{.character = &character, .instance_count = 1, .skin_pool = pool}}, .culling = Culling{}});
         return crowd ? std::string() : crowd.error().text();
     };
-    EXPECT_NE(refusal(1000).find("rows times joints are at most"), std::string::npos) << refusal(1000);
+    EXPECT_NE(refusal(1000).find("poses times joints are at most"), std::string::npos) << refusal(1000);
     EXPECT_EQ(refusal(1), "");
 }
 

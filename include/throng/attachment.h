@@ -1,10 +1,9 @@
 // Instances that hang on others: a lantern in a hand, a rider on a beast, the lantern in the rider's hand.
 #pragma once
 
+#include <throng/index.h>
 #include <throng/population.h>
 #include <throng/transform.h>
-
-#include <cstdint>
 
 namespace throng {
 

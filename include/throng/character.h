@@ -27,8 +27,8 @@ struct Rig {
     uint32_t joint_count() const { return static_cast<uint32_t>(parents.size()); }
     // The first joint with this name, or kNone; names need not be unique. joint_named() is the same, but a missing name
     // is an error that says which there are: kInvalidArgument.
-    uint32_t find_joint(std::string_view joint_name) const;
-    Result<uint32_t> joint_named(std::string_view joint_name) const;
+    JointIndex find_joint(std::string_view joint_name) const;
+    Result<JointIndex> joint_named(std::string_view joint_name) const;
 };
 
 // Where a joint's three tracks lie in Character::keys. In a character of exact keys each word is a position, in

@@ -37,7 +37,8 @@ public:
     // Errors: kInvalidArgument (unknown scan, no instances, a Character that has been modified and no longer is as
     // character.h says), kUnsupported (the scan method, the fused path, the skin format, the skin blend or the skin
     // pool does not apply to a character), kInvalidArgument or kUnsupported (a controller, sockets or procedural rules
-    // that do not fit), kLimit (names what exceeds which limit of the device), kOutOfMemory.
+    // that do not fit), kLimit (names what exceeds which limit, of throng or the device),
+    // kOutOfMemory.
     static Result<Crowd> create(const Device& device, const CrowdSettings& settings);
     // No crowd yet, for example a member that is filled in later. Call nothing on it until another crowd is assigned to
     // it.

@@ -33,8 +33,9 @@ enum class SocketSpace { kModel, kWorld };
 //
 // A large group has several OutputBlocks, each with a pool of its own, of at most 256 MiB.
 struct SkinPool {
-    uint32_t capacity = 0;          // rows for instances of an OutputBlock; above 0
-    float shared_poses_per_s = 30;  // shared poses per second of each clip; above 0, at most 1000
+    uint32_t capacity = 0;  // rows for instances of an OutputBlock; above 0
+    // Shared poses per second of each clip; above 0, at most 1000, and poses of all clips times joints at most 2^28
+    float shared_poses_per_s = 30;
 };
 
 // Instances of one character. Instances of a crowd are numbered group after group. Without a controller each plays what
@@ -125,7 +126,7 @@ struct GroupPath {
 };
 
 // How UpdatePath::kAuto would update a group of this many instances of the character. Errors: kInvalidArgument (no
-// joints).
+// joints, or a Character that has been modified and no longer is as character.h says).
 Result<GroupPath> advise_path(const Device& device, const Character& character, uint32_t instance_count);
 
 // Updates can be for a view (CrowdView): then they animate only the instances that it sees, and give those that are

@@ -8,7 +8,7 @@ namespace throng {
 
 inline constexpr uint32_t kNone = 0xFFFFFFFFu;  // "no index", wherever an index is optional
 
-enum class Indexed { kGroup, kSocket, kClip, kState, kLayer, kParameter, kMask, kEvent, kTarget };
+enum class Indexed { kGroup, kSocket, kClip, kState, kLayer, kParameter, kMask, kEvent, kTarget, kJoint };
 
 // An index into one kind of list. Converts from and to a bare number, for applications that count or store such numbers
 // themselves, but not to an index into another kind of list.
@@ -32,5 +32,6 @@ using ParameterIndex = Index<Indexed::kParameter>;
 using MaskIndex = Index<Indexed::kMask>;
 using EventIndex = Index<Indexed::kEvent>;
 using TargetIndex = Index<Indexed::kTarget>;  // into ProceduralRules::targets
+using JointIndex = Index<Indexed::kJoint>;    // into the lists of a Rig
 
 }  // namespace throng

@@ -3,8 +3,7 @@
 
 #include <throng/character.h>
 #include <throng/controller.h>
-
-#include <cstdint>
+#include <throng/index.h>
 
 namespace throng {
 

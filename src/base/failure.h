@@ -64,12 +64,12 @@ auto as_result(Body&& body, std::string place = {}) -> Result<std::invoke_result
         }
     } catch (const Failure& failure) {
         Error error = failure.error;
-        if (error.place.empty()) error.place = std::move(place);
+        if (error.place.empty()) error.place = printable(place, std::string::npos);
         return error;
     } catch (const std::bad_alloc&) {
         return Error{ErrorCode::kOutOfMemory, std::move(place), "out of memory"};
     } catch (const std::exception& other) {
-        return Error{ErrorCode::kInvalidArgument, std::move(place), other.what()};
+        return Failure(ErrorCode::kInvalidArgument, std::move(place), other.what()).error;
     } catch (...) {  // of an application's JobSystem
         return Error{ErrorCode::kInvalidArgument, std::move(place),
                      "an exception was thrown that is not a std::exception"};

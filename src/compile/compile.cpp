@@ -130,12 +130,12 @@ Character read_compiled(const std::filesystem::path& path, const std::string& pl
 
 }  // namespace
 
-uint32_t Rig::find_joint(std::string_view joint_name) const { return find_name(names, joint_name); }
+JointIndex Rig::find_joint(std::string_view joint_name) const { return find_name(names, joint_name); }
 ClipIndex Character::find_clip(std::string_view clip_name) const { return find_name(clips, clip_name); }
 uint32_t Character::find_morph(std::string_view morph_name) const { return find_name(morphs, morph_name); }
 uint32_t Character::find_material(std::string_view material_name) const { return find_name(materials, material_name); }
-Result<uint32_t> Rig::joint_named(std::string_view joint_name) const {
-    return index_named("rig", "joint", names, joint_name);
+Result<JointIndex> Rig::joint_named(std::string_view joint_name) const {
+    return index_named<JointIndex>("rig", "joint", names, joint_name);
 }
 Result<ClipIndex> Character::clip_named(std::string_view clip_name) const {
     return index_named<ClipIndex>(name, "clip", clips, clip_name);

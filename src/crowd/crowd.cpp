@@ -10,9 +10,9 @@
 namespace throng {
 namespace {
 
-// [sockets], a socket that is not a joint of the group's character has none.
+// [sockets]. A socket that is not a joint of the group's character has a text that nobody looks for.
 std::vector<std::string> socket_names(const CrowdGroup& group) {
-    std::vector<std::string> names(group.sockets.size());
+    std::vector<std::string> names(group.sockets.size(), "(no joint)");
     if (!group.character) return names;
     const std::vector<std::string>& joints = group.character->rig.names;
     for (size_t i = 0; i < names.size(); ++i)
@@ -26,7 +26,7 @@ SocketIndex CrowdGroup::find_socket(std::string_view joint_name) const {
     return find_name(socket_names(*this), joint_name);
 }
 Result<SocketIndex> CrowdGroup::socket_named(std::string_view joint_name) const {
-    return index_named<SocketIndex>("group", "socket", socket_names(*this), joint_name);
+    return index_named<SocketIndex>(character ? character->name : "group", "socket", socket_names(*this), joint_name);
 }
 
 Result<ScanAdvice> advise_scan(const Device& device, const Rig& rig, uint32_t instance_count) {

@@ -22,7 +22,7 @@ void CrowdState::watch(const Instances& instances) {
     check_alive(instances, "watch");
     watched_.clear();
     for (uint32_t i = 0; i < instances.size(); ++i) watched_.push_back({.instance = instances.number(i), .place = i});
-    std::ranges::stable_sort(watched_, {}, &Watched::instance);
+    std::ranges::sort(watched_, {}, &Watched::instance);
 }
 
 // Fills watched_runs_.

@@ -150,7 +150,7 @@ void CrowdState::exchange(StateArchive& archive) {
     std::ranges::sort(in_call_order, {}, &Watched::place);
     std::vector<uint32_t> watched;
     for (const Watched& one : in_call_order) watched.push_back(one.instance);
-    archive.list(watched, instance_count);
+    archive.list(watched, UINT32_MAX);  // an instance may be watched twice; the capacity is checked below
     if (watched.size() > watch_capacity_)
         throw Failure(ErrorCode::kInvalidArgument, "crowd state", "it does not fit this crowd: it has ", watched.size(),
                       " watched instances, but CrowdSettings::watch_capacity is ", watch_capacity_);

@@ -46,16 +46,17 @@ GroupSkinPool make_skin_pool(Uploads& uploads, SharedRigs& rigs, Group& group, c
     if (pool.capacity == 0 || !(pool.shared_poses_per_s > 0 && pool.shared_poses_per_s <= kMaxPoses_per_s))
         throw Failure(ErrorCode::kInvalidArgument, place,
                       "capacity and shared_poses_per_s must be above 0, and the second at most 1000");
-    const uint64_t rows = shared_pose_count(character, pool.shared_poses_per_s) +
-                          std::min(pool.capacity, made_of.instance_count),
+    const uint64_t shared_count = shared_pose_count(character, pool.shared_poses_per_s),
+                   rows = shared_count + std::min(pool.capacity, made_of.instance_count),
                    max_rows = arena_limit_bytes(*uploads.gpu()) / row_bytes(group, settings.skin_format);
     if (rows > max_rows)
         throw Failure(ErrorCode::kLimit, place,
                       std::to_string(rows) + " rows, including those of shared poses; at most " +
                           std::to_string(max_rows) + " fit in one buffer (of this device, and of at most 256 MiB)");
-    if (rows * character.rig.joint_count() > kPackingLimit)
-        throw Failure(ErrorCode::kLimit, place, rows, " rows of a character with ", character.rig.joint_count(),
-                      " joints; rows times joints are at most ", kPackingLimit, ": set a smaller shared_poses_per_s");
+    if (shared_count * character.rig.joint_count() > kPackingLimit)
+        throw Failure(ErrorCode::kLimit, place, shared_count, " shared poses of a character with ",
+                      character.rig.joint_count(), " joints; poses times joints are at most ", kPackingLimit,
+                      ": set a smaller shared_poses_per_s");
     if (const uint32_t most = uploads.gpu()->properties.limits.maxComputeWorkGroupCount[0];
         std::min(pool.capacity, made_of.instance_count) > most)
         throw Failure(ErrorCode::kLimit, place,

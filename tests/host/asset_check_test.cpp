@@ -151,6 +151,10 @@ TEST(AssetCheck, RefusalsAreOneLineWhateverTheName) {
     const Result<Character> character = compile_character(asset);
     ASSERT_FALSE(character);
     EXPECT_EQ(character.error().text(), "two?lines?[2J: nodes[2]: parent is 7, but there are 3 nodes");
+    asset.nodes[2].parent = 1;
+    const Result<Character> cancelled = compile_character(asset, {}, {.is_cancelled = [] { return true; }});
+    ASSERT_FALSE(cancelled);
+    EXPECT_EQ(cancelled.error().text(), "two?lines?[2J: cancelled");
 }
 
 // Each scale is a float, their product is not. Other vertices are where they should be.

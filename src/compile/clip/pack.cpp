@@ -55,7 +55,8 @@ public:
         constexpr std::chrono::milliseconds kReportInterval(10);
         pack();
         for (std::future<void>& thread : threads_) {
-            while (thread.wait_for(kReportInterval) != std::future_status::ready) report();
+            while (thread.wait_for(kReportInterval) != std::future_status::ready)
+                attempt(clips_.size(), [&] { report(); });
             thread.get();
         }
         if (failure_) std::rethrow_exception(failure_);
@@ -79,16 +80,24 @@ private:
     // Clips do not depend on each other: the result is the same with any number of threads.
     void pack() {
         for (size_t clip = next_++; clip < clips_.size(); clip = next_++) {
-            try {
+            attempt(clip, [&] {
                 report();
                 writer_.add(static_cast<uint32_t>(clip),
                             pack_clip(character_, clips_[clip], boxes_, settings_, progress_));
                 rows_done_ += clips_[clip].times_s.size();
-            } catch (const Failure& failure) {
-                fail(clip, failure.error.code == ErrorCode::kCancelled);
-            } catch (...) {
-                fail(clip, false);
-            }
+            });
+        }
+    }
+
+    // A failure of `work` is kept, to be reported when all threads have ended.
+    template <class Body>
+    void attempt(size_t clip, const Body& work) {
+        try {
+            work();
+        } catch (const Failure& failure) {
+            fail(clip, failure.error.code == ErrorCode::kCancelled);
+        } catch (...) {
+            fail(clip, false);
         }
     }
 

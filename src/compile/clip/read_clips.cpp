@@ -172,13 +172,12 @@ private:
             });
         };
         std::vector<float> refined;
-        uint64_t step = 0;
         for (size_t row = 0; row + 1 < times_s_.size(); ++row) {
             std::vector<float> ends{times_s_[row + 1]};  // of the intervals still to check, the nearest last
             float from_s = times_s_[row];
             refined.push_back(from_s);
             while (!ends.empty()) {
-                progress_.poll_at(step++);
+                progress_.poll();  // a step evaluates all cubic tracks
                 const float to_s = ends.back(), middle_s = from_s + (to_s - from_s) / 2;
                 if (middle_s > from_s && middle_s < to_s && !fits(from_s, to_s)) {
                     ends.push_back(middle_s);

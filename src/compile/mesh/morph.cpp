@@ -186,11 +186,10 @@ private:
             if (column.track.is_cubic()) cubic.push_back(&column.track);
         if (cubic.empty()) return;
         std::vector<float> refined;
-        uint64_t step = 0;
         for (size_t row = 0; row < times_s_.size(); ++row) {
             std::vector<float> ends{times_s_[row]};  // of the intervals still to check, the nearest last
             while (!ends.empty()) {
-                progress_.poll_at(step++);
+                progress_.poll();  // a step evaluates all cubic tracks
                 const float to_s = ends.back(), from_s = refined.empty() ? to_s : refined.back(),
                             middle_s = from_s + (to_s - from_s) / 2;
                 if (middle_s > from_s && middle_s < to_s && !fits(cubic, from_s, to_s)) {
