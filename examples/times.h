@@ -1,5 +1,5 @@
-// How long calls take: processor time of the calling thread, and wall-clock time, which includes time in
-// which other threads had the processor.
+// How long calls take: processor time of the calling thread, and wall-clock time, which includes time in which other
+// threads had the processor.
 #pragma once
 
 #include <throng/throng.h>

@@ -72,7 +72,8 @@ TEST(Feedback, ReportsSpeedLoopAndWeight) {
     EXPECT_EQ(copy_of(of_states.layer_weights), (std::vector{1.0f, 0.25f}));
 }
 
-// What is watched lies in runs of consecutive numbers on the device, of one group each.
+// Data of instances with consecutive numbers is copied together: here of 0, 1 and 1, 2 in one group, of 4 and 4, 5 in
+// the other.
 TEST(Feedback, KeepsTheOrderOfTheCallAndRepeatedInstances) {
     const Character character = creature(20, 8);
     const Controller controller = direct_layers(1);

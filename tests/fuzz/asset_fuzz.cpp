@@ -195,8 +195,9 @@ CrowdSettings settings_for(Input& in, const Character& character) {
 void animate(Input& in, const Character& character, bool is_compiled) {
     Result<Crowd> crowd = Crowd::create(fuzz::device(), settings_for(in, character));
     if (!crowd) {
+        fuzz::check_is_one_line(crowd.error());
         if (is_compiled && crowd.error().code == ErrorCode::kInvalidArgument)
-            abort_with("a compiled character is refused", crowd.error());
+            fuzz::abort_with("a compiled character is refused", crowd.error());
         return;
     }
     const InstanceHandle instance{0};
@@ -219,10 +220,9 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
     const bool is_correct = make_mistakes(in, asset) == 0;
     Result<Character> character = compile(asset, settings);
     if (!character) {
-        if (character.error().text().find_first_of("\r\n\x1b") != std::string::npos)
-            abort_with("a refusal is not one line", character.error());
+        fuzz::check_is_one_line(character.error());
         if (is_correct && character.error().code == ErrorCode::kInvalidArgument)
-            abort_with("a correct asset is refused", character.error());
+            fuzz::abort_with("a correct asset is refused", character.error());
         return 0;
     }
     const bool is_compiled = make_mistakes(in, *character) == 0;

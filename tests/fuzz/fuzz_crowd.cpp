@@ -27,17 +27,20 @@ constexpr const char* kControllerJson = R"({
         {"name": "wave", "mode": "additive", "weight": "weight", "states": {"wave": {"clip": "wave"}}},
         {"name": "played", "inertial": true}]})";
 
-void fail(std::string_view what, const std::string& text) {
-    std::fprintf(stderr, "%.*s: %s\n", static_cast<int>(what.size()), what.data(), text.c_str());
+}  // namespace
+
+void abort_with(std::string_view what, const Error& error) {
+    std::fprintf(stderr, "%.*s: %s\n", static_cast<int>(what.size()), what.data(), error.text().c_str());
     std::abort();
 }
 
-}  // namespace
+void check_is_one_line(const Error& error) {
+    if (error.text().find_first_of("\r\n\x1b") != std::string::npos) abort_with("a refusal is not one line", error);
+}
 
 void check_refusal(const Error& error, std::string_view name) {
-    const std::string text = error.text();
-    if (!text.starts_with(std::string(name) + ":")) fail("a refusal that does not name the input", text);
-    if (text.find_first_of("\r\n") != text.npos) fail("a refusal of several lines", text);
+    check_is_one_line(error);
+    if (!error.text().starts_with(std::string(name) + ":")) abort_with("a refusal does not name the input", error);
 }
 
 Device& device() {
@@ -96,7 +99,7 @@ Crowd make_crowd(bool shaders_populate) {
     settings.event_capacity = 64;
     settings.pose_request_capacity = 4;
     Result<Crowd> crowd = Crowd::create(device(), settings);
-    if (!crowd) fail("no crowd", crowd.error().text());
+    if (!crowd) abort_with("no crowd", crowd.error());
     return std::move(*crowd);
 }
 
@@ -149,7 +152,7 @@ void animate_and_draw(const Character& character) {
         (void)crowd->set_playback(InstanceHandle{i}, playback);
     }
     Result<Renderer> renderer = Renderer::create(device(), {.width = 64, .height = 48});
-    if (!renderer) fail("no renderer", renderer.error().text());
+    if (!renderer) abort_with("no renderer", renderer.error());
     const Camera camera = fit_camera(main_bounds(*crowd), 64.0f / 48);
     for (const float step_s : {0.0f, 0.7f, 1e4f}) (void)renderer->render_frame(*crowd, step_s, camera);
     (void)crowd->update(0.1f);

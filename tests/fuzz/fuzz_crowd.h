@@ -14,7 +14,10 @@ inline std::span<const std::byte> bytes_of(const uint8_t* data, size_t size) {
     return {reinterpret_cast<const std::byte*>(data), size};
 }
 
-// Aborts if the refusal is not one line, or does not begin with the name of the input.
+[[noreturn]] void abort_with(std::string_view what, const Error& error);
+// Aborts if the refusal is not one line without control characters.
+void check_is_one_line(const Error& error);
+// The same, and it must begin with the name of the input.
 void check_refusal(const Error& error, std::string_view name);
 
 // With one thread, so that an input always does the same.

@@ -11,10 +11,11 @@ namespace {
 
 constexpr uint32_t kCandidates = 16;
 
-// A section as it is seen: its colour, sRGB or nearly so, and its material.
+// A section as it is seen: its colour, encoded by a square root, which is close to sRGB, and its material. Few bytes,
+// since there is one for each section of each instance.
 struct SeenSection {
     std::array<uint8_t, 3> color{};
-    uint8_t material = 0;  // 0: hidden
+    uint8_t material = 0;  // 0: hidden; else 1 + a number of the material, modulo 255
 };
 
 // How much of the character's surface each section has. [sections], in sum 1
@@ -82,7 +83,7 @@ private:
     std::vector<std::vector<SectionLook>> looks_;  // [outfits][sections], colours times those of materials
 };
 
-// The ground in square cells, each with the instances that stand in it so far.
+// Divides the ground into square cells, so that neighbours are found without looking at all instances.
 class Ground {
 public:
     explicit Ground(std::span<const Affine> world_from_model) {
@@ -104,7 +105,7 @@ public:
         const auto [column, row] = cell_of(place);
         cells_[row * columns_ + column].push_back(instance);
     }
-    // Those that have been added, in the cell of this place and the eight around it.
+    // Sets `near` to the instances added so far in this place's cell and in the eight cells around it.
     void find_near(const Affine& place, std::vector<uint32_t>& near) const {
         near.clear();
         const auto [column, row] = cell_of(place);
