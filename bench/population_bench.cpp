@@ -195,8 +195,7 @@ private:
         PopulationCandidate candidate = candidate_of(Kind::kAnywhere, count,
                                                      {.character = population_.character,
                                                       .capacity = capacity_,
-                                                      .command_capacity = 3 * capacity_,
-                                                      .shaders_populate = true});
+                                                      .shader_commands = ShaderCommands{3 * capacity_, true}});
         for (uint32_t i = 0; i < capacity_; ++i) candidate.instances.push_back({.instance = i});
         std::shuffle(candidate.instances.begin(), candidate.instances.end(), std::mt19937(1));
         value_of(candidate.crowd.update(0));

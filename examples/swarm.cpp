@@ -35,8 +35,9 @@ int main(int argc, char** argv) {
 
     const Character character = load_character(argv[1]).expect();
     const Device device = Device::adopt(vulkan).expect();
-    const CrowdGroup group{
-        .character = &character, .capacity = kCount, .command_capacity = 3 * kCount, .shaders_populate = true};
+    const CrowdGroup group{.character = &character,
+                           .capacity = kCount,
+                           .shader_commands = ShaderCommands{.capacity = 3 * kCount, .populate = true}};
     Crowd crowd = Crowd::create(device, {.groups = {group}}).expect();
     Renderer renderer = Renderer::create(device, {.width = 960, .height = 540}).expect();
 

@@ -1,6 +1,7 @@
 // Listing, choosing, sharing and adopting devices.
 #include "gpu/gpu.h"
 #include "scan/scan_costs.h"
+#include "tests/application.h"
 #include "tests/files.h"
 #include "tests/kernel_runner.h"
 #include "tests/test_device.h"
@@ -150,58 +151,6 @@ TEST(Device, AdoptRefusesNullHandles) {
     }
 }
 
-// The Vulkan objects that an application creates itself.
-struct Application {
-    VkInstance instance = VK_NULL_HANDLE;
-    VkPhysicalDevice physical_device = VK_NULL_HANDLE;
-    VkDevice device = VK_NULL_HANDLE;
-    VkQueue queue = VK_NULL_HANDLE;
-    uint32_t queue_family = 0, queue_family_count = 0;
-
-    explicit Application(uint32_t api_version = VK_API_VERSION_1_3) {
-        EXPECT_EQ(volkInitialize(), VK_SUCCESS);
-        VkApplicationInfo info{VK_STRUCTURE_TYPE_APPLICATION_INFO};
-        info.apiVersion = api_version;
-        VkInstanceCreateInfo instance_create{VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO};
-        instance_create.pApplicationInfo = &info;
-        EXPECT_EQ(vkCreateInstance(&instance_create, nullptr, &instance), VK_SUCCESS);
-        volkLoadInstanceOnly(instance);
-        uint32_t count = 0;
-        vkEnumeratePhysicalDevices(instance, &count, nullptr);
-        std::vector<VkPhysicalDevice> devices(count);
-        vkEnumeratePhysicalDevices(instance, &count, devices.data());
-        for (VkPhysicalDevice candidate : devices) {
-            VkPhysicalDeviceProperties properties{};
-            vkGetPhysicalDeviceProperties(candidate, &properties);
-            if (test_device().info().name == properties.deviceName) physical_device = candidate;
-        }
-        vkGetPhysicalDeviceQueueFamilyProperties(physical_device, &queue_family_count, nullptr);
-        queue_family = test_device().gpu()->queue_family;
-        VkPhysicalDeviceVulkan13Features features{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_FEATURES};
-        features.synchronization2 = features.maintenance4 = VK_TRUE;
-        features.subgroupSizeControl = test_device().gpu()->can_choose_subgroup;
-        features.computeFullSubgroups = test_device().gpu()->has_full_subgroups;
-        const float priority = 1;
-        VkDeviceQueueCreateInfo queue_create{VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO};
-        queue_create.queueFamilyIndex = queue_family;
-        queue_create.queueCount = 1;
-        queue_create.pQueuePriorities = &priority;
-        VkDeviceCreateInfo create{VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO, &features};
-        create.queueCreateInfoCount = 1;
-        create.pQueueCreateInfos = &queue_create;
-        EXPECT_EQ(vkCreateDevice(physical_device, &create, nullptr, &device), VK_SUCCESS);
-        volkLoadDeviceTable(&table, device);
-        table.vkGetDeviceQueue(device, queue_family, 0, &queue);
-    }
-    ~Application() {
-        table.vkDestroyDevice(device, nullptr);
-        vkDestroyInstance(instance, nullptr);
-    }
-    AdoptedDevice adopted() const { return {instance, physical_device, device, queue, queue_family}; }
-
-    VolkDeviceTable table{};
-};
-
 // Throng cannot query which features the application has enabled. AdoptedDevice must say so.
 TEST(Device, AnAdoptedDeviceUsesTheDeclaredFeatures) {
     const Gpu& of_throng = *test_device().gpu();
@@ -240,7 +189,7 @@ TEST(Device, AnAdoptedDeviceIsLeftIntact) {
     }
     EXPECT_EQ(application.table.vkDeviceWaitIdle(application.device), VK_SUCCESS) << "the device lives on";
     AdoptedDevice wrong = application.adopted();
-    wrong.queue_family = application.queue_family_count;
+    wrong.queue_family = static_cast<uint32_t>(application.families.size());
     const Result<Device> refused = Device::adopt(wrong);
     ASSERT_FALSE(refused);
     EXPECT_EQ(refused.error().code, ErrorCode::kInvalidArgument);
@@ -271,17 +220,16 @@ TEST(Device, AnOlderInstanceWithoutVulkan13CallsIsNotAdopted) {
 TEST(Device, BuffersOfAnApplicationsDeviceAreSharedByItsQueueFamilies) {
     const Application application;
     AdoptedDevice adopted = application.adopted();
-    adopted.more_queue_families = {application.queue_family_count};
+    const auto family_count = static_cast<uint32_t>(application.families.size());
+    adopted.more_queue_families = {family_count};
     const Result<Device> refused = Device::adopt(adopted);
     ASSERT_FALSE(refused);
-    EXPECT_NE(refused.error().text().find("queue family " + std::to_string(application.queue_family_count)),
-              std::string::npos);
+    EXPECT_NE(refused.error().text().find("queue family " + std::to_string(family_count)), std::string::npos);
     adopted.more_queue_families.clear();
-    for (uint32_t family = 0; family < application.queue_family_count; ++family)
-        adopted.more_queue_families.push_back(family);
+    for (uint32_t family = 0; family < family_count; ++family) adopted.more_queue_families.push_back(family);
     const Device device = Device::adopt(adopted).value();
-    const size_t count = application.queue_family_count;
-    EXPECT_EQ(device.gpu()->sharing_families.size(), count > 1 ? count : 0) << "its own queue's family is no other";
+    EXPECT_EQ(device.gpu()->sharing_families.size(), family_count > 1 ? family_count : 0)
+        << "its own queue's family is no other";
     Show(device, make_character({}), 0.1).update_and_compare(0.2f);
 }
 

@@ -1,4 +1,5 @@
 // Frames in flight: each frame slot keeps the outputs of its update until the slot is used again.
+#include "tests/ball.h"
 #include "tests/contents.h"
 #include "tests/lively_crowd.h"
 #include "tests/recorder.h"
@@ -226,6 +227,46 @@ TEST_F(FramesInFlight, APreparedRendererIsReadyToDraw) {
     EXPECT_EQ(counts.submissions, submissions);
     EXPECT_EQ(counts.pipelines, pipelines);
     EXPECT_FALSE(renderer.prepare(Crowd()));
+}
+
+// Textures are uploaded by the frames that draw them, however many of those are dropped, and by several crowds' frames
+// in flight; nothing submits but the application.
+TEST_F(FramesInFlight, RecordedFramesUploadTexturesEvenIfSomeAreDropped) {
+    if (test_gpu()->is_native()) GTEST_SKIP() << "it has no command buffers";
+    Asset ball = make_ball();
+    ball.images.push_back({.name = "gradient", .encoded = png_bytes(gradient(64, 64))});
+    ball.materials[0].image = 0;
+    const Character character = compile_character(ball, {.lods = false}).value();
+    const Camera camera{.eye = {0, 1, 4}, .target = {0, 0.5f, 0}};
+    const RendererSettings pixels{.width = 96, .height = 64, .path = DrawPath::kDevice};
+    const auto crowd_of_one = [&] { return create({.groups = {{.character = &character, .instance_count = 1}}}); };
+    Renderer other = Renderer::create(test_device(), pixels).value();
+    Crowd alone = crowd_of_one();
+    const Picture wanted = other.render_frame(alone, 0, camera).value().picture;
+    for (const bool prepared : {false, true}) {
+        SCOPED_TRACE(prepared);
+        Renderer renderer = Renderer::create(test_device(), pixels).value();
+        Recorder recorder;
+        const uint64_t submissions = test_gpu()->counts.submissions;
+        {
+            Crowd gone = crowd_of_one();
+            ASSERT_TRUE(!prepared || renderer.prepare(gone));
+            recorder.record([&](VkCommandBuffer into) { EXPECT_TRUE(renderer.record(into, gone, 0, camera)); });
+        }
+        Crowd crowd = crowd_of_one();
+        ASSERT_TRUE(!prepared || renderer.prepare(crowd));
+        for (int frame = 0; frame < 12; ++frame) {
+            const VkCommandBuffer commands = recorder.record(
+                [&](VkCommandBuffer into) { EXPECT_TRUE(renderer.record(into, crowd, 0, camera)); });
+            if (frame % 3 == 1)
+                recorder.submit(commands);
+            else
+                EXPECT_TRUE(crowd.discard_last_record());
+        }
+        EXPECT_EQ(test_gpu()->counts.submissions, submissions);
+        test_gpu()->wait_idle();
+        EXPECT_EQ(renderer.render(crowd, camera).value().picture.rgba, wanted.rgba);
+    }
 }
 
 }  // namespace

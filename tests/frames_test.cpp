@@ -242,9 +242,8 @@ FailingStage& add_failing_stage(const Crowd& crowd) {
     CrowdState& state = crowd.state();
     Uploads uploads(state.gpu);
     const CrowdSettings settings;
-    const Buffer no_terrain;
-    state.stages.push_back(std::make_unique<FailingStage>(StageContext{
-        uploads, settings, state.groups, state.batches, state.instance_count, nullptr, no_terrain, state.stages}));
+    state.stages.push_back(std::make_unique<FailingStage>(
+        StageContext{uploads, settings, state.groups, state.batches, state.instance_count, nullptr, state.stages}));
     return static_cast<FailingStage&>(*state.stages.back());
 }
 

@@ -341,18 +341,12 @@ TEST_F(GroupChanges, IncompatibleCrowdsAreRefused) {
     EXPECT_EQ(refused([](CrowdSettings& of) { of.keep_previous_matrices = true; }), setting + "keep_previous_matrices");
     EXPECT_EQ(refused([](CrowdSettings& of) { of.frames_in_flight = 2; }), setting + "frames_in_flight");
     EXPECT_EQ(refused([](CrowdSettings& of) { of.culling.reset(); }),
-              setting + "culling: the other one needs it too (a group with CrowdGroup::capacity turns it on)");
+              setting + "culling: the other one needs it too (CrowdGroup::capacity and skin_pool turn it on)");
     EXPECT_EQ(refused([](CrowdSettings& of) { of.culling->skips_updates = true; }), setting + "Culling::skips_updates");
     EXPECT_EQ(refused([](CrowdSettings& of) { of.culling->reduces_joints = true; }),
               setting + "Culling::reduces_joints");
     EXPECT_EQ(refused([](CrowdSettings& of) { of.pose_request_capacity = 1; }),
               setting + "pose_request_capacity, which must be above 0 in both or in neither");
-    EXPECT_EQ(
-        refused([](CrowdSettings& of) {
-            of.terrain = Terrain{.columns = 1, .rows = 1, .heights = {0}};
-            of.groups[0].on_terrain = true;
-        }),
-        "add groups: " + character_.name + " has CrowdGroup::on_terrain, but this crowd has no CrowdSettings::terrain");
     Crowd updated = create(settings(1));
     go_on(updated);
     EXPECT_EQ(refusal(crowd.add_groups(std::move(updated))), "add groups: the other crowd has been updated");
@@ -408,7 +402,7 @@ TEST_F(GroupChanges, FailedChangesHaveNoEffect) {
     Crowd crowd = make(), other = make();
     ASSERT_TRUE(crowd.add_groups(make()));
     ASSERT_TRUE(crowd.update(0.1f));
-    crowd.state().follow_placements();  // as a renderer does
+    crowd.state().follow_placements(true);  // as a renderer does
     driver_create_buffer = gpu.vk.vkCreateBuffer;
     driver_create_event = gpu.vk.vkCreateEvent;
     uint32_t failure_count = 0;
@@ -432,7 +426,7 @@ TEST_F(GroupChanges, FailedChangesHaveNoEffect) {
     EXPECT_EQ(shown(crowd), std::pair(size_t{1}, 6u));
     crowd = make();
     ASSERT_TRUE(crowd.add_groups(make()));
-    crowd.state().follow_placements();
+    crowd.state().follow_placements(true);
     failure_count = 0;
     until_it_works([&] { return crowd.add_groups(std::move(other)); });
     EXPECT_GT(failure_count, 2u);
@@ -447,7 +441,7 @@ TEST_F(GroupChanges, FollowedPlacementsFindBatchesThatHaveMoved) {
     Crowd crowd = create(of);
     ASSERT_TRUE(crowd.update(0.1f));
     CrowdState& state = crowd.state();
-    state.follow_placements();
+    state.follow_placements(true);
     std::vector<Batch> emptied(state.batches.size());  // where a stale pointer would point
     state.batches.swap(emptied);
     std::ranges::move(emptied, state.batches.begin());

@@ -34,6 +34,7 @@ struct ManyKinds {
     ProceduralRules rules{.targets = {"there"},
                           .rules = {WindRule{.joint = character.rig.names[1]},
                                     LookAtRule{.joint = character.rig.names.back(), .target = "there"}}};
+    Terrain terrain{.columns = 2, .rows = 2, .heights = {0, 1, 2, 3}};
     CrowdSettings settings{.groups = {{.character = &character, .instance_count = kEach, .pose_capacity = kEach / 2},
                                       {.character = &character,
                                        .instance_count = kEach,
@@ -43,11 +44,10 @@ struct ManyKinds {
                                       {.character = &character,
                                        .instance_count = kEach,
                                        .steering = Steering{.radius = 0.3f, .speed = 3},
-                                       .on_terrain = true},
+                                       .terrain = &terrain},
                                       {.character = &character, .instance_count = kEach, .procedural = &rules},
                                       {.character = &morphing, .instance_count = kEach}},
                            .keep_previous_matrices = true,
-                           .terrain = Terrain{.columns = 2, .rows = 2, .heights = {0, 1, 2, 3}},
                            .culling = Culling{.skips_updates = true},
                            .skins_once = true};
 

@@ -65,8 +65,7 @@ public:
         for (CrowdGroup& group : settings.groups) group.capacity = kGroupCapacity;
         called = create(settings);
         for (CrowdGroup& group : settings.groups) {
-            group.command_capacity = kCommandCapacity;
-            group.shaders_populate = true;
+            group.shader_commands = throng::ShaderCommands{.capacity = kCommandCapacity, .populate = true};
         }
         commanded = create(settings);
         commands.resize(kGroups);
@@ -228,8 +227,7 @@ protected:
         CrowdSettings settings{.groups = {{.character = &character_,
                                            .instance_count = shaders_populate ? 0 : 4u,
                                            .capacity = 8,
-                                           .command_capacity = 6,
-                                           .shaders_populate = shaders_populate}}};
+                                           .shader_commands = throng::ShaderCommands{6, shaders_populate}}}};
         return settings;
     }
     static Affine at(float x) { return to_affine(Trs<float>{.translation = {x, 0, 0}}); }
@@ -342,8 +340,7 @@ TEST_F(ShaderCommands, RandomBitsDoNoHarm) {
     for (CrowdGroup& group : of.groups) {
         group.pose_capacity = 0;
         group.capacity = 8;
-        group.command_capacity = kCommandCapacity;
-        group.shaders_populate = true;
+        group.shader_commands = throng::ShaderCommands{.capacity = kCommandCapacity, .populate = true};
         group.outfits = {{}};
     }
     Crowd crowd = create(of);
@@ -411,14 +408,15 @@ TEST_F(ShaderCommands, IncompatibleSettingsAreRefused) {
         change(of.groups[0]);
         return refusal(Crowd::create(test_device(), of));
     };
-    EXPECT_NE(message([](CrowdGroup& group) { group.capacity = 0; }).find("needs command_capacity"), std::string::npos);
-    EXPECT_NE(message([](CrowdGroup& group) { group.command_capacity = 0; }).find("needs command_capacity"),
+    EXPECT_NE(message([](CrowdGroup& group) { group.capacity = 0; }).find("CrowdGroup::capacity is 0"),
+              std::string::npos);
+    EXPECT_NE(message([](CrowdGroup& group) { group.shader_commands->capacity = 0; }).find("must be above 0"),
               std::string::npos);
     EXPECT_NE(message([](CrowdGroup& group) { group.instance_count = 1; }).find("instance_count must be 0"),
               std::string::npos);
     EXPECT_NE(message([](CrowdGroup& group) { group.pose_capacity = 1; }).find("pose_capacity"), std::string::npos);
     EXPECT_NE(message([](CrowdGroup& group) { group.is_carried = true; }).find("is_carried"), std::string::npos);
-    EXPECT_NE(message([](CrowdGroup& group) { group.command_capacity = (1u << 20) + 1; }).find("1048576"),
+    EXPECT_NE(message([](CrowdGroup& group) { group.shader_commands->capacity = (1u << 20) + 1; }).find("1048576"),
               std::string::npos);
     EXPECT_TRUE(message([](CrowdGroup&) {}).empty());
 }

@@ -395,13 +395,13 @@ TEST(SkinPool, IncompatibleSettingsAreRefused) {
     };
     const CrowdGroup pooled{.skin_pool = SkinPool{.capacity = 5}};
     EXPECT_EQ(message(pooled, {.culling = Culling{}}), "");
+    EXPECT_EQ(message(pooled, {}), "") << "it turns culling on";
     CrowdGroup with_sockets = pooled, with_poses = pooled, empty = pooled, too_many = pooled;
     with_sockets.sockets = {0};
     with_poses.pose_capacity = 3;
     empty.skin_pool->capacity = 0;
     too_many.skin_pool->shared_poses_per_s = 1e6f;
     const std::vector<std::pair<std::string, std::string>> refused{
-        {message(pooled, {}), "culling"},
         {message(pooled, {.path = UpdatePath::kStaged, .culling = Culling{}}), "stage by stage"},
         {message(pooled, {.keep_model_matrices = true, .culling = Culling{}}), "keep_model_matrices"},
         {message(pooled, {.keep_previous_matrices = true, .culling = Culling{}}), "keep_previous_matrices"},

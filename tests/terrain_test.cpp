@@ -42,12 +42,12 @@ TEST(Terrain, InstancesStandOnTheTerrain) {
     const Character character = make_character({.joint_count = 5});
     Random random(7);
     const auto expect_standing = [&](uint32_t columns, uint32_t rows, UpdatePath path) {
-        const Terrain terrain = make_terrain(columns, rows, random);
-        Crowd crowd = create({.groups = {{.character = &character, .instance_count = 200, .on_terrain = true},
-                                         {.character = &character, .instance_count = 3}},
-                              .path = path,
-                              .terrain = terrain});
-        std::vector<Affine> placements(203);
+        const Terrain terrain = make_terrain(columns, rows, random), other = make_terrain(3, 5, random);
+        Crowd crowd = create({.groups = {{.character = &character, .instance_count = 200, .terrain = &terrain},
+                                         {.character = &character, .instance_count = 3},
+                                         {.character = &character, .instance_count = 50, .terrain = &other}},
+                              .path = path});
+        std::vector<Affine> placements(253);
         for (Affine& placement : placements)
             for (size_t row = 0; row < 3; ++row) placement.row[row][3] = between(random, -60, 60);
         ASSERT_TRUE(crowd.set_placement(crowd.instances(), placements));
@@ -59,8 +59,10 @@ TEST(Terrain, InstancesStandOnTheTerrain) {
         }
         ASSERT_EQ(placed.size(), placements.size());
         for (size_t i = 0; i < placed.size(); ++i) {
-            const double wanted = i < 200 ? height_reference(terrain, placements[i].row[0][3], placements[i].row[2][3])
-                                          : double{placements[i].row[1][3]};
+            const auto& row = placements[i].row;
+            const double wanted = i < 200   ? height_reference(terrain, row[0][3], row[2][3])
+                                  : i < 203 ? double{row[1][3]}
+                                            : height_reference(other, row[0][3], row[2][3]);
             EXPECT_NEAR(placed[i].row[1][3], wanted, 2e-4) << i << " of " << columns << " x " << rows;
             placed[i].row[1][3] = placements[i].row[1][3];
             EXPECT_EQ(placed[i].row, placements[i].row) << "nothing else moves";
@@ -70,28 +72,43 @@ TEST(Terrain, InstancesStandOnTheTerrain) {
         for (const UpdatePath path : {UpdatePath::kAuto, UpdatePath::kDevice}) expect_standing(columns, rows, path);
 }
 
+// The crowd that they join had no terrain.
+TEST(Terrain, GroupsBringTheirOwn) {
+    const Character character = make_character({.joint_count = 2});
+    const Terrain hill{.columns = 1, .rows = 1, .heights = {7}};
+    Crowd crowd = create({.groups = {{.character = &character, .instance_count = 1}}});
+    ASSERT_TRUE(crowd.update(0.1f));
+    Crowd streamed = create({.groups = {{.character = &character, .instance_count = 1, .terrain = &hill}}});
+    ASSERT_TRUE(crowd.add_groups(std::move(streamed)));
+    ASSERT_TRUE(crowd.update(0.1f));
+    const auto height = [&](uint32_t block) {
+        return output<Affine>(crowd.outputs()[block], &OutputBlock::placement, 1)[0].row[1][3];
+    };
+    EXPECT_EQ(height(0), 0);
+    EXPECT_EQ(height(1), 7);
+}
+
 TEST(Terrain, InvalidTerrainsAreRefused) {
     const Character character = make_character({.joint_count = 2});
-    CrowdSettings settings{.groups = {{.character = &character, .instance_count = 1, .on_terrain = true}}};
+    Terrain terrain{.columns = 2, .rows = 2, .heights = {1, 2, 3}};
+    const CrowdSettings settings{.groups = {{.character = &character, .instance_count = 1, .terrain = &terrain}}};
     const auto message = [&] {
         const auto crowd = Crowd::create(test_device(), settings);
         return crowd ? std::string() : crowd.error().text();
     };
-    EXPECT_NE(message().find("CrowdSettings::terrain is not set"), std::string::npos) << message();
-    settings.terrain = Terrain{.columns = 2, .rows = 2, .heights = {1, 2, 3}};
     EXPECT_NE(message().find("3 heights for 2 columns and 2 rows"), std::string::npos) << message();
-    settings.terrain->heights.push_back(4);
+    terrain.heights.push_back(4);
     EXPECT_EQ(message(), "");
     for (const float spacing : {0.0f, -1.0f, NAN, INFINITY, 1e-40f}) {
-        settings.terrain->spacing = spacing;
+        terrain.spacing = spacing;
         EXPECT_NE(message().find("spacing"), std::string::npos) << spacing;
     }
-    settings.terrain->spacing = 1;
-    settings.terrain->heights[2] = NAN;
+    terrain.spacing = 1;
+    terrain.heights[2] = NAN;
     EXPECT_NE(message().find("a height is not finite"), std::string::npos) << message();
-    settings.terrain = Terrain{.columns = 5, .rows = 0};
+    terrain = Terrain{.columns = 5, .rows = 0};
     EXPECT_NE(message().find("0 heights for 5 columns and 0 rows"), std::string::npos) << message();
-    settings.terrain = Terrain{};
+    terrain = Terrain{};
     EXPECT_NE(message().find("0 heights for 0 columns"), std::string::npos) << message();
 }
 

@@ -31,7 +31,7 @@ struct Visits {
         // Enough that each has one subgroup, as in the crowds that the records are about; in a small crowd each gets
         // more
         constexpr uint32_t kMany = 10'000;
-        settings.groups[0].instance_count = group.shaders_populate ? 0 : std::max(characters, kMany);
+        settings.groups[0].instance_count = group.shader_commands ? 0 : std::max(characters, kMany);
         settings.timestamps = false;
         visit({name, characters, &character, settings});
     }
@@ -72,11 +72,11 @@ void visit_stages(const Character& character, const Visits& visits) {
         .rules = {WindRule{.joint = joint}, SpringRule{.joint = joint}, LookAtRule{.joint = joint, .target = "target"},
                   ReachRule{.joint = joint, .target = "target"}}};
     visits("procedural", {.procedural = &rules});
-    visits("agents on terrain", {.steering = Steering{}, .on_terrain = true},
-           {.terrain = Terrain{.columns = 2, .rows = 2, .heights = {0, 0, 0, 0}}});
+    const Terrain flat{.columns = 2, .rows = 2, .heights = {0, 0, 0, 0}};
+    visits("agents on terrain", {.steering = Steering{}, .terrain = &flat});
     visits("looks", {.outfits = {{}}});
     visits("carried", {.is_carried = true});
-    visits("commanded", {.controller = &controller, .capacity = 1, .command_capacity = 1, .shaders_populate = true});
+    visits("commanded", {.controller = &controller, .capacity = 1, .shader_commands = ShaderCommands{1, true}});
     visits("skinned once", {}, {.skins_once = true});
     visits("skinned once, dual quaternions, for a view", {},
            {.culling = Culling{}, .skin_blend = SkinBlend::kDualQuaternion, .skins_once = true});

@@ -196,4 +196,19 @@ Result<Asset> load_asset(std::span<const std::byte> bytes, std::string_view name
 // compile_character() would not take; then `asset` is unchanged.
 Result<void> add_clips(Asset& asset, const Asset& from);
 
+// Appends the meshes of another asset to those of `asset`, with its materials and images: clothes, hair or weapons that
+// come in files of their own for the same rig, from which CrowdGroup::outfits then choose. Joints are matched by name,
+// as by add_clips(), and must have the same axes in both. Joints and other nodes that `asset` lacks are added below
+// those that it has, with a warning for the joints, since no clip moves them. If the rigs differ in units or size, the
+// meshes are scaled by the ratio of the mean bone lengths.
+//
+// Each mesh gets a node of its own, behind those of `asset`, with the name that it has in `from`: what
+// Character::find_sections() finds. If a mesh of `asset` has this name already, the name of the file is put before it.
+// An image that `asset` has already is not added again. Clips stay behind: for these, add_clips() before, or after if
+// they move joints or morph targets that have been added.
+//
+// Errors: kInvalidArgument: no meshes in `from`, none that follows a joint of `asset`, or an asset that
+// compile_character() would not take; then `asset` is unchanged.
+Result<void> add_meshes(Asset& asset, const Asset& from);
+
 }  // namespace throng

@@ -66,18 +66,18 @@ public:
     //
     // Returns the numbers that the groups have here, in their order: the lowest that are free. Instances get the lowest
     // numbers at which enough are free in a row, and new handles (instances(group), handle()). The other crowd's
-    // watched instances, wind and terrain are dropped. Data that stages keep for all groups together is rebuilt, in
+    // watched instances and wind are dropped. Data that stages keep for all groups together is rebuilt, in
     // about a millisecond, and what updates under way still use is freed some ten updates later. outputs() change
     // because of the new groups, and spans that it has returned become invalid.
     //
-    // Both crowds need the same CrowdSettings, except for groups, path, scan, terrain, timestamps and capacities of
-    // feedback (but pose_request_capacity is above 0 in both or neither). If a group has CrowdGroup::capacity, which
-    // makes its crowd cull, the other crowd needs CrowdSettings::culling.
+    // Both crowds need the same CrowdSettings, except for groups, path, scan, timestamps and capacities of
+    // feedback (but pose_request_capacity is above 0 in both or neither). If a group has CrowdGroup::capacity or
+    // skin_pool, which make its crowd cull, the other crowd needs CrowdSettings::culling.
     //
     // After an error nothing has changed, except that the groups of the other crowd may not be updated natively any
-    // more. Errors: kInvalidArgument (other settings, device; it has been updated; a group with on_terrain for a crowd
-    // without terrain; the second half of an update for a view with occlusion is still to come), kUnsupported (on a
-    // software device, if one crowd is updated natively and the other cannot be), kLimit, kOutOfMemory.
+    // more. Errors: kInvalidArgument (other settings, device; it has been updated; the second half of an update for a
+    // view with occlusion is still to come), kUnsupported (on a software device, if one crowd is updated natively and
+    // the other cannot be), kLimit, kOutOfMemory.
     Result<std::vector<GroupIndex>> add_groups(Crowd&& other);
     // Removes a group with all of its instances; instances attached to them stay where they are. The other groups and
     // their instances keep their numbers. The group's memory is freed some ten updates later (record() with a time step
@@ -111,7 +111,7 @@ public:
     // The handle of the instance that has this number now. Errors: kInvalidArgument (there is none).
     Result<InstanceHandle> handle(uint32_t instance) const;
     // The number of live instances of a group. Errors: kInvalidArgument (no such group, or one with
-    // CrowdGroup::shaders_populate).
+    // ShaderCommands::populate).
     Result<uint32_t> alive_count(GroupIndex group) const;
 
     // All instance numbers of the crowd, or of one group, in use or not. In groups without CrowdGroup::capacity all are

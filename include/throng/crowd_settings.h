@@ -38,6 +38,18 @@ struct SkinPool {
     float shared_poses_per_s = 30;
 };
 
+// Commands that the application's shaders write for instances (throng/commands.h). An update executes them after it has
+// applied what the CPU's calls have set.
+struct ShaderCommands {
+    // The most for each update and OutputBlock; above 0, at most 1048576. 64 bytes each, and 12 or more an instance
+    uint32_t capacity = 0;
+    // Instances are spawned and despawned only by such commands, not by the CPU's calls: shaders choose the instance
+    // numbers, below CrowdGroup::capacity. The group has no instances when the crowd is made (instance_count is 0).
+    // Calls that name one of its instances are errors, except those that read; events name its instances with
+    // generation 0. Not together with pose_capacity.
+    bool populate = false;
+};
+
 // Instances of one character. Instances of a crowd are numbered group after group. Without a controller each plays what
 // set_playback() says, two clips at most; with one, the controller's layers (docs/controller.md). Crowd::create() reads
 // what the pointers refer to and keeps no reference.
@@ -62,8 +74,8 @@ struct CrowdGroup {
     // Makes its instances agents. If root motion moves placements, it moves the agents too; otherwise the update moves
     // them at the speed at which they want to walk
     std::optional<Steering> steering{};
-    // Its instances stand on CrowdSettings::terrain, which must be set: the update sets y of their placements
-    bool on_terrain = false;
+    // Its instances stand on this ground: the update sets y of their placements. Groups on equal terrains share memory
+    const Terrain* terrain = nullptr;
     // How many instances can have a pose from set_pose() at the same time; 48 bytes a joint each. 0: no cost at all
     uint32_t pose_capacity = 0;
     // How far its poses can reach beyond the boxes of all clips, as a fraction of the character's size, at most 1000;
@@ -71,10 +83,10 @@ struct CrowdGroup {
     // controller, rules, pose_capacity or a CrowdSettings::skin_blend other than kLinear. A ragdoll that falls off a
     // roof while its placement stays there needs more.
     std::optional<float> pose_margin{};
-    // Needs CrowdSettings::culling, a group that is updated in one pass and has a mesh, and a native engine
-    // (docs/native.md), which computes the shared poses. Not together with sockets, inertial transitions or
-    // pose_capacity, nor with the crowd's keep_model_matrices, keep_previous_matrices, Culling::skips_updates or
-    // skins_once: all of these need data of instances that are not drawn.
+    // Such a crowd culls even if CrowdSettings::culling is not set. Needs a group that is updated in one pass and has a
+    // mesh, and a native engine (docs/native.md), which computes the shared poses. Not together with sockets, inertial
+    // transitions or pose_capacity, nor with the crowd's keep_model_matrices, keep_previous_matrices,
+    // Culling::skips_updates or skins_once: all of these need data of instances that are not drawn.
     std::optional<SkinPool> skin_pool{};
     // Above 0: instances come and go, by Crowd::spawn() and despawn(), at most this many at a time; at least
     // instance_count. Such a crowd culls even if CrowdSettings::culling is not set: its lists contain only live
@@ -82,15 +94,8 @@ struct CrowdGroup {
     // with CrowdSettings::keep_previous_matrices if all instances of the group are animated in each update (see
     // record()).
     uint32_t capacity = 0;
-    // Above 0: the application's shaders can write commands for instances (throng/commands.h), at most this many for
-    // each update and OutputBlock; at most 1048576. An update executes them after it has applied what the CPU's calls
-    // have set. 64 bytes a command, and 12 bytes or more an instance. Not together with is_carried.
-    uint32_t command_capacity = 0;
-    // Instances are spawned and despawned only by such commands, not by the CPU's calls: shaders choose the instance
-    // numbers, below `capacity`. Needs capacity and command_capacity above 0. The group has no instances when the crowd
-    // is made. Calls that name one of its instances are errors, except those that read; events name its instances with
-    // generation 0. Not together with pose_capacity.
-    bool shaders_populate = false;
+    // The application's shaders write commands for its instances. Not together with is_carried
+    std::optional<ShaderCommands> shader_commands{};
     // The most morphs that an instance shows: those with the largest weights by magnitude; of equal weights, the
     // earlier morphs. 0: all that have weight. 8 bytes each for every instance
     uint32_t morph_limit = 0;
@@ -163,8 +168,8 @@ struct CrowdSettings {
     // before everything that reads the outputs of the update that many before has finished; ensure this by a fence or a
     // semaphore.
     uint32_t frames_in_flight = 1;
-    std::optional<Terrain> terrain{};  // what instances of groups with CrowdGroup::on_terrain stand on
-    std::optional<Culling> culling{};  // unset: every update animates all instances
+    // Unset: every update animates all instances, unless a group has CrowdGroup::capacity or skin_pool
+    std::optional<Culling> culling{};
     SkinBlend skin_blend = SkinBlend::kLinear;
     // Every vertex that is drawn is skinned once, in compute, into OutputBlock::skinned, to be read by several passes
     // (shadow maps, depths, the picture) and by other users of vertices; Renderer then reads it too. 16 bytes a vertex

@@ -72,7 +72,9 @@ struct AdoptedDevice {
     std::shared_ptr<JobSystem> jobs{};
     // Families of other queues whose commands use throng's buffers: one that computes, for updates beside the drawing,
     // or one that copies, for Crowd::record_uploads(). Buffers are shared by all of them concurrently
-    // (VK_SHARING_MODE_CONCURRENT), so no ownership transfers are needed. Crowds of a character share its tables
+    // (VK_SHARING_MODE_CONCURRENT), so no ownership transfers are needed. (An application that prefers these leaves the
+    // list empty, and transfers the views of outputs() that it reads on another family: after a record(), and back
+    // before the next one to the same frame slot.) Crowds of a character share its tables
     // (Crowd::create()): if the first update of a crowd runs on another queue, make it wait, by a semaphore, for the
     // queue that uploaded them.
     std::vector<uint32_t> more_queue_families{};
@@ -87,8 +89,7 @@ class Gpu;  // internal
 // A handle; copies share one device, which lives as long as the last copy and the last crowd made with it.
 // Several devices may live side by side. Creation is thread-safe; crowds of one device share its queue, so calls that
 // use it need the caller's lock when made from several threads: Crowd::update(), read_...(), save_state() and
-// restore_state(); Renderer::prepare(), render(), render_frame() and update(); and Renderer::record() and
-// record_drawing() for crowds with groups that this renderer has neither drawn nor prepared, and after restore_state().
+// restore_state(); Renderer::render(), render_frame() and update(), and prepare() for a crowd that has been updated.
 // A native device has no queue: its crowds may be updated side by side, each by one thread at a time.
 class Device {
 public:

@@ -35,7 +35,7 @@ struct Bounds {
 
 // World bounds of the instances' rest poses at their placements. Placements are those that the application has set; for
 // groups whose updates move instances, those after a recent update, if a Renderer has prepared or drawn the crowd. If
-// none has, instances of groups that shaders populate (CrowdGroup::shaders_populate) do not count.
+// none has, instances of groups that shaders populate (ShaderCommands::populate) do not count.
 Bounds world_bounds(const Crowd& crowd);
 // The same without outliers: the few instances, at most a hundredth (one if there are fewer than a hundred), that stand
 // so far away that in a picture fitted to include them all others would be too small to see.
@@ -115,9 +115,11 @@ public:
     Renderer& operator=(Renderer&&) noexcept;
     ~Renderer();
 
-    // Makes what drawing this crowd needs, its pipelines and textures, so that its first picture is no slower than
-    // those after it. Submits and waits. From then on updates copy the placements that they move back to the CPU, 48
-    // bytes each, for world_bounds(), main_bounds() and what is fitted to them.
+    // Makes what drawing this crowd needs, its pipelines and textures, so that its first picture is hardly slower than
+    // those after it. The textures are uploaded by the commands of the next picture, and kept in host memory until
+    // then. From now on updates copy the placements that they move back to the CPU, 48 bytes each, for world_bounds(),
+    // main_bounds() and what is fitted to them. Submits and waits only to read where earlier updates have moved
+    // instances: not before the crowd's first update.
     Result<void> prepare(const Crowd& crowd);
 
     // The calls below draw one crowd, or several different ones, in one picture, with one sun and one ground. Several
@@ -147,9 +149,10 @@ public:
     // that record() was given. What was bound for graphics and compute, the index buffer, and the states that the
     // pipelines set dynamically (viewport, scissor, cull mode) are undefined afterwards.
     //
-    // In two cases record() submits and waits: for groups that this renderer has neither drawn nor prepared it uploads
-    // textures, and after Crowd::restore_state() it reads where shaders had moved instances. After an error no crowd
-    // has been updated, except for one whose own record() failed half-way. Errors: kUnsupported (a native device).
+    // Nothing is submitted. For groups that this renderer has not drawn yet, the commands upload textures too, and so
+    // do those of the next few frames, until it is known that some have run. Where updates had moved instances of a
+    // crowd that no renderer had drawn or prepared, it learns from the updates that follow. After an error no crowd has
+    // been updated, except for one whose own record() failed half-way. Errors: kUnsupported (a native device).
     Result<void> record(VkCommandBuffer commands, Crowd& crowd, float time_step_s, const Camera& camera);
     Result<void> record(VkCommandBuffer commands, std::span<Crowd* const> crowds, float time_step_s,
                         const Camera& camera);

@@ -133,7 +133,7 @@ struct OutputBlock {
     // How instances look, InstanceLook[instance_count], with CrowdGroup::outfits.
     BufferView look{};
 
-    uint32_t command_capacity = 0;  // CrowdGroup::command_capacity
+    uint32_t command_capacity = 0;  // ShaderCommands::capacity
     // Commands of the application's own shaders for instances of the block: a CommandHead, then
     // InstanceCommand[command_capacity]. The same in all frame slots. Write it between two updates, or before the first
     // one, after Crowd::record_uploads(), which uploads the empty buffer. In that case do not save, restore, read, draw

@@ -15,7 +15,7 @@ inline constexpr size_t kStageLimit = 32;
 // The names of the stages in the order of an update, as they are timed; a later version may have more, in between too.
 // "fused" is sample, blend, scan and bind of the groups that are updated in one pass. "update_rate" moves the matrices
 // of instances that are not animated in this update towards their next pose. "commands" is for
-// CrowdGroup::command_capacity, "terrain" for CrowdSettings::terrain, "attach" for CrowdGroup::is_carried, and "skin"
+// CrowdGroup::shader_commands, "terrain" for CrowdGroup::terrain, "attach" for CrowdGroup::is_carried, and "skin"
 // for CrowdSettings::skins_once. "blend" includes the weights of morphs.
 std::span<const char* const> stage_names();
 

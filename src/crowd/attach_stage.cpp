@@ -24,8 +24,8 @@ bool has_world_sockets(const Group& group) { return group.sockets && group.socke
 void check_carried(const CrowdGroup& group) {
     if (!group.is_carried) return;
     const std::string place = group.character->name + ": is_carried";
-    if (group.steering || group.on_terrain)
-        throw Failure(ErrorCode::kInvalidArgument, place, "not together with steering or on_terrain");
+    if (group.steering || group.terrain)
+        throw Failure(ErrorCode::kInvalidArgument, place, "not together with steering or terrain");
     if (group.controller && group.moves_placements && !group.character->root_rows.empty())
         throw Failure(ErrorCode::kInvalidArgument, place,
                       "not together with root motion that moves placements: set moves_placements to false");

@@ -33,6 +33,7 @@ void CrowdState::check_groups(const CrowdSettings& settings) const {
         check_has_joints(*group.character);
         check_character(*group.character, group.character->name, ErrorCode::kInvalidArgument);
         check_steering(group);
+        check_terrain(group);
         check_carried(group);
         check_command_settings(group);
         if (const float margin = group.pose_margin.value_or(0); !(margin >= 0 && margin <= kMaxPoseMargin))
@@ -43,7 +44,6 @@ void CrowdState::check_groups(const CrowdSettings& settings) const {
     if (total == 0) throw Failure(ErrorCode::kInvalidArgument, "crowd", "it has no instances");
     if (total > UINT32_MAX)
         throw Failure(ErrorCode::kLimit, "crowd", std::to_string(total) + " instances; at most 4,294,967,295");
-    check_terrain(settings);
     constexpr uint32_t kMaxInFlight = 4;  // feedback is kept for as many updates
     if (settings.frames_in_flight < 1 || settings.frames_in_flight > kMaxInFlight)
         throw Failure(ErrorCode::kInvalidArgument, "frames in flight", settings.frames_in_flight, " is not within 1..",

@@ -22,8 +22,8 @@ std::string_view difference(const CrowdSettings& a, const CrowdSettings& b) {
     if (a.keep_previous_matrices != b.keep_previous_matrices) return "keep_previous_matrices";
     if (a.frames_in_flight != b.frames_in_flight) return "frames_in_flight";
     if (a.culling.has_value() != b.culling.has_value())
-        return a.culling ? "culling: the other one needs it too (a group with CrowdGroup::capacity turns it on)"
-                         : "culling: only the other one has it (a group with CrowdGroup::capacity turns it on)";
+        return a.culling ? "culling: the other one needs it too (CrowdGroup::capacity and skin_pool turn it on)"
+                         : "culling: only the other one has it (CrowdGroup::capacity and skin_pool turn it on)";
     if (culling_differs(&Culling::skips_updates)) return "Culling::skips_updates";
     if (culling_differs(&Culling::reduces_joints)) return "Culling::reduces_joints";
     if ((a.pose_request_capacity > 0) != (b.pose_request_capacity > 0))
@@ -52,9 +52,6 @@ void CrowdState::check_goes_with(const CrowdState& other) const {
     if (const std::string_view setting = difference(settings_, other.settings_); !setting.empty())
         throw Failure(ErrorCode::kInvalidArgument, kPlace, "the two crowds differ in CrowdSettings::", setting);
     for (const Group& group : other.groups) {
-        if (group.on_terrain && !terrain_heights_)
-            throw Failure(ErrorCode::kInvalidArgument, kPlace, group.name,
-                          " has CrowdGroup::on_terrain, but this crowd has no CrowdSettings::terrain");
         if (!natively_ && other.natively_ && group.sockets_only)
             throw Failure(ErrorCode::kUnsupported, kPlace, group.name,
                           " has CrowdGroup::sockets_only, which needs native updates, and this crowd's are not native");
@@ -205,8 +202,7 @@ std::vector<GroupIndex> CrowdState::add_groups(CrowdState& from) {
     }
     for (auto& uploads : from.first_uploads_) first_uploads_.push_back(std::move(uploads));
     from.groups.clear();
-    commit_group_change(std::move(made),
-                        {.stages = std::move(from.stages), .buffer = std::move(from.terrain_heights_)});
+    commit_group_change(std::move(made), {.stages = std::move(from.stages)});
     for (const GroupIndex group : numbers) population->join_group(group);
     return numbers;
 }

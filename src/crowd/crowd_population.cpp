@@ -19,7 +19,7 @@ const Group& CrowdState::group_at(uint32_t group) const {
 void CrowdState::refuse_if_shaders_populate(const Group& group, const char* what) {
     if (group.shaders_populate)
         throw Failure(ErrorCode::kInvalidArgument, what, group.name,
-                      ": only shaders spawn, despawn and control its instances (CrowdGroup::shaders_populate)");
+                      ": only shaders spawn, despawn and control its instances (ShaderCommands::populate)");
 }
 
 std::vector<InstanceHandle> CrowdState::spawn(uint32_t group, std::span<const Affine> world_from_model) {

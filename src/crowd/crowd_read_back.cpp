@@ -189,7 +189,7 @@ std::vector<DrawnInstance> CrowdState::read_drawn() {
 }
 
 uint64_t CrowdState::size_bytes() const {
-    uint64_t sum = terrain_heights_.size_bytes() + (feedback ? feedback->size_bytes() : 0);
+    uint64_t sum = feedback ? feedback->size_bytes() : 0;
     for (const auto& stage : stages) sum += stage->size_bytes();
     for (const Retired& retired : retired_) sum += retired.size_bytes();
     std::set<const NativeRig*> rigs;

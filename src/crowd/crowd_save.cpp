@@ -258,6 +258,7 @@ void CrowdState::restore_state(std::span<const std::byte> state) {
         check_contents(number, contents.subspan(at, buffer->size_bytes()), groups[batch->group]);
         at += buffer->size_bytes();
     }
+    const bool follows = placements->is_followed();
     StateArchive as_it_was;
     const size_t host_bytes = rest.size() - buffers_bytes;
     as_it_was.reserve(host_bytes / 4 * 5, host_bytes);  // about as much, perhaps more
@@ -276,6 +277,7 @@ void CrowdState::restore_state(std::span<const std::byte> state) {
     was_native_ = (head.flags & kWasNative) != 0;
     awaits_commands_ = can_discard_ = may_be_pending_ = is_half_recorded_ = false;
     if (feedback) feedback->restart(head.update_count);
+    if (follows) follow_placements(true);
 }
 
 void CrowdState::upload_all(std::span<const KeptBuffer> kept, std::span<const std::byte> contents) const {

@@ -46,7 +46,7 @@ CrowdState::CrowdState(std::shared_ptr<Gpu> gpu_in, const CrowdSettings& asked)
       events_(gpu),
       keeps_previous_(asked.keep_previous_matrices),
       is_in_flight_(asked.frames_in_flight > 1) {
-    const CrowdSettings settings = with_capacity(asked);
+    const CrowdSettings settings = with_implied(asked);
     check_groups(settings);
     Uploads& uploads = first_uploads_.emplace_back(std::make_unique<FirstUploads>(gpu, events_))->uploads;
     uploads.shares = true;  // the data of groups never changes
@@ -69,13 +69,12 @@ CrowdState::CrowdState(std::shared_ptr<Gpu> gpu_in, const CrowdSettings& asked)
     make_outputs();
     for (Group& group : groups)
         if (group.skin_pool) group.skin_pool->shared_skin = {};
-    if (settings.terrain) terrain_heights_ = upload(uploads, "heights of the terrain", settings.terrain->heights);
     settings_ = settings;
-    if (settings_.terrain) settings_.terrain->heights = {};
     for (CrowdGroup& group : settings_.groups) {
         group.character = nullptr;
         group.controller = nullptr;
         group.procedural = nullptr;
+        group.terrain = nullptr;
     }
     make_feedback();
     use_stages(make_stages(uploads));
@@ -100,7 +99,6 @@ CrowdState::Stages CrowdState::make_stages(Uploads& uploads) {
                                .batches = batches,
                                .instance_count = instance_count,
                                .feedback = feedback ? &*feedback : nullptr,
-                               .terrain_heights = terrain_heights_,
                                .before = made};
     for (const StageKind& kind : kStages)
         if (kind.is_needed(settings_)) made.push_back(kind.make(context));
@@ -160,8 +158,9 @@ void CrowdState::discard_uploads() {
     for (const auto& uploads : first_uploads_) uploads->discard_update();
 }
 
-void CrowdState::follow_placements() {
-    placements->follow(has_updated_ && (!awaits_commands_ || first_uploads_.front()->first_update_has_run()));
+void CrowdState::follow_placements(bool wait) {
+    const bool are_there = has_updated_ && (!awaits_commands_ || first_uploads_.front()->first_update_has_run());
+    placements->follow(wait && are_there);
 }
 
 Update CrowdState::update_of(VkCommandBuffer commands, float time_step_s, const io::CullView& view) const {

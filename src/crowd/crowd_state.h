@@ -77,7 +77,8 @@ struct CrowdState {
     // Throws kInvalidArgument where the last record() was not discarded and its commands have not run. May wait for the
     // device's queue.
     void check_last_has_run(const char* what) const;
-    void follow_placements();
+    // As PlacementStage::follow().
+    void follow_placements(bool wait);
     void update(float time_step_s, const CrowdView* view);
     // With a command buffer of VK_NULL_HANDLE it computes natively, at once.
     void record(VkCommandBuffer commands, float time_step_s, const CrowdView* view);
@@ -222,7 +223,6 @@ private:
     CrowdSettings settings_;                                    // without what the application owns
     std::vector<std::unique_ptr<FirstUploads>> first_uploads_;  // of the crowd, and of later changes of groups
     std::vector<Retired> retired_;
-    Buffer terrain_heights_;
     uint32_t timer_room_ = 0;  // StageTimer's max_stages
     bool natively_ = false;    // all groups are updated natively, where that is possible
     bool keeps_previous_ = false;

@@ -115,13 +115,15 @@ Group::Group(Uploads& uploads, SharedRigs& rigs, const CrowdGroup& group, const 
     if (group.controller)
         controller.emplace(uploads, *group.controller, *group.character, group.moves_placements, buffers);
     varies = group.capacity > 0;
-    command_capacity = group.command_capacity;
-    shaders_populate = group.shaders_populate;
+    if (group.shader_commands) {
+        command_capacity = group.shader_commands->capacity;
+        shaders_populate = group.shader_commands->populate;
+    }
     socket_space = group.socket_space;
     sockets_only = group.sockets_only;
     if (sockets_only) palette_count = 0;
     steering = group.steering;
-    on_terrain = group.on_terrain;
+    if (group.terrain) make_terrain(uploads, *group.terrain);
     is_carried = group.is_carried;
     if (varies && controller) {
         buffers[io::kInitialLayersBuffer] = upload(uploads, name + ": initial layers", controller->initial_layers);
@@ -371,6 +373,16 @@ GroupMesh Group::mesh() const {
     for (size_t section = 0; section < sections.size(); ++section)
         for (uint32_t lod = 0; lod < made.lod_count; ++lod) made.section_lods.push_back(section_lod(section, lod));
     return made;
+}
+
+void Group::make_terrain(Uploads& uploads, const Terrain& made_of) {
+    terrain = io::TerrainPush{.instance_count = 0,
+                              .columns = made_of.columns,
+                              .rows = made_of.rows,
+                              .x = made_of.x,
+                              .z = made_of.z,
+                              .inverse_spacing = 1 / made_of.spacing};
+    buffers[io::kHeightsBuffer] = upload(uploads, "heights of the terrain", made_of.heights);
 }
 
 uint64_t Group::size_bytes() const {

@@ -14,6 +14,7 @@
 #include "morph/morph.h"
 #include "procedural/procedural_tables.h"
 #include "skin/skin.h"
+#include "steer/terrain_io.h"
 
 #include <throng/crowd.h>
 
@@ -85,10 +86,10 @@ struct Group {
     // Lets others tell this group from one made later at the same index, and notice when it is gone.
     std::shared_ptr<const GroupLife> life = std::make_shared<const GroupLife>();
     std::string name;
-    bool varies = false;         // instances come and go: CrowdGroup::capacity
-    uint32_t initial_count = 0;  // of instances, if it varies
-    uint32_t command_capacity = 0;
-    bool shaders_populate = false;  // CrowdGroup's
+    bool varies = false;            // instances come and go: CrowdGroup::capacity
+    uint32_t initial_count = 0;     // of instances, if it varies
+    uint32_t command_capacity = 0;  // ShaderCommands::capacity
+    bool shaders_populate = false;  // ShaderCommands::populate
     uint32_t joint_count = 0;
     uint32_t palette_count = 0;
     uint32_t vertex_count = 0;
@@ -111,7 +112,8 @@ struct Group {
     SocketSpace socket_space = SocketSpace::kWorld;
     bool sockets_only = false;
     std::optional<Steering> steering;
-    bool on_terrain = false, is_carried = false;
+    std::optional<io::TerrainPush> terrain;  // the heights are in `buffers`
+    bool is_carried = false;
     std::optional<GroupProcedural> procedural;
     bool packed = false;
     bool native = false;  // PathChoice::native
@@ -161,7 +163,7 @@ struct Group {
     bool has_root_motion() const { return controller && buffers[io::kRootRowsBuffer].size_bytes() > sizeof(io::vec4); }
     // Whether updates themselves change placements.
     bool moves_placements() const {
-        return steering || on_terrain || is_carried || command_capacity > 0 ||
+        return steering || terrain || is_carried || command_capacity > 0 ||
                (has_root_motion() && controller->applies_root_motion);
     }
     // Updates leave the sockets of carried groups in model space, since only the attach stage knows the placements.
@@ -185,6 +187,7 @@ private:
     float usual_pose_margin(SkinBlend blend) const;
     void bound_poses(const Character& character, float margin);
     void make_looks(Uploads& uploads, const CrowdGroup& group);
+    void make_terrain(Uploads& uploads, const Terrain& made_of);
     void make_sockets(Uploads& uploads, const std::vector<uint32_t>& joints);
     Group(Uploads& uploads, SharedRigs& rigs, const Character& character, const PathChoice& choice);
 };

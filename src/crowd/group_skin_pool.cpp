@@ -13,7 +13,6 @@ namespace {
 
 // Why a group cannot have a skin pool; empty if it can.
 std::string unsupported_reason(const Group& group, const Character& character, const CrowdSettings& settings) {
-    if (!settings.culling) return "it needs CrowdSettings::culling";
     if (group.fused.empty()) return "the group is updated stage by stage";
     if (group.sockets) return "sockets are computed for all instances, not only for those that are drawn";
     if (group.controller && group.controller->is_inertial)

@@ -43,24 +43,23 @@ uint32_t flags_of(const Group& group, const Batch& batch) {
 }  // namespace
 
 void check_command_settings(const CrowdGroup& group) {
-    const std::string name = group.character->name;
-    if (group.command_capacity > kMaxCommands)
-        throw Failure(ErrorCode::kLimit, name + ": command_capacity", group.command_capacity, "; at most ",
+    if (!group.shader_commands) return;
+    const std::string place = group.character->name + ": shader_commands";
+    const auto refuse = [&](const char* what) { throw Failure(ErrorCode::kInvalidArgument, place, what); };
+    if (group.shader_commands->capacity == 0) refuse("their capacity must be above 0");
+    if (group.shader_commands->capacity > kMaxCommands)
+        throw Failure(ErrorCode::kLimit, place, "a capacity of ", group.shader_commands->capacity, "; at most ",
                       kMaxCommands);
-    if (group.is_carried && group.command_capacity > 0)
-        throw Failure(ErrorCode::kInvalidArgument, name + ": command_capacity",
-                      "not together with is_carried: carried instances move with their carriers");
-    if (!group.shaders_populate) return;
-    const std::string place = name + ": shaders_populate";
-    if (group.command_capacity == 0 || group.capacity == 0)
-        throw Failure(ErrorCode::kInvalidArgument, place, "needs command_capacity and capacity");
+    if (group.is_carried) refuse("not together with is_carried: carried instances move with their carriers");
+    if (!group.shader_commands->populate) return;
+    if (group.capacity == 0) refuse("to `populate` a group, they need room: CrowdGroup::capacity is 0");
     if (group.pose_capacity > 0)
-        throw Failure(ErrorCode::kInvalidArgument, place,
-                      "not together with pose_capacity: the CPU does not know which instances are alive");
+        refuse("`populate` not together with pose_capacity: the CPU does not know which instances are alive");
 }
 
 bool InstanceCommandStage::is_needed(const CrowdSettings& settings) {
-    return std::ranges::any_of(settings.groups, [](const CrowdGroup& group) { return group.command_capacity > 0; });
+    return std::ranges::any_of(settings.groups,
+                               [](const CrowdGroup& group) { return group.shader_commands.has_value(); });
 }
 
 void InstanceCommandStage::plan(BatchPlan& plan) {

@@ -1,4 +1,4 @@
-// Commands that an application's shaders have written for groups with CrowdGroup::command_capacity. An update obeys
+// Commands that an application's shaders have written for groups with CrowdGroup::shader_commands. An update obeys
 // them after it has applied what the CPU's calls have set, and before everything else.
 #pragma once
 

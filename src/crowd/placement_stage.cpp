@@ -37,7 +37,7 @@ void PlacementStage::set(const Instances& instances, const Each<Affine>& world_f
     }
 }
 
-void PlacementStage::follow(bool are_filled) {
+void PlacementStage::follow(bool wait) {
     if (followed_) return;
     std::vector<FollowedBatch> moving;
     for (size_t i = 0; i < batches_.size(); ++i)
@@ -45,7 +45,7 @@ void PlacementStage::follow(bool are_filled) {
             moving.push_back({i, group.shaders_populate});
     if (moving.empty()) return;
     followed_.emplace(gpu_, batches_, moving);
-    if (!are_filled) return;
+    if (!wait) return;
     for (const FollowedBatch& of : moving) {
         const Batch& batch = batches_[of.batch];
         if (!batch.has_updated) continue;

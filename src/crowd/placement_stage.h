@@ -19,9 +19,9 @@ public:
     explicit PlacementStage(const StageContext& context);
 
     void set(const Instances& instances, const Each<Affine>& world_from_model);
-    // From now on known() includes what updates do. If the buffers `are_filled`, it waits for submitted updates and
-    // takes over what they have done to groups that have been updated.
-    void follow(bool are_filled);
+    // From now on known() includes what updates do. If it may `wait`, for submitted updates, that includes what they
+    // have done to groups until now.
+    void follow(bool wait);
     bool is_followed() const { return followed_.has_value(); }
     // [instance_count], as the CPU knows them: as last set or, if they are followed, as left by the newest update that
     // it has heard of since.

@@ -20,19 +20,19 @@ std::string name_of(const InstanceHandle& handle) {
     return "instance " + std::to_string(handle.instance) + " of generation " + std::to_string(handle.generation);
 }
 
-CrowdSettings with_capacity(CrowdSettings settings) {
+CrowdSettings with_implied(CrowdSettings settings) {
     for (CrowdGroup& group : settings.groups) {
-        if (group.shaders_populate && group.instance_count > 0)
-            throw Failure(ErrorCode::kInvalidArgument, "crowd: shaders_populate",
-                          "instance_count must be 0, but is " + std::to_string(group.instance_count) +
+        if (group.shader_commands && group.shader_commands->populate && group.instance_count > 0)
+            throw Failure(ErrorCode::kInvalidArgument, "crowd: shader_commands",
+                          "with `populate`, instance_count must be 0, but is " + std::to_string(group.instance_count) +
                               ": only shaders spawn instances of the group");
+        if ((group.capacity > 0 || group.skin_pool) && !settings.culling) settings.culling.emplace();
         if (group.capacity == 0) continue;
         if (group.capacity < group.instance_count)
             throw Failure(ErrorCode::kInvalidArgument, "crowd: capacity",
                           std::to_string(group.capacity) + " is below the group's instance_count of " +
                               std::to_string(group.instance_count));
         group.instance_count = group.capacity;
-        if (!settings.culling) settings.culling.emplace();
     }
     return settings;
 }

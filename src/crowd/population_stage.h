@@ -14,9 +14,10 @@
 
 namespace throng {
 
-// The settings with each group's capacity, if it has one, as its instance_count; culling is then set too. Throws
-// kInvalidArgument where capacity, shaders_populate and instance_count do not go together.
-CrowdSettings with_capacity(CrowdSettings settings);
+// The settings with what others imply: a group's capacity, if it has one, as its instance_count, and culling where a
+// group needs it. Throws kInvalidArgument where capacity, ShaderCommands::populate and instance_count do not go
+// together.
+CrowdSettings with_implied(CrowdSettings settings);
 
 // The name of an instance in messages.
 std::string name_of(const InstanceHandle& handle);

@@ -13,7 +13,6 @@ public:
         std::vector<Batch> batches{};
         std::optional<Group> group{};
         std::unique_ptr<StageTimer> timer{};
-        Buffer buffer{};
     };
     // Things are freed once `update_count` later updates have run, after which nothing reads the outputs of earlier
     // ones, and as many more have been recorded. The event alone would do, but validation layers do not follow events.
@@ -39,7 +38,7 @@ public:
         uint64_t sum = 0;
         for (const auto& stage : things_.stages) sum += stage->size_bytes();
         for (const Batch& batch : things_.batches) sum += batch.size_bytes();
-        return sum + (things_.group ? things_.group->size_bytes() : 0) + things_.buffer.size_bytes();
+        return sum + (things_.group ? things_.group->size_bytes() : 0);
     }
 
 private:

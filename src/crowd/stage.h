@@ -41,7 +41,6 @@ struct StageContext {
     std::vector<Batch>& batches;
     uint32_t instance_count = 0;
     const FeedbackRing* feedback = nullptr;             // null where no group has anything to report
-    const Buffer& terrain_heights;                      // of CrowdSettings::terrain
     const std::vector<std::unique_ptr<Stage>>& before;  // earlier stages of the list
 };
 

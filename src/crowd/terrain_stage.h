@@ -1,4 +1,4 @@
-// The terrain stage of crowds with CrowdSettings::terrain: puts instances of groups with CrowdGroup::on_terrain on it.
+// The terrain stage: puts instances of groups with CrowdGroup::terrain on it.
 #pragma once
 
 #include "crowd/batch_plan.h"
@@ -8,14 +8,12 @@
 
 namespace throng {
 
-// Throws kInvalidArgument where CrowdSettings::terrain is not a grid of finite heights, or is missing and a group has
-// CrowdGroup::on_terrain.
-void check_terrain(const CrowdSettings& settings);
+// Throws kInvalidArgument if the group's terrain is not a grid of finite heights.
+void check_terrain(const CrowdGroup& group);
 
 class TerrainStage : public Stage {
 public:
-    static bool is_needed(const CrowdSettings& settings) { return settings.terrain.has_value(); }
-    // Serves the batches whose group has CrowdGroup::on_terrain.
+    // Serves the batches whose group has a terrain.
     explicit TerrainStage(const StageContext& context);
 
     // Runs after everything that moves placements; later stages see where instances stand.
@@ -28,7 +26,6 @@ private:
     };
 
     Kernel kernel_;
-    io::TerrainPush push_{};
     std::vector<ServedBatch> served_;
 };
 

@@ -66,13 +66,13 @@ std::vector<NativeGroups> NativeRenderer::kept_of(Crowds crowds) {
 }
 
 void NativeRenderer::prepare(Crowds crowds) {
-    accept(crowds);
+    accept(crowds, true);
     // If a crowd still waits for recorded commands, the first picture makes the groups, after the commands have run
     if (std::ranges::none_of(crowds, [](const CrowdState* crowd) { return crowd->awaits_commands(); })) kept_of(crowds);
 }
 
 RenderResult NativeRenderer::render(Crowds crowds, const Camera& camera) {
-    accept(crowds);
+    accept(crowds, true);
     if (!gpu->is_native()) gpu->wait_idle();  // submitted work may write what is read below
     const std::vector<NativeGroups> kept = kept_of(crowds);
     const auto [width, height] = extent();
@@ -89,7 +89,7 @@ RenderResult NativeRenderer::render(Crowds crowds, const Camera& camera) {
 }
 
 RenderResult NativeRenderer::render_frame(Crowds crowds, float time_step_s, const Camera& camera) {
-    accept(crowds);
+    accept(crowds, true);
     make_view(camera, 1);                     // refuses an invalid camera before time advances
     if (!gpu->is_native()) gpu->wait_idle();  // submitted work may write the meshes that are read below
     kept_of(crowds);
@@ -105,7 +105,7 @@ void NativeRenderer::record(VkCommandBuffer commands, Crowds crowds, float time_
 }
 
 void NativeRenderer::record_drawing(VkCommandBuffer commands, Crowds crowds, const Camera& camera) {
-    accept(crowds);
+    accept(crowds, false);
     if (std::ranges::any_of(crowds, [](const CrowdState* crowd) { return crowd->awaits_commands(); })) {
         RendererState& device = device_renderer();
         device.record_drawing(commands, crowds, camera);

@@ -13,7 +13,7 @@ void RendererState::update(Crowds crowds, float time_step_s, const Camera& camer
     for (CrowdState* crowd : crowds) crowd->update(time_step_s, crowd->cull ? &view : nullptr);
 }
 
-void RendererState::accept(Crowds crowds) const {
+void RendererState::accept(Crowds crowds, bool wait) const {
     for (const CrowdState* crowd : crowds) {
         if (crowd->gpu != gpu)
             throw Failure(ErrorCode::kInvalidArgument, "render",
@@ -26,7 +26,7 @@ void RendererState::accept(Crowds crowds) const {
             throw Failure(ErrorCode::kInvalidArgument, "skeletons",
                           "the crowd keeps no model matrices; set CrowdSettings::keep_model_matrices");
     }
-    for (CrowdState* crowd : crowds) crowd->follow_placements();
+    for (CrowdState* crowd : crowds) crowd->follow_placements(wait);
 }
 
 CrowdView RendererState::view_of(const CrowdBounds& crowds, const Camera& camera) const {

@@ -28,9 +28,10 @@ struct RendererState {
     DrawOptions options;
 
 protected:
-    // Call it first with the crowds that are to be drawn. Reads where their updates have moved instances, since the
-    // scene and the views are fitted to them. Throws kInvalidArgument if the crowds cannot be drawn with these options.
-    void accept(Crowds crowds) const;
+    // Call it first with the crowds that are to be drawn. From now on the CPU learns where their updates move
+    // instances, since the scene and the views are fitted to them; if it may `wait`, also where they have moved them
+    // before. Throws kInvalidArgument if the crowds cannot be drawn with these options.
+    void accept(Crowds crowds, bool wait) const;
     CrowdView view_of(const CrowdBounds& crowds, const Camera& camera) const;  // without occlusion
 };
 

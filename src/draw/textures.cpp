@@ -28,17 +28,20 @@ std::shared_ptr<const Picture> decoded_picture(Gpu& gpu, const AssetImage& image
     return gpu.values.get<Picture>(image_key(SharedValue::kPicture, image), [&] { return ImageFile(image).decode(); });
 }
 
-Image upload_texture(Uploads& uploads, std::string_view what, const Picture& picture, VkFormat format) {
+std::shared_ptr<const Image> upload_texture(Uploads& uploads, std::string_view what, const Picture& picture,
+                                            VkFormat format) {
     const auto mip_count = static_cast<uint32_t>(std::bit_width(std::max(picture.width, picture.height)));
-    Image texture(uploads.gpu(), {.what = what,
-                                  .extent = {picture.width, picture.height},
-                                  .mip_count = mip_count,
-                                  .format = format,
-                                  .usage = VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT |
-                                           VK_IMAGE_USAGE_TRANSFER_DST_BIT});
-    const auto record = [gpu = uploads.gpu().get(), image = texture.handle(), width = picture.width,
-                         height = picture.height, mip_count](VkCommandBuffer commands, const BufferRange& staged) {
-        transition(*gpu, commands, image, discarded_after(kNoAccess), kCopyTarget);
+    const auto texture = std::make_shared<const Image>(
+        uploads.gpu(), ImageSettings{.what = what,
+                                     .extent = {picture.width, picture.height},
+                                     .mip_count = mip_count,
+                                     .format = format,
+                                     .usage = VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT |
+                                              VK_IMAGE_USAGE_TRANSFER_DST_BIT});
+    const auto record = [gpu = uploads.gpu().get(), texture, width = picture.width, height = picture.height, mip_count](
+                            VkCommandBuffer commands, const BufferRange& staged) {
+        const VkImage image = texture->handle();
+        transition(*gpu, commands, image, discarded_after(kFragmentRead), kCopyTarget);  // FrameUploads records again
         const VkBufferImageCopy copy{.bufferOffset = staged.offset_bytes,
                                      .imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1},
                                      .imageExtent = {width, height, 1}};
@@ -110,10 +113,8 @@ std::shared_ptr<const Image> make_texture(Uploads& uploads, const AssetImage& im
     if (!picture) return found;
     uploads.make_room(picture->rgba.size());  // if this fails, the failure belongs to earlier uploads
     return or_white(image, account, [&] {
-        return account.textures.get<Image>(key, [&] {
-            return upload_texture(uploads, "image '" + image.name + "'", *picture,
-                                  is_color ? kColorTexture : kNumberTexture);
-        });
+        return account.textures.add<Image>(key, upload_texture(uploads, "image '" + image.name + "'", *picture,
+                                                               is_color ? kColorTexture : kNumberTexture));
     });
 }
 
@@ -132,10 +133,10 @@ std::shared_ptr<const raster::OwnedTexture> make_native_texture(Gpu& gpu, const 
 
 std::shared_ptr<const Image> make_white_texture(Uploads& uploads, SharedValues& textures) {
     const SharedValues::Key of_no_image{static_cast<uint64_t>(SharedValue::kTexture)};
-    return textures.get<Image>(of_no_image, [&] {
-        return upload_texture(uploads, "white texture", {.width = 1, .height = 1, .rgba = {255, 255, 255, 255}},
-                              kColorTexture);
-    });
+    if (auto found = textures.find<Image>(of_no_image)) return found;
+    return textures.add<Image>(
+        of_no_image, upload_texture(uploads, "white texture", {.width = 1, .height = 1, .rgba = {255, 255, 255, 255}},
+                                    kColorTexture));
 }
 
 }  // namespace throng

@@ -26,8 +26,9 @@ std::shared_ptr<const Picture> decoded_picture(Gpu& gpu, const AssetImage& image
 
 inline constexpr VkFormat kColorTexture = VK_FORMAT_R8G8B8A8_SRGB, kNumberTexture = VK_FORMAT_R8G8B8A8_UNORM;
 
-// A texture, in SHADER_READ_ONLY_OPTIMAL when the uploads have finished; it must live until then.
-Image upload_texture(Uploads& uploads, std::string_view what, const Picture& picture, VkFormat format);
+// A texture, in SHADER_READ_ONLY_OPTIMAL when the uploads have finished.
+std::shared_ptr<const Image> upload_texture(Uploads& uploads, std::string_view what, const Picture& picture,
+                                            VkFormat format);
 
 // What the textures of a group are made with.
 struct TextureAccount {

@@ -42,6 +42,7 @@ VulkanRenderer::VulkanRenderer(std::shared_ptr<Gpu> gpu_in, const RendererSettin
       layout_(make_draw_layout(gpu)),
       pipelines_{gpu, layout_.get(), samples_, color_format(blue_first_)},
       sampling_(gpu),
+      uploads_(gpu),
       scene_(gpu, layout_, shadow_map_),
       ground_(make_ground_pipeline(pipelines_)) {}
 
@@ -55,7 +56,7 @@ void VulkanRenderer::resize(VkExtent2D extent) {
 }
 
 RenderResult VulkanRenderer::render(Crowds crowds, const Camera& camera) {
-    Frame frame = frame_of(crowds, camera);
+    Frame frame = frame_of(crowds, camera, Upload::kAtOnce);
     targets_.make_read_back();
     gpu->submit_and_wait([&](VkCommandBuffer commands) {
         record_frame(commands, frame);
@@ -65,7 +66,7 @@ RenderResult VulkanRenderer::render(Crowds crowds, const Camera& camera) {
 }
 
 RenderResult VulkanRenderer::render_frame(Crowds crowds, float time_step_s, const Camera& camera) {
-    Frame frame = frame_of(crowds, camera);
+    Frame frame = frame_of(crowds, camera, Upload::kAtOnce);
     std::vector<CrowdState*> native, others;
     for (CrowdState* crowd : crowds) (crowd->updates_natively(options.occlusion) ? native : others).push_back(crowd);
     CrowdView view = view_of(frame.bounds, camera);
@@ -80,18 +81,18 @@ RenderResult VulkanRenderer::render_frame(Crowds crowds, float time_step_s, cons
 }
 
 void VulkanRenderer::record(VkCommandBuffer commands, Crowds crowds, float time_step_s, const Camera& camera) {
-    Frame frame = frame_of(crowds, camera);
+    Frame frame = frame_of(crowds, camera, Upload::kInFrame);
     CrowdView view = view_of(frame.bounds, camera);
     view.occlusion = makes_room_for_occlusion(crowds);
     record_all(commands, crowds, time_step_s, view, frame);
 }
 
 void VulkanRenderer::prepare(Crowds crowds) {
-    accept(crowds);
-    for (const CrowdState* crowd : crowds) drawing_of(*crowd);
+    accept(crowds, true);
+    for (const CrowdState* crowd : crowds) drawing_of(*crowd, Upload::kInFrame);
 }
 
-CrowdDrawing VulkanRenderer::drawing_of(const CrowdState& crowd) {
+CrowdDrawing VulkanRenderer::drawing_of(const CrowdState& crowd, Upload upload) {
     CharacterKind kind{crowd.skin_format, crowd.skin_blend, crowd.cull != nullptr, crowd.skins_once};
     for (const Group& group : crowd.groups)
         for (const AssetMaterial& material : group.materials)
@@ -105,28 +106,32 @@ CrowdDrawing VulkanRenderer::drawing_of(const CrowdState& crowd) {
     const LinePipelines* lines = nullptr;
     if (options.skeletons || options.bounds)
         lines = &lines_.try_emplace(kind.listed, pipelines_, kind.listed).first->second;
-    return {crowd, bindings_of(crowd), layout_, characters, with_looks, lines};
+    return {crowd, bindings_of(crowd, upload), layout_, characters, with_looks, lines};
 }
 
-std::vector<const GroupBindings*> VulkanRenderer::bindings_of(const CrowdState& crowd) {
+std::vector<const GroupBindings*> VulkanRenderer::bindings_of(const CrowdState& crowd, Upload upload) {
     return groups_.of(crowd, [&](std::span<const uint32_t> new_groups) {
-        Uploads uploads(gpu);
+        auto uploads = std::make_unique<Uploads>(
+            gpu, upload == Upload::kAtOnce ? Uploads::kMaxStaged_bytes : Uploads::kUnlimited_bytes);
         uint64_t room_bytes = kTexturesLimit_bytes;
         std::vector<std::unique_ptr<const GroupBindings>> made;
         for (const uint32_t group : new_groups)
-            made.push_back(std::make_unique<const GroupBindings>(uploads, layout_, sampling_, crowd, group, room_bytes,
+            made.push_back(std::make_unique<const GroupBindings>(*uploads, layout_, sampling_, crowd, group, room_bytes,
                                                                  textures_));
-        uploads.finish();
+        if (upload == Upload::kAtOnce)
+            uploads->finish();
+        else
+            uploads_.add(std::move(uploads));
         return made;
     });
 }
 
-VulkanRenderer::Frame VulkanRenderer::frame_of(Crowds crowds, const Camera& camera) {
-    accept(crowds);
+VulkanRenderer::Frame VulkanRenderer::frame_of(Crowds crowds, const Camera& camera, Upload upload) {
+    accept(crowds, upload == Upload::kAtOnce);
     Frame frame;
     uint32_t first_layer = 0;
     for (const CrowdState* crowd : crowds) {
-        CrowdDrawing& drawing = frame.drawings.emplace_back(drawing_of(*crowd));
+        CrowdDrawing& drawing = frame.drawings.emplace_back(drawing_of(*crowd, upload));
         drawing.first_layer = first_layer;
         drawing.find_mirrors();
         first_layer += crowd->instance_count;
@@ -137,7 +142,7 @@ VulkanRenderer::Frame VulkanRenderer::frame_of(Crowds crowds, const Camera& came
 }
 
 void VulkanRenderer::record_drawing(VkCommandBuffer commands, Crowds crowds, const Camera& camera) {
-    Frame frame = frame_of(crowds, camera);
+    Frame frame = frame_of(crowds, camera, Upload::kInFrame);
     record_frame(commands, frame);
 }
 
@@ -181,6 +186,7 @@ void VulkanRenderer::record_occlusion(VkCommandBuffer commands, Crowds crowds, F
 
 // Binds the scene, makes what the crowds' updates have written visible to draws, and starts timing them.
 void VulkanRenderer::begin_draw(VkCommandBuffer commands, Frame& frame) {
+    if (!frame.has_begun) uploads_.record(commands);
     memory_barrier(*gpu, commands, kShaderWrite | kTransferWrite, kDrawRead);
     scene_.record(commands, frame.scene);
     const VkDescriptorSet scene_set = scene_.set();

@@ -3,6 +3,7 @@
 
 #include "draw/group_cache.h"
 #include "draw/draw_crowd.h"
+#include "draw/frame_uploads.h"
 #include "draw/occluders.h"
 #include "draw/renderer_state.h"
 #include "draw/scene.h"
@@ -29,6 +30,9 @@ public:
     bool is_native() const override { return false; }
 
 private:
+    // How the textures of new groups get to the device: submitted at once, which needs little staging memory, or with
+    // the next frame's commands
+    enum class Upload { kAtOnce, kInFrame };
     // What a frame needs; making it may fail, or submit, so it comes before anything is recorded.
     struct Frame {
         std::vector<CrowdDrawing> drawings;  // of each crowd
@@ -36,10 +40,9 @@ private:
         io::DrawScene scene;
         bool has_begun = false;  // its timestamps have begun
     };
-    CrowdDrawing drawing_of(const CrowdState& crowd);
-    // Submits and waits if there are new groups.
-    std::vector<const GroupBindings*> bindings_of(const CrowdState& crowd);
-    Frame frame_of(Crowds crowds, const Camera& camera);
+    CrowdDrawing drawing_of(const CrowdState& crowd, Upload upload);
+    std::vector<const GroupBindings*> bindings_of(const CrowdState& crowd, Upload upload);
+    Frame frame_of(Crowds crowds, const Camera& camera, Upload upload);
     // Returns whether an update of these crowds tests occlusion. Allocates what the test needs, so that it cannot run
     // out of memory once crowds have been updated.
     bool makes_room_for_occlusion(Crowds crowds);
@@ -61,6 +64,7 @@ private:
     PipelineSettings pipelines_;
     MaterialSampling sampling_;
     SharedValues textures_;
+    FrameUploads uploads_;
     SceneBinding scene_;
     OwnedPipeline ground_;
     std::map<CharacterKind, CharacterPipelines> characters_;

@@ -117,6 +117,18 @@ TEST_F(CliCompile, ClipsOfOtherFilesAreAdded) {
     fs::remove("other.glb");
 }
 
+TEST_F(CliCompile, MeshesOfOtherFilesAreAdded) {
+    const auto sections = [&](const std::string& more) {
+        const Json json = json_of("compile creature.glb -o creature.throng" + more);
+        EXPECT_TRUE(json["warnings"].empty());
+        EXPECT_EQ(json["meshes_from"].size(), more.empty() ? 0u : 1u);
+        return json_of({"pose", "creature.throng", "--vertices", "all"})["primitives"].size();
+    };
+    const size_t own = sections("");
+    EXPECT_EQ(sections(" --meshes creature.glb"), 2 * own);
+    fs::remove("creature.throng");
+}
+
 // Compiled characters are kept and reused while the file is the same; damaged ones are compiled again.
 TEST_F(CliCompile, CompiledCharactersAreCached) {
     const fs::path cache = file("cache"), kept = cache / "throng" / "characters";
@@ -200,6 +212,8 @@ TEST_F(CliCompile, WrongInputIsRefusedAndNothingIsLeftBehind) {
          {"compile sound.throng -o out.throng", "compiled already"},
          {"compile creature.glb -o out.throng --clips missing.glb", "missing.glb"},
          {"compile creature.glb -o out.throng --clips text.glb", "text.glb"},
+         {"compile creature.glb -o out.throng --meshes missing.glb", "missing.glb"},
+         {"compile creature.glb --meshes taken.throng -o taken.throng", "would overwrite taken.throng"},
          {"compile creature.glb -o out.throng --clips sound.throng", "sound.throng is compiled already"},
          {"compile creature.glb --clips taken.throng -o taken.throng", "would overwrite taken.throng"},
          {"compile damaged.throng -o out.throng", "damaged.throng: is damaged"},

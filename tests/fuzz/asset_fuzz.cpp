@@ -159,6 +159,14 @@ Asset make_asset(Input& in) {
     return asset;
 }
 
+// Adds the meshes and clips of another asset, which may have mistakes of its own: then `asset` stays as it is.
+void add_another(Input& in, Asset& asset) {
+    Asset other = make_asset(in);
+    make_mistakes(in, other);
+    for (const auto add : {throng::add_meshes, throng::add_clips})
+        if (const Result<void> added = add(asset, other); !added) fuzz::check_is_one_line(added.error());
+}
+
 // ---- What is made of them
 
 CompileSettings settings_for(Input& in, const Asset& asset) {
@@ -218,6 +226,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
     Asset asset = make_asset(in);
     const CompileSettings settings = settings_for(in, asset);
     const bool is_correct = make_mistakes(in, asset) == 0;
+    if (in.ConsumeBool()) add_another(in, asset);
     Result<Character> character = compile(asset, settings);
     if (!character) {
         fuzz::check_is_one_line(character.error());

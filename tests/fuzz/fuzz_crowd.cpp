@@ -68,23 +68,25 @@ std::vector<CrowdGroup> groups_of(bool shaders_populate) {
     static const ProceduralRules rules{.targets = {"prey"},
                                        .rules = {LookAtRule{.joint = small_walker().rig.names[2], .target = "prey"}}};
     const Character* walker = &small_walker();
-    std::vector<CrowdGroup> groups{
-        {.character = walker, .instance_count = 3, .pose_capacity = 2, .capacity = 6, .command_capacity = 32},
-        {.character = walker,
-         .instance_count = 3,
-         .controller = &walker_controller(),
-         .sockets = {3},
-         .steering = Steering{},
-         .capacity = 5,
-         .command_capacity = 32},
-        {.character = walker, .instance_count = 2, .procedural = &rules},
-        {.character = walker, .instance_count = 3, .sockets = {2}, .is_carried = true}};
+    std::vector<CrowdGroup> groups{{.character = walker,
+                                    .instance_count = 3,
+                                    .pose_capacity = 2,
+                                    .capacity = 6,
+                                    .shader_commands = ShaderCommands{32}},
+                                   {.character = walker,
+                                    .instance_count = 3,
+                                    .controller = &walker_controller(),
+                                    .sockets = {3},
+                                    .steering = Steering{},
+                                    .capacity = 5,
+                                    .shader_commands = ShaderCommands{32}},
+                                   {.character = walker, .instance_count = 2, .procedural = &rules},
+                                   {.character = walker, .instance_count = 3, .sockets = {2}, .is_carried = true}};
     if (shaders_populate)
         groups.push_back({.character = walker,
                           .controller = &walker_controller(),
                           .capacity = 8,
-                          .command_capacity = 32,
-                          .shaders_populate = true});
+                          .shader_commands = ShaderCommands{.capacity = 32, .populate = true}});
     groups[0].outfits.resize(2);
     return groups;
 }

@@ -1,8 +1,7 @@
 // add_clips(): clips of another file, transferred to a rig with the same joint names.
+#include "tests/host/compile_cases.h"
 #include "tests/test_rig.h"
 #include "tests/text.h"
-
-#include "tools/creatures/creature.h"
 
 #include <throng/character.h>
 #include <throng/reference.h>
@@ -17,16 +16,6 @@ namespace throng {
 namespace {
 
 using namespace test;
-
-Asset walker() {
-    CreatureSettings settings = creature_settings(CreatureKind::kWalker);
-    settings.joint_count = 40;
-    settings.level_count = 10;
-    settings.face_count = 200;
-    Asset asset = make_creature(settings).expect();
-    asset.name = "walker.glb";
-    return asset;
-}
 
 Asset without_clips(Asset asset) {
     asset.clips.clear();
@@ -87,7 +76,7 @@ void expect_refused(Asset asset, const Asset& from, const char* message) {
 }
 
 TEST(AddClips, EqualTheCharactersOwnOnItsOwnRig) {
-    const Asset whole = walker();
+    const Asset whole = walker_asset();
     Asset asset = without_clips(whole);
     const Result<void> added = add_clips(asset, animation_of(whole));
     ASSERT_TRUE(added) << added.error().text();
@@ -108,7 +97,7 @@ TEST(AddClips, EqualTheCharactersOwnOnItsOwnRig) {
 }
 
 TEST(AddClips, MatchNamesThatExportersChange) {
-    const Asset whole = walker();
+    const Asset whole = walker_asset();
     struct Case {
         const char* what;
         std::string (*changed)(const std::string&);
@@ -143,7 +132,7 @@ TEST(AddClips, MatchNamesThatExportersChange) {
 
 // Files with only animation have as rest pose whatever the exporter showed on screen.
 TEST(AddClips, IgnoreTheOtherRestPoseIfBonesHaveEqualLength) {
-    const Asset whole = walker();
+    const Asset whole = walker_asset();
     Asset from = animation_of(whole), asset = without_clips(whole);
     Random random(5);
     for (AssetNode& node : from.nodes) node.parent_from_node.rotation = random.rotation();
@@ -157,7 +146,7 @@ TEST(AddClips, IgnoreTheOtherRestPoseIfBonesHaveEqualLength) {
 
 // As with characters that were modelled in another unit, or are larger.
 TEST(AddClips, BonesKeepTheirOwnLength) {
-    const Asset whole = walker();
+    const Asset whole = walker_asset();
     Asset asset = without_clips(whole);
     const auto enlarge = [](Asset& of, double scale) {
         for (AssetNode& node : of.nodes) node.parent_from_node.translation = node.parent_from_node.translation * scale;
@@ -195,7 +184,7 @@ TEST(AddClips, BonesKeepTheirOwnLength) {
 
 // "Armature" nodes, which many exporters turn and scale and give constant keys.
 TEST(AddClips, ArmatureNodesAreNotTransferred) {
-    const Asset whole = walker();
+    const Asset whole = walker_asset();
     const auto held = [](Asset asset, const Trs<double>& model_from_holder) {
         const auto holder = static_cast<uint32_t>(asset.nodes.size());
         for (AssetNode& node : asset.nodes)
@@ -231,7 +220,7 @@ TEST(AddClips, ArmatureNodesAreNotTransferred) {
 }
 
 TEST(AddClips, TracksWithoutANodeAreLeftOutAndNamed) {
-    const Asset whole = walker();
+    const Asset whole = walker_asset();
     Asset from = animation_of(whole), asset = without_clips(whole);
     const size_t track_count = whole.clips[0].tracks.size();
     from.nodes.push_back({.name = "tail"});
@@ -259,7 +248,7 @@ TEST(AddClips, TracksWithoutANodeAreLeftOutAndNamed) {
 }
 
 TEST(AddClips, GetUniqueNames) {
-    const Asset whole = walker();
+    const Asset whole = walker_asset();
     Asset from = animation_of(whole), asset = without_clips(whole);
     from.clips.resize(1);
     const auto add = [&](const char* file, const char* clip) {
@@ -357,7 +346,7 @@ TEST(AddClips, MorphWeightsGoByTheNamesOfTargets) {
 }
 
 TEST(AddClips, RefuseInvalidAssets) {
-    const Asset whole = walker();
+    const Asset whole = walker_asset();
     Asset from = animation_of(whole), asset = without_clips(whole);
     from.clips[1].tracks[2].node = 1000;
     expect_refused(asset, from, "moves.glb: clips[1].tracks[2]");

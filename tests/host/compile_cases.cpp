@@ -2,6 +2,8 @@
 
 #include "tests/test_rig.h"
 
+#include "tools/creatures/creature.h"
+
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -71,6 +73,16 @@ Trs<double> moved(double x, double y, double z) {
     Trs<double> trs;
     trs.translation = {x, y, z};
     return trs;
+}
+
+Asset walker_asset() {
+    CreatureSettings settings = creature_settings(CreatureKind::kWalker);
+    settings.joint_count = 40;
+    settings.level_count = 10;
+    settings.face_count = 200;
+    Asset asset = make_creature(settings).expect();
+    asset.name = "walker.glb";
+    return asset;
 }
 
 Error refusal_of(const Asset& asset) {

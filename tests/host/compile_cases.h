@@ -54,6 +54,9 @@ struct AssetBuilder {
 
 Trs<double> moved(double x, double y, double z);
 
+// A walking creature of 40 joints, "walker.glb".
+Asset walker_asset();
+
 // The error of exact compilation. Fails the test if nothing is refused.
 Error refusal_of(const Asset& asset);
 

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
+#include <utility>
 
 namespace throng::tools {
 namespace {
@@ -19,14 +20,15 @@ bool is_gltf_name(const std::filesystem::path& path) {
 
 struct CompileOptions {
     std::string file, out;
-    std::vector<std::string> clips;  // files to take them from
+    std::vector<std::string> clips, meshes;  // files to take them from
     CompileSettings settings;
     bool json = false;
 };
 
 Character compile(const CompileOptions& options) {
-    std::vector<std::string> inputs = options.clips;
-    inputs.push_back(options.file);
+    std::vector<std::string> inputs{options.file};
+    for (const auto* files : {&options.clips, &options.meshes})
+        inputs.insert(inputs.end(), files->begin(), files->end());
     protect_inputs(inputs, {options.out});
     for (const std::string& input : inputs) {
         if (!is_compiled_file(input)) continue;
@@ -42,10 +44,11 @@ Character compile(const CompileOptions& options) {
         throw UsageError(options.out + ": the output is not a glTF file; give a name that ends in .throng");
     print_progress("reading " + options.file);
     Asset asset = unwrap(load_asset(options.file));
-    for (const std::string& file : options.clips) {
-        print_progress("reading " + file);
-        unwrap(add_clips(asset, unwrap(load_asset(file))));
-    }
+    for (const auto& [files, add] : {std::pair{&options.meshes, &add_meshes}, {&options.clips, &add_clips}})
+        for (const std::string& file : *files) {
+            print_progress("reading " + file);
+            unwrap(add(asset, unwrap(load_asset(file))));
+        }
     print_progress("compiling " + options.file);
     Character character = unwrap(compile_character(asset, options.settings));
     print_warnings(character.warnings);
@@ -66,6 +69,7 @@ nlohmann::json to_json(const CompileOptions& options, const Character& character
                          {"error_percent", clip.error * 100}});
     return {{"file", options.file},
             {"clips_from", options.clips},
+            {"meshes_from", options.meshes},
             {"out", options.out},
             {"bytes", bytes},
             {"joints", character.rig.joint_count()},
@@ -114,6 +118,8 @@ void add_compile(Command app) {
         "--clips", options.clips,
         "files whose clips to add after the character's own: files of animation alone, or characters with "
         "the same joint names");
+    command.add_option("--meshes", options.meshes,
+                       "files whose meshes to add, such as clothes, hair or weapons for the same joint names");
     add_error_option(command, options.settings);
     add_root_motion_option(command, options.settings);
     command.add_flag("--json", options.json, "as JSON");
@@ -121,7 +127,8 @@ void add_compile(Command app) {
         "Examples:\n  throng compile fox.glb -o fox.throng\n  throng compile fox.glb -o fox.throng --error 0.1\n"
         "  throng compile fox.glb -o fox.throng --error exact --json | jq .ratio\n"
         "  throng compile fox.glb -o fox.throng --root-motion b_Hip_01\n"
-        "  throng compile knight.glb --clips walk.glb jump.glb -o knight.throng\n  throng info fox.throng");
+        "  throng compile knight.glb --clips walk.glb jump.glb -o knight.throng\n"
+        "  throng compile knight.glb --meshes helmet.glb cape.glb -o knight.throng\n  throng info fox.throng");
 }
 
 }  // namespace throng::tools

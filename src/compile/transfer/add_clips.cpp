@@ -4,6 +4,7 @@
 #include "base/failure.h"
 #include "base/text.h"
 #include "compile/asset_check.h"
+#include "compile/transfer/names.h"
 #include "compile/transfer/rig_transfer.h"
 
 #include <algorithm>
@@ -13,31 +14,10 @@
 #include <string>
 #include <string_view>
 #include <unordered_map>
-#include <unordered_set>
 #include <vector>
 
 namespace throng {
 namespace {
-
-std::string quoted(const std::string& name) {
-    return name.empty() ? "one without a name" : "'" + printable(name) + "'";
-}
-
-// Names for a message, the first of them in full: "'tail', 'wing' and 3 more".
-class NameList {
-public:
-    void add(const std::string& name, const std::string& note = {}) {
-        if (count_++ >= kShown) return;
-        list_ += joined(list_.empty() ? "" : ", ", quoted(name), note);
-    }
-    size_t count() const { return count_; }
-    std::string text() const { return count_ > kShown ? joined(list_, " and ", count_ - kShown, " more") : list_; }
-
-private:
-    static constexpr size_t kShown = 5;
-    std::string list_;
-    size_t count_ = 0;
-};
 
 // The instance at a node whose mesh has the node's morph targets; null if the node has no mesh.
 const AssetMeshInstance* morphed_at(const Asset& asset, uint32_t node) {
@@ -148,19 +128,6 @@ public:
         return out;
     }
 
-    // The first joints of `to`, so that a message shows how its names look.
-    std::string some_joints() const {
-        constexpr size_t kShown = 3;
-        std::string list;
-        size_t count = 0;
-        for (uint32_t node = 0; node < to_.nodes.size() && count < kShown; ++node) {
-            if (!transfer_.is_joint(node)) continue;
-            list += joined(count == 0 ? "'" : ", '", printable(to_.nodes[node].name), "'");
-            ++count;
-        }
-        return list;
-    }
-
 private:
     AssetTrack changed_track(const AssetTrack& track, uint32_t node, bool holds) const {
         AssetTrack out = track;
@@ -238,44 +205,6 @@ bool is_generic_name(std::string_view name) {
     return name.empty() || name.find("Take 001") != name.npos || name.find("mixamo.com") != name.npos;
 }
 
-// "walk" of "moves/walk.glb".
-std::string stem_of(const std::string& file) {
-    const std::string name = file.substr(file.find_last_of("/\\") + 1), stem = name.substr(0, name.rfind('.'));
-    return stem.empty() ? "clip" : stem;
-}
-
-// Names of clips, each once.
-class ClipNames {
-public:
-    void insert(const std::string& name) { names_.insert(name); }
-
-    // A name for the clip that is new; `stem` is the name of its file without extension.
-    std::string add(const std::string& name, const std::string& stem) {
-        if (!is_generic_name(name) && names_.insert(name).second) return name;
-        const std::string base = is_generic_name(name) ? stem : stem + " " + name;
-        if (names_.insert(base).second) return base;
-        for (uint32_t& number = last_numbers_.try_emplace(base, 1).first->second;;) {
-            std::string numbered = joined(base, " ", ++number);
-            if (names_.insert(numbered).second) return numbered;
-        }
-    }
-
-private:
-    std::unordered_set<std::string> names_;
-    std::unordered_map<std::string, uint32_t> last_numbers_;  // by the name without its number
-};
-
-// The warnings of `from` about nodes and animations that `asset` does not have already. Warnings about the other file's
-// meshes do not concern this character.
-std::vector<std::string> new_warnings(const Asset& asset, const Asset& from) {
-    const std::unordered_set<std::string> there(asset.warnings.begin(), asset.warnings.end());
-    std::vector<std::string> out;
-    std::ranges::copy_if(from.warnings, std::back_inserter(out), [&](const std::string& line) {
-        return !there.contains(line) && (line.find(": animations[") != line.npos || line.find(": nodes[") != line.npos);
-    });
-    return out;
-}
-
 }  // namespace
 
 Result<void> add_clips(Asset& asset, const Asset& from) {
@@ -286,19 +215,24 @@ Result<void> add_clips(Asset& asset, const Asset& from) {
             if (from.clips.empty()) refuse(from.name, "has no clips to add to ", asset.name);
             const ClipAdder adder(from, asset);
             std::vector<AssetClip> clips = adder.clips();
-            std::vector<std::string> warnings = new_warnings(asset, from);
+            std::vector<std::string> warnings = new_warnings(asset, from, [](const std::string& line) {
+                // Those about the other file's meshes do not concern this character.
+                return line.find(": animations[") != line.npos || line.find(": nodes[") != line.npos;
+            });
             const std::string without = adder.without_target();
             if (clips.empty())
                 refuse(from.name, without.empty() ? "its clips move nothing in " : without + " are not in ", asset.name,
-                       ", which has ", adder.some_joints(), ", …: clips are added to nodes of the same names");
+                       ", which has ", some_joints(asset, joints_of(asset)),
+                       ", …: clips are added to nodes of the same names");
             const auto warn = [&](const std::string& what, const std::string& effect) {
                 warnings.push_back(joined(from.name, ": ", what, " are not in ", asset.name, effect));
             };
             if (!without.empty()) warn(without, adder.turned_differently());
             for (const std::string& morphs : adder.without_morphs()) warn(morphs, "");
-            ClipNames names;
+            UniqueNames names;
             for (const AssetClip& clip : asset.clips) names.insert(clip.name);
-            for (AssetClip& clip : clips) clip.name = names.add(clip.name, stem_of(from.name));
+            for (AssetClip& clip : clips)
+                clip.name = names.add(clip.name, is_generic_name(clip.name), stem_of(from.name));
             // Reserves first, so that nothing fails half-way after that.
             asset.clips.reserve(asset.clips.size() + clips.size());
             asset.warnings.reserve(asset.warnings.size() + warnings.size());

@@ -53,7 +53,7 @@ private:
 
 }  // namespace
 
-std::vector<uint32_t> find_sources(const Asset& from, const std::vector<bool>& is_animated, const Asset& to,
+std::vector<uint32_t> find_sources(const Asset& from, const std::vector<bool>& comes_first, const Asset& to,
                                    const std::vector<bool>& is_joint) {
     struct Step {
         NameForm from, to;
@@ -64,20 +64,20 @@ std::vector<uint32_t> find_sources(const Asset& from, const std::vector<bool>& i
                                 Step{NameForm::kWithoutPrefix, NameForm::kWithoutPrefix},
                                 Step{NameForm::kWithoutNumber, NameForm::kWithoutPrefix},
                                 Step{NameForm::kWithoutPrefix, NameForm::kWithoutNumber}};
-    const Names from_names(from, is_animated), to_names(to, is_joint);
+    const Names from_names(from, comes_first), to_names(to, is_joint);
     std::vector<uint32_t> sources(to.nodes.size(), kNone);
     std::vector<bool> is_taken(from.nodes.size(), false);
     using NodesByName = std::unordered_map<std::string, std::vector<uint32_t>>;
     for (const Step& step : kSteps) {
-        const auto by_name = [](const Names& names, NameForm form, const std::vector<bool>& comes_first,
+        const auto by_name = [](const Names& names, NameForm form, const std::vector<bool>& is_chosen,
                                 const auto& is_free) {
             NodesByName nodes;
             for (const bool first : {true, false})
-                for (uint32_t node = 0; node < comes_first.size(); ++node)
-                    if (comes_first[node] == first && is_free(node)) nodes[names.of(node, form)].push_back(node);
+                for (uint32_t node = 0; node < is_chosen.size(); ++node)
+                    if (is_chosen[node] == first && is_free(node)) nodes[names.of(node, form)].push_back(node);
             return nodes;
         };
-        const NodesByName there = by_name(from_names, step.from, is_animated,
+        const NodesByName there = by_name(from_names, step.from, comes_first,
                                           [&](uint32_t node) { return !is_taken[node]; }),
                           wanted = by_name(to_names, step.to, is_joint,
                                            [&](uint32_t node) { return sources[node] == kNone; });

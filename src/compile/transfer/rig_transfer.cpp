@@ -18,16 +18,17 @@ Vec3<double> rotated(const Quaternion<double>& q, const Vec3<double>& v) {
     return {out.x, out.y, out.z};
 }
 
-// Joints of skins; all nodes, where there is no skin.
+NodeFrame frame_of(const std::vector<NodeFrame>& frames, uint32_t node) {
+    return node == kNone ? NodeFrame() : frames[node];
+}
+
+}  // namespace
+
 std::vector<bool> joints_of(const Asset& asset) {
     std::vector<bool> is_joint(asset.nodes.size(), asset.skins.empty());
     for (const AssetSkin& skin : asset.skins)
         for (const uint32_t node : skin.joints) is_joint[node] = true;
     return is_joint;
-}
-
-NodeFrame frame_of(const std::vector<NodeFrame>& frames, uint32_t node) {
-    return node == kNone ? NodeFrame() : frames[node];
 }
 
 std::vector<NodeFrame> rest_frames(const Asset& asset) {
@@ -37,8 +38,6 @@ std::vector<NodeFrame> rest_frames(const Asset& asset) {
     return frames;
 }
 
-}  // namespace
-
 NodeFrame NodeFrame::child(const Trs<double>& parent_from_node) const {
     const auto& [q, t, s] = parent_from_node;
     return {normalized(rotation * q), origin + rotated(rotation, t * scale),
@@ -47,7 +46,7 @@ NodeFrame NodeFrame::child(const Trs<double>& parent_from_node) const {
 
 Vec3<double> NodeChange::vector(const Vec3<double>& old) const { return rotated(turn, old * scale); }
 
-RigTransfer::RigTransfer(const Asset& from, const Asset& to)
+RigTransfer::RigTransfer(const Asset& from, const Asset& to, std::optional<std::vector<bool>> comes_first)
     : from_(from),
       to_(to),
       animated_(animated_nodes(from)),
@@ -56,9 +55,11 @@ RigTransfer::RigTransfer(const Asset& from, const Asset& to)
       old_frames_(rest_frames(from)),
       frames_(rest_frames(to)),
       changes_(to.nodes.size()) {
-    std::vector<bool> moves;
-    for (const AnimatedNode& node : animated_) moves.push_back(node.moves);
-    sources_ = find_sources(from, moves, to, is_joint_);
+    if (!comes_first) {
+        comes_first.emplace();
+        for (const AnimatedNode& node : animated_) comes_first->push_back(node.moves);
+    }
+    sources_ = find_sources(from, *comes_first, to, is_joint_);
     for (uint32_t node = 0; node < sources_.size(); ++node)
         if (sources_[node] != kNone) targets_[sources_[node]].push_back(node);
     compare_bones();

@@ -6,6 +6,7 @@
 #include <throng/asset.h>
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 namespace throng {
@@ -18,6 +19,12 @@ struct NodeFrame {
 
     NodeFrame child(const Trs<double>& parent_from_node) const;
 };
+
+// [node], in the rest pose.
+std::vector<NodeFrame> rest_frames(const Asset& asset);
+
+// [node]: whether it is a joint of a skin; where there is no skin, all are.
+std::vector<bool> joints_of(const Asset& asset);
 
 // How a local transform of a node of `from` changes for a node of `to`: a rotation becomes turn * rotation, a
 // translation base + turn * scale * (translation - old_rest).
@@ -43,14 +50,19 @@ struct NodeChange {
 // another length keep their own length; other translations are scaled by the ratio of mean bone lengths.
 class RigTransfer {
 public:
-    RigTransfer(const Asset& from, const Asset& to);
+    // `comes_first`: the nodes of `from` that are matched before others of the same name; by default those that move.
+    RigTransfer(const Asset& from, const Asset& to, std::optional<std::vector<bool>> comes_first = {});
 
+    // The node of `from` that a node of `to` moves like, or kNone.
+    uint32_t source(uint32_t node) const { return sources_[node]; }
     // The nodes of `to` that move like this node of `from`.
     const std::vector<uint32_t>& targets(uint32_t source) const { return targets_[source]; }
     const NodeChange& change(uint32_t node) const { return changes_[node]; }
     // What the clips of `from` do to a node of `from`.
     const AnimatedNode& animated(uint32_t source) const { return animated_[source]; }
     bool is_joint(uint32_t node) const { return is_joint_[node]; }
+    // The mean length of bones in `to` over that in `from`; 1 where all are as long.
+    double size_ratio() const { return size_ratio_; }
     // Whether the node takes over a track. `holds_rest`: the track never leaves the rest pose of `from`. Exporters
     // write such tracks for the node that holds a rig ("Armature"). In `to` this node may be rotated and scaled in
     // another way, so it keeps its own rest pose.
@@ -75,7 +87,7 @@ private:
     std::vector<NodeFrame> frames_;      // [node of `to`] in its rest pose; later, posed by the rest pose of `from`
     std::vector<NodeChange> changes_;
     bool is_same_skeleton_ = true;
-    double size_ratio_ = 1;  // mean length of bones in `to` over that in `from`
+    double size_ratio_ = 1;
 };
 
 }  // namespace throng

@@ -1,0 +1,44 @@
+#include "draw/frame_uploads.h"
+
+#include "gpu/barrier.h"
+
+#include <algorithm>
+
+namespace throng {
+
+void FrameUploads::record(VkCommandBuffer commands) {
+    poll();
+    if (pending_.empty()) return;
+    const uint64_t number = ++frame_count_;
+    // Frames that have recorded them already may still copy, and draw.
+    memory_barrier(*gpu_, commands, kAnyAccess, kTransferWrite);
+    for (Pending& pending : pending_) {
+        if (pending.has_run) continue;
+        pending.uploads->record(commands);
+        if (pending.first_frame == 0) pending.first_frame = number;
+        pending.last_frame = number;
+    }
+    frames_.push_back({number, events_.take()});
+    frames_.back().done.record_set_behind_all(commands);
+}
+
+// When a frame has run, earlier ones have too, or never will.
+void FrameUploads::poll() {
+    uint64_t newest = 0;
+    for (const Frame& frame : frames_) {
+        if (!frame.done.is_set()) continue;
+        newest = std::max(newest, frame.number);
+        for (Pending& pending : pending_)
+            pending.has_run = pending.has_run ||
+                              (pending.first_frame <= frame.number && frame.number <= pending.last_frame);
+    }
+    for (Frame& frame : frames_)
+        if (frame.number <= newest) events_.give_back(std::move(frame.done));
+    std::erase_if(frames_, [&](const Frame& frame) { return frame.number <= newest; });
+    // The events would do, but validation layers do not follow them: see Retired.
+    std::erase_if(pending_, [&](Pending& pending) {
+        return pending.has_run && pending.last_frame <= newest && --pending.frames_left == 0;
+    });
+}
+
+}  // namespace throng
