@@ -115,6 +115,37 @@ TEST_F(CrowdBoundsTest, FollowRecordedUpdatesAndNotDiscardedOnes) {
     EXPECT_NEAR(middle_z(world_bounds(crowd)) + ahead, farthest_z(crowd), kStep / 4) << "the last one";
 }
 
+// Recorded frames do not wait to learn where a crowd had moved before: they learn it from the updates that follow.
+// prepare() waits.
+TEST_F(CrowdBoundsTest, FollowACrowdThatHadMovedBefore) {
+    if (test_gpu()->is_native()) GTEST_SKIP() << "it has no command buffers";
+    Renderer renderer = Renderer::create(test_device(), {.width = 64, .height = 48, .path = DrawPath::kDevice}).value();
+    Crowd learning = crowd_of_agents(character_), told = crowd_of_agents(character_);
+    for (int update = 0; update < 500; ++update)
+        for (Crowd* const crowd : {&learning, &told}) ASSERT_TRUE(crowd->update(0.1f));
+    const float z = farthest_z(told), reach = 2 * character_.size;
+    ASSERT_GT(z, 2 * reach);
+    Recorder recorder;
+    const auto record = [&](Crowd& crowd) {
+        return recorder.record([&](VkCommandBuffer into) {
+            EXPECT_TRUE(renderer.record(into, crowd, 0.1f, {.eye = {6, 4, 14}}));
+        });
+    };
+    const uint64_t submissions = test_gpu()->counts.submissions;
+    const VkCommandBuffer commands = record(learning);
+    record(told);
+    EXPECT_EQ(test_gpu()->counts.submissions, submissions);
+    EXPECT_LT(world_bounds(learning).max.z, reach) << "nothing has arrived";
+    recorder.submit(commands);
+    test_gpu()->wait_idle();
+    EXPECT_NEAR(middle_z(world_bounds(learning)), z, reach);
+
+    EXPECT_LT(world_bounds(told).max.z, reach);
+    ASSERT_TRUE(told.discard_last_record());
+    ASSERT_TRUE(renderer.prepare(told));
+    EXPECT_NEAR(middle_z(world_bounds(told)), z, reach);
+}
+
 // Nothing has been uploaded to the device yet.
 TEST_F(CrowdBoundsTest, IgnoreUpdatesThatHaveNotRun) {
     if (test_gpu()->is_native()) GTEST_SKIP() << "it has no command buffers";

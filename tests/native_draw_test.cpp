@@ -6,7 +6,7 @@
 #include "draw/native_renderer.h"
 #include "tests/ball.h"
 #include "tests/crowd_cases.h"
-#include "tests/kernel_runner.h"
+#include "tests/picture_copy.h"
 #include "tests/recorder.h"
 #include "tests/subset.h"
 #include "tools/creatures/creature.h"
@@ -375,30 +375,6 @@ TEST_F(NativeDraw, LargePicturesMatchTheDevice) {
     }
 }
 
-// A picture that the recorded commands copy.
-class Copy {
-public:
-    explicit Copy(uint32_t width = kNativeDrawWidth, uint32_t height = kNativeDrawHeight)
-        : width_(width),
-          height_(height),
-          buffer_(test_gpu(), "copy", uint64_t{4} * width * height, 0, MemoryKind::kReadback) {}
-    void record(VkCommandBuffer commands, const Renderer& renderer) const {
-        const VkBufferImageCopy region{.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1},
-                                       .imageExtent = {width_, height_, 1}};
-        test_gpu()->vk.vkCmdCopyImageToBuffer(commands, renderer.picture(), VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL,
-                                              buffer_.handle(), 1, &region);
-        memory_barrier(*test_gpu(), commands, kTransferWrite, kHostRead);
-    }
-    Picture picture() const {
-        const auto* const bytes = reinterpret_cast<const uint8_t*>(buffer_.mapped());
-        return {width_, height_, {bytes, bytes + size_t{4} * width_ * height_}};
-    }
-
-private:
-    uint32_t width_, height_;
-    Buffer buffer_;
-};
-
 // Two frames per command buffer, and more of both than can be in flight.
 TEST_F(NativeDraw, RecordedDrawingEqualsRender) {
     const Character character = creature();
@@ -407,13 +383,13 @@ TEST_F(NativeDraw, RecordedDrawingEqualsRender) {
     Renderer renderer = make_renderer(DrawPath::kNative);
     for (int submission = 0; submission < 3; ++submission) {
         std::vector<Picture> drawn;
-        std::vector<Copy> copies;
+        std::vector<PictureCopy> copies;
         test_gpu()->submit_and_wait([&](VkCommandBuffer commands) {
             for (int frame = 0; frame < 2; ++frame) {
                 ASSERT_TRUE(renderer.update(crowd, 0.3f, camera));
                 drawn.push_back(renderer.render(crowd, camera)->picture);
                 ASSERT_TRUE(renderer.record_drawing(commands, crowd, camera));
-                copies.emplace_back().record(commands, renderer);
+                copies.emplace_back(kNativeDrawWidth, kNativeDrawHeight).record(commands, renderer);
             }
         });
         EXPECT_NE(drawn[0].rgba, drawn[1].rgba);
@@ -433,7 +409,7 @@ TEST_F(NativeDraw, RecordedPicturesCanHaveBlueFirst) {
         Renderer renderer = make_renderer(
             {.width = kNativeDrawWidth, .height = kNativeDrawHeight, .path = path, .blue_first = true});
         EXPECT_EQ(renderer.render(crowd, camera)->picture.rgba, wanted.rgba);
-        const Copy copy;
+        const PictureCopy copy(kNativeDrawWidth, kNativeDrawHeight);
         test_gpu()->submit_and_wait([&](VkCommandBuffer commands) {
             ASSERT_TRUE(renderer.record_drawing(commands, crowd, camera));
             copy.record(commands, renderer);
@@ -452,7 +428,7 @@ TEST_F(NativeDraw, TheDeviceDrawsWhatItUpdates) {
     for (const bool in_one : {false, true}) {
         Crowd crowd = placed_crowd(character, 9, {.path = UpdatePath::kDevice, .culling = Culling{}});
         const Camera camera = whole(crowd);
-        const Copy copy;
+        const PictureCopy copy(kNativeDrawWidth, kNativeDrawHeight);
         test_gpu()->submit_and_wait([&](VkCommandBuffer commands) {
             if (in_one) {
                 ASSERT_TRUE(renderer.record(commands, crowd, 0.3f, camera));
@@ -478,7 +454,7 @@ TEST_F(NativeDraw, TheDeviceDrawsAlsoWhenTheLastUpdateIsDiscarded) {
     const Camera camera = whole(crowd);
     Renderer renderer = make_renderer(DrawPath::kNative);
     const CrowdView view = *view_of(camera, kNativeDrawWidth, kNativeDrawHeight, world_bounds(crowd));
-    const Copy copy;
+    const PictureCopy copy(kNativeDrawWidth, kNativeDrawHeight);
     const auto record = [&](VkCommandBuffer commands) { return crowd.record(commands, 0.3f, &view); };
     Recorder recorder;
     const VkCommandBuffer frame = recorder.record([&](VkCommandBuffer commands) {
@@ -536,7 +512,7 @@ TEST_F(NativeDraw, ResizedRenderersEqualNewOnes) {
     for (const auto& [width, height] : {std::pair(800u, 500u), {kNativeDrawWidth, kNativeDrawHeight}}) {
         ASSERT_TRUE(renderer.resize(width, height));
         Renderer made = make_renderer({.width = width, .height = height, .path = DrawPath::kNative});
-        const Copy copy(width, height), of_device(width, height);
+        const PictureCopy copy(width, height), of_device(width, height);
         test_gpu()->submit_and_wait([&](VkCommandBuffer commands) {
             ASSERT_TRUE(renderer.update(crowd, 0.3f, camera));
             ASSERT_TRUE(renderer.record_drawing(commands, crowd, camera));

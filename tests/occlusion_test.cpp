@@ -26,7 +26,7 @@ Image depth_image(const std::vector<float>& depths, uint32_t width, uint32_t hei
                                       VK_IMAGE_USAGE_SAMPLED_BIT});
     const Buffer staging = upload(test_gpu(), "depths", depths, VK_BUFFER_USAGE_TRANSFER_SRC_BIT);
     test_gpu()->submit_and_wait([&](VkCommandBuffer commands) {
-        transition(*test_gpu(), commands, image.handle(), discarded_after(kNoAccess), kCopyTarget);
+        transition(*test_gpu(), commands, image.handle(), discarded_after(Access{}), kCopyTarget);
         VkBufferImageCopy copy{};
         copy.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
         copy.imageExtent = {width, height, 1};

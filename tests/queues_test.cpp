@@ -7,6 +7,8 @@
 #include "tests/kernel_runner.h"
 #include "tests/test_rig.h"
 
+#include <bit>
+#include <cstring>
 #include <list>
 
 namespace throng::test {
@@ -27,7 +29,7 @@ uint32_t family_for(const Application& application, VkQueueFlags wanted) {
 class Queue {
 public:
     // The last queue of the family: another one than the adopted one, if there is one.
-    Queue(const Application& application, uint32_t family) : app_(application), family_(family) {
+    Queue(const Application& application, uint32_t family) : app_(application) {
         app_.table.vkGetDeviceQueue(app_.device, family, app_.queue_count_of(family) - 1, &queue_);
         VkCommandPoolCreateInfo create{VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO};
         create.queueFamilyIndex = family;
@@ -36,8 +38,6 @@ public:
     ~Queue() { app_.table.vkDestroyCommandPool(app_.device, pool_, nullptr); }
     Queue(const Queue&) = delete;
     Queue& operator=(const Queue&) = delete;
-
-    uint32_t family() const { return family_; }
 
     template <class Body>
     void submit(const std::vector<VkSemaphore>& wait_for, const std::vector<VkSemaphore>& signal, const Body& body) {
@@ -64,7 +64,6 @@ public:
 
 private:
     const Application& app_;
-    uint32_t family_;
     VkQueue queue_ = VK_NULL_HANDLE;
     VkCommandPool pool_ = VK_NULL_HANDLE;
 };
@@ -114,6 +113,7 @@ TEST_P(Queues, UploadUpdateAndReadOnQueuesOfTheirOwn) {
     const Application application;
     const uint32_t reading = application.queue_family, computing = family_for(application, VK_QUEUE_COMPUTE_BIT),
                    copying = transfers ? computing : family_for(application, VK_QUEUE_TRANSFER_BIT);
+    if (transfers && computing == reading) GTEST_SKIP() << "its queues are all of one family";
     AdoptedDevice adopted = application.adopted();
     if (transfers) {
         adopted.queue_family = computing;

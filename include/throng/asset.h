@@ -203,8 +203,9 @@ Result<void> add_clips(Asset& asset, const Asset& from);
 // meshes are scaled by the ratio of the mean bone lengths.
 //
 // Each mesh gets a node of its own, behind those of `asset`, with the name that it has in `from`: what
-// Character::find_sections() finds. If a mesh of `asset` has this name already, the name of the file is put before it.
-// An image that `asset` has already is not added again. Clips stay behind: for these, add_clips() before, or after if
+// Character::find_sections() finds. If a mesh of `asset` has this name already, the name of the file is put before it
+// ("coat Body"), and a number behind it if that is taken too; a mesh without a name is named after the file. An image
+// that `asset` has already is not added again. Clips stay behind: for these, add_clips() before, or after if
 // they move joints or morph targets that have been added.
 //
 // Errors: kInvalidArgument: no meshes in `from`, none that follows a joint of `asset`, or an asset that

@@ -29,7 +29,7 @@ uvec4 throng_clip(uint clip, bool loops, float time_s, float speed) {
     return uvec4(clip, loops ? 1 : 0, floatBitsToUint(time_s), floatBitsToUint(speed));
 }
 
-// These two only work where CrowdGroup::shaders_populate is set. `world_from_model` is given row by row.
+// These two only work where ShaderCommands::populate is set. `world_from_model` is given row by row.
 void throng_spawn(uint instance, vec4 world_from_model[3]) {
     throng_ask(instance, 1, 0, floatBitsToUint(world_from_model[0]), floatBitsToUint(world_from_model[1]),
                floatBitsToUint(world_from_model[2]));

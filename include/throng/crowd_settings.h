@@ -44,9 +44,9 @@ struct ShaderCommands {
     // The most for each update and OutputBlock; above 0, at most 1048576. 64 bytes each, and 12 or more an instance
     uint32_t capacity = 0;
     // Instances are spawned and despawned only by such commands, not by the CPU's calls: shaders choose the instance
-    // numbers, below CrowdGroup::capacity. The group has no instances when the crowd is made (instance_count is 0).
-    // Calls that name one of its instances are errors, except those that read; events name its instances with
-    // generation 0. Not together with pose_capacity.
+    // numbers, below CrowdGroup::capacity, which must be above 0. The group has no instances when the crowd is made
+    // (instance_count is 0). Calls that name one of its instances are errors, except those that read; events name its
+    // instances with generation 0. Not together with pose_capacity.
     bool populate = false;
 };
 
@@ -83,7 +83,7 @@ struct CrowdGroup {
     // controller, rules, pose_capacity or a CrowdSettings::skin_blend other than kLinear. A ragdoll that falls off a
     // roof while its placement stays there needs more.
     std::optional<float> pose_margin{};
-    // Such a crowd culls even if CrowdSettings::culling is not set. Needs a group that is updated in one pass and has a
+    // Its crowd culls even if CrowdSettings::culling is not set. Needs a group that is updated in one pass and has a
     // mesh, and a native engine (docs/native.md), which computes the shared poses. Not together with sockets, inertial
     // transitions or pose_capacity, nor with the crowd's keep_model_matrices, keep_previous_matrices,
     // Culling::skips_updates or skins_once: all of these need data of instances that are not drawn.

@@ -72,9 +72,10 @@ struct AdoptedDevice {
     std::shared_ptr<JobSystem> jobs{};
     // Families of other queues whose commands use throng's buffers: one that computes, for updates beside the drawing,
     // or one that copies, for Crowd::record_uploads(). Buffers are shared by all of them concurrently
-    // (VK_SHARING_MODE_CONCURRENT), so no ownership transfers are needed. (An application that prefers these leaves the
-    // list empty, and transfers the views of outputs() that it reads on another family: after a record(), and back
-    // before the next one to the same frame slot.) Crowds of a character share its tables
+    // (VK_SHARING_MODE_CONCURRENT), so no ownership transfers are needed. (An application that reads
+    // nothing but outputs() on another family may leave the list empty instead, and transfer those views: after a
+    // record(), or its record_disoccluded(), and back before the next one to the same frame slot. Crowd::mesh() needs
+    // the list.) Crowds of a character share its tables
     // (Crowd::create()): if the first update of a crowd runs on another queue, make it wait, by a semaphore, for the
     // queue that uploaded them.
     std::vector<uint32_t> more_queue_families{};

@@ -115,11 +115,11 @@ public:
     Renderer& operator=(Renderer&&) noexcept;
     ~Renderer();
 
-    // Makes what drawing this crowd needs, its pipelines and textures, so that its first picture is hardly slower than
-    // those after it. The textures are uploaded by the commands of the next picture, and kept in host memory until
-    // then. From now on updates copy the placements that they move back to the CPU, 48 bytes each, for world_bounds(),
-    // main_bounds() and what is fitted to them. Submits and waits only to read where earlier updates have moved
-    // instances: not before the crowd's first update.
+    // Makes what drawing this crowd needs, its pipelines and textures, so that its first picture has nothing to decode
+    // or compile. The textures are uploaded by the commands of the next two or three pictures, and kept in host memory
+    // until some pictures later. From now on updates copy the placements that they move back to the CPU, 48 bytes each,
+    // for world_bounds(), main_bounds() and what is fitted to them. Submits and waits only to read where earlier
+    // updates have moved instances: not before the crowd's first update.
     Result<void> prepare(const Crowd& crowd);
 
     // The calls below draw one crowd, or several different ones, in one picture, with one sun and one ground. Several

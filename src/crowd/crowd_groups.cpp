@@ -169,7 +169,7 @@ CrowdState::RebuiltStages CrowdState::rebuild_stages(std::span<const StageState>
         if (const auto state = of_stage(joining); state != joining.end())
             for (const Move& move : moves) read_group(state->of_groups.at(move.from), move.to, true);
     }
-    if (placements->is_followed()) find_stage<PlacementStage>(made.stages)->follow(false);
+    find_stage<PlacementStage>(made.stages)->follow_like(*placements);
     if (timer && end_count_of(made.stages) > timer_room_) made.timer = make_timer(made.stages);
     // The feedback of an update is kept for four more updates and refers to data of its groups. Its outputs are read
     // while up to frames_in_flight more updates are computed.

@@ -270,6 +270,7 @@ void CrowdState::restore_state(std::span<const std::byte> state) {
     } catch (...) {
         StateArchive archive(as_it_was.written());
         exchange(archive);
+        if (follows) placements->follow(false);
         throw;
     }
     upload_all(kept, contents);
@@ -277,7 +278,11 @@ void CrowdState::restore_state(std::span<const std::byte> state) {
     was_native_ = (head.flags & kWasNative) != 0;
     awaits_commands_ = can_discard_ = may_be_pending_ = is_half_recorded_ = false;
     if (feedback) feedback->restart(head.update_count);
-    if (follows) follow_placements(true);
+    if (!follows) return;
+    try {
+        follow_placements(true);
+    } catch (const Failure&) {  // the state is restored; the next updates tell where instances stand
+    }
 }
 
 void CrowdState::upload_all(std::span<const KeptBuffer> kept, std::span<const std::byte> contents) const {

@@ -38,14 +38,17 @@ void PlacementStage::set(const Instances& instances, const Each<Affine>& world_f
 }
 
 void PlacementStage::follow(bool wait) {
-    if (followed_) return;
+    if (followed_ && (knows_earlier_ || !wait)) return;
     std::vector<FollowedBatch> moving;
     for (size_t i = 0; i < batches_.size(); ++i)
         if (const Group& group = group_of(batches_[i]); group.moves_placements())
             moving.push_back({i, group.shaders_populate});
     if (moving.empty()) return;
-    followed_.emplace(gpu_, batches_, moving);
-    if (!wait) return;
+    if (!followed_) {
+        followed_.emplace(gpu_, batches_, moving);
+        knows_earlier_ = update_count_ == 0;
+    }
+    if (knows_earlier_ || !wait) return;
     for (const FollowedBatch& of : moving) {
         const Batch& batch = batches_[of.batch];
         if (!batch.has_updated) continue;
@@ -56,13 +59,22 @@ void PlacementStage::follow(bool wait) {
                   download<Affine>(gpu_, BufferRange(batch[io::kPlacementsBuffer], 0, followed_->placement_bytes(of))),
                   births, update_count_);
     }
+    knows_earlier_ = true;
+}
+
+void PlacementStage::follow_like(const PlacementStage& before) {
+    if (!before.followed_) return;
+    follow(false);
+    knows_earlier_ = before.knows_earlier_;
 }
 
 const std::vector<Affine>& PlacementStage::known() {
-    if (followed_)
-        if (const uint64_t update = followed_->take_newest())
-            followed_->for_each([&](const Batch& batch, std::span<const Affine> moved,
-                                    std::span<const uint32_t> births) { take_over(batch, moved, births, update); });
+    const uint64_t update = followed_ ? followed_->take_newest() : 0;
+    if (update == 0) return placements_;
+    followed_->for_each([&](const Batch& batch, std::span<const Affine> moved, std::span<const uint32_t> births) {
+        take_over(batch, moved, births, update);
+    });
+    knows_earlier_ = true;
     return placements_;
 }
 
@@ -112,7 +124,9 @@ void PlacementStage::discard() {
 // follow() is called again.
 void PlacementStage::exchange(StateArchive& archive) {
     archive.value(update_count_);
-    if (archive.reads()) followed_.reset();
+    if (!archive.reads()) return;
+    followed_.reset();
+    knows_earlier_ = false;
 }
 
 void PlacementStage::exchange_group(StateArchive& archive, uint32_t group) {

@@ -20,8 +20,10 @@ public:
 
     void set(const Instances& instances, const Each<Affine>& world_from_model);
     // From now on known() includes what updates do. If it may `wait`, for submitted updates, that includes what they
-    // have done to groups until now.
+    // have done to groups until now; otherwise, from when the next update has run.
     void follow(bool wait);
+    // The same as the stage before has done, whose groups are among those of this one.
+    void follow_like(const PlacementStage& before);
     bool is_followed() const { return followed_.has_value(); }
     // [instance_count], as the CPU knows them: as last set or, if they are followed, as left by the newest update that
     // it has heard of since.
@@ -46,6 +48,7 @@ private:
     DirtyRanges dirty_;
     uint32_t update_count_ = 0;
     std::optional<FollowedPlacements> followed_;
+    bool knows_earlier_ = false;  // what updates did before they were followed
     PopulationStage& population_;
 };
 

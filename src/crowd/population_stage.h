@@ -66,7 +66,7 @@ private:
         // For each number, the number of the update that its instance was born in, as kernels know it; 0 if it is free
         std::vector<uint32_t> births;
         std::vector<uint32_t> generations;
-        bool is_of_shaders = false;  // CrowdGroup::shaders_populate: `births` are those read back last
+        bool is_of_shaders = false;  // ShaderCommands::populate: `births` are those read back last
     };
     // Instances removed after this update and before the next. If several had the same number, it is the first: the
     // others were in no update.

@@ -4,7 +4,6 @@
 #include "crowd/batch_plan.h"
 #include "crowd/stage.h"
 #include "gpu/kernel.h"
-#include "steer/terrain_io.h"
 
 namespace throng {
 

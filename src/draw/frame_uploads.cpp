@@ -6,12 +6,17 @@
 
 namespace throng {
 
+void FrameUploads::add(std::unique_ptr<Uploads> uploads) {
+    if (!uploads->is_empty()) pending_.push_back({.uploads = std::move(uploads)});
+}
+
 void FrameUploads::record(VkCommandBuffer commands) {
     poll();
     if (pending_.empty()) return;
     const uint64_t number = ++frame_count_;
     // Frames that have recorded them already may still copy, and draw.
-    memory_barrier(*gpu_, commands, kAnyAccess, kTransferWrite);
+    if (std::ranges::any_of(pending_, [](const Pending& pending) { return !pending.has_run; }))
+        memory_barrier(*gpu_, commands, kAnyAccess, kTransferWrite);
     for (Pending& pending : pending_) {
         if (pending.has_run) continue;
         pending.uploads->record(commands);
@@ -32,9 +37,11 @@ void FrameUploads::poll() {
             pending.has_run = pending.has_run ||
                               (pending.first_frame <= frame.number && frame.number <= pending.last_frame);
     }
-    for (Frame& frame : frames_)
-        if (frame.number <= newest) events_.give_back(std::move(frame.done));
-    std::erase_if(frames_, [&](const Frame& frame) { return frame.number <= newest; });
+    while (!frames_.empty() && frames_.front().number <= newest) {
+        DeviceEvent done = std::move(frames_.front().done);
+        frames_.pop_front();
+        events_.give_back(std::move(done));
+    }
     // The events would do, but validation layers do not follow them: see Retired.
     std::erase_if(pending_, [&](Pending& pending) {
         return pending.has_run && pending.last_frame <= newest && --pending.frames_left == 0;

@@ -39,7 +39,6 @@ struct ImageUse {
 };
 // The image's content is lost.
 constexpr ImageUse discarded_after(const Access& access) { return {VK_IMAGE_LAYOUT_UNDEFINED, access}; }
-inline constexpr Access kNoAccess{VK_PIPELINE_STAGE_2_NONE, VK_ACCESS_2_NONE};
 inline constexpr ImageUse kColorTarget{VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL, kColorWrite},
     kDepthTarget{VK_IMAGE_LAYOUT_DEPTH_ATTACHMENT_OPTIMAL, kDepthAccess},
     kTexture{VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL, kFragmentRead},

@@ -30,8 +30,9 @@ public:
     // Copies `data`, `count` times one after another, to the beginning of `target` and fills the rest with zeros. Sizes
     // are multiples of four bytes. The target may be destroyed before finish().
     void add(const Buffer& target, std::span<const std::byte> data, uint64_t count = 1);
-    // `record` is called when all is submitted, with the data in staging memory, at a multiple of 16 bytes.
+    // `record` is called by finish() and by each record(), with the data in staging memory, at a multiple of 16 bytes.
     void add(std::span<const std::byte> data, std::function<void(VkCommandBuffer, const BufferRange&)> record);
+    bool is_empty() const { return pending_.empty(); }
     // Submits what has been added so far if `size_bytes` more would exceed the limit. add() does so too. A caller that
     // must know whether its own upload failed calls this first, so that failures of earlier uploads show here.
     void make_room(VkDeviceSize size_bytes);

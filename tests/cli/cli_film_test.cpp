@@ -417,6 +417,18 @@ TEST_F(CliFilm, AnInterruptedFilmReportsTheKeptFrames) {
     EXPECT_EQ(contents(folder).size(), count + 1) << "with the settings, and nothing half-written";
 }
 
+TEST_F(CliFilm, ALongFilmSaysBeforehandHowLongItWillTake) {
+    const std::string folder = new_folder("long");
+    bool is_drawing = true;
+    const auto interrupt_after_some_frames = [&](int process, const std::string&) {
+        if (is_drawing && fs::exists(folder + "/3.png")) is_drawing = kill(process, SIGINT) != 0;
+    };
+    const Words command = "render walker.glb --size 640x360 --frames 0:500000" + Words{"--out", folder + "/%d.png"};
+    const Outcome interrupted = run_tool(command, {.watch = interrupt_after_some_frames});
+    EXPECT_TRUE(std::regex_search(interrupted.err, std::regex("500000 frames will take about [0-9]+ (min|h)")))
+        << interrupted;
+}
+
 // There are two thousand frames to check, so the signal arrives long before the last one is decoded.
 TEST_F(CliFilm, AnInterruptionEndsTheCheckOfExistingFrames) {
     const std::string folder = new_folder("checked"), lock = folder + "/settings.json.lock";

@@ -153,6 +153,88 @@ TEST(AddMeshes, RigidMeshesHangOnTheirJoints) {
     EXPECT_EQ(all[character.sections[2].first_vertex + 1], (Vec3<double>{1.5, 2, 3})) << "half as large";
 }
 
+// Names of nodes that are no joints mean nothing: another thing has a grip too.
+TEST(AddMeshes, OnlyTheRigIsMatchedByName) {
+    const auto thing = [](const char* name, double x) {
+        Asset asset{.name = std::string(name) + ".glb",
+                    .nodes = {{.name = "hand"}, {.name = "grip", .parent = 0}, {.name = name, .parent = 1}},
+                    .skins = {{.joints = {0}, .inverse_binds = std::vector<Affine>(1)}},
+                    .meshes = {triangle(false)},
+                    .mesh_instances = {{.node = 2, .mesh = 0}}};
+        asset.nodes[1].parent_from_node.translation = {x, 0, 0};
+        return asset;
+    };
+    const Character armed = compiled(with_meshes(with_meshes(body(), thing("sword", 5)), thing("axe", 7)));
+    ASSERT_EQ(armed.section_names, (std::vector<std::string>{"Body", "sword", "axe"}));
+    EXPECT_EQ(corner(armed, 1), (Vec3<double>{6, 0, 0}));
+    EXPECT_EQ(corner(armed, 2), (Vec3<double>{8, 0, 0}));
+
+    // A joint that is called like a mesh of the character.
+    Asset tail = body();
+    tail.name = "tail.glb";
+    tail.nodes[2].name = "Tail";
+    tail.nodes.push_back({.name = "Body", .parent = 1, .parent_from_node = {.translation = {0, 0, -1}}});
+    tail.skins[0].joints = {3, 1};
+    const Asset tailed = with_meshes(body(), tail);
+    EXPECT_EQ(tailed.warnings.size(), 1u);
+    EXPECT_EQ(corner(compiled(tailed), 1), (Vec3<double>{1, 0, -1}));
+}
+
+// A bone of another length, such as one that ends in a weapon, is no other size.
+TEST(AddMeshes, AreNotScaledForASingleBone) {
+    const Asset whole = walker_asset();
+    Asset clothes = clothes_of(whole);
+    const auto is_leaf = [&](uint32_t node) {
+        return std::ranges::none_of(clothes.nodes, [&](const AssetNode& other) { return other.parent == node; });
+    };
+    for (uint32_t node = 0; node < clothes.nodes.size(); ++node) {
+        if (!is_leaf(node) || clothes.nodes[node].parent == kNone) continue;
+        clothes.nodes[node].parent_from_node.translation = clothes.nodes[node].parent_from_node.translation * 9.0;
+        break;
+    }
+    expect_twins(with_meshes(whole, clothes), whole);
+}
+
+// As files of gloves or hats have: few joints, which share more than a prefix.
+TEST(AddMeshes, PrefixesAreFoundInFilesWithFewJoints) {
+    Asset glove = body();
+    glove.name = "glove.glb";
+    glove.nodes[0].name = "mixamorigHips";
+    glove.nodes[1].name = "mixamorigHand";
+    glove.nodes[2].name = "Glove";
+    glove.skins[0] = {.joints = {1}, .inverse_binds = std::vector<Affine>(1)};
+    const Asset gloved = with_meshes(body(), glove);
+    EXPECT_TRUE(gloved.warnings.empty());
+    EXPECT_EQ(compiled(gloved).rig.joint_count(), 2u);
+    EXPECT_EQ(corner(compiled(gloved), 1), (Vec3<double>{1, 0, 0}));
+}
+
+// A joint that is added goes on moving the mesh at its node, and what hangs on a mesh goes on hanging on it.
+TEST(AddMeshes, MeshesOfAddedNodesFollowThem) {
+    Asset cape = body();
+    cape.name = "cape.glb";
+    cape.nodes[2] = {.name = "clasp", .parent = 1, .parent_from_node = {.translation = {0, 0, -1}}};
+    cape.nodes.push_back({.name = "Cape"});
+    cape.nodes.push_back({.name = "box", .parent = 1, .parent_from_node = {.translation = {0, 2, 0}}});
+    cape.nodes.push_back({.name = "gem", .parent = 4, .parent_from_node = {.translation = {0, 0, 3}}});
+    cape.skins[0].joints = {2, 1};
+    cape.meshes.push_back(triangle(false));
+    cape.mesh_instances = {
+        {.node = 2, .mesh = 1}, {.node = 3, .mesh = 0, .skin = 0}, {.node = 4, .mesh = 1}, {.node = 5, .mesh = 1}};
+    const Asset dressed = with_meshes(body(), cape);
+    const auto node_of_section = [&](const Character& character, uint32_t section) {
+        return dressed.nodes[character.sections[section].node];
+    };
+    const Character character = compiled(dressed);
+    ASSERT_EQ(character.section_names, (std::vector<std::string>{"Body", "clasp", "Cape", "box", "gem"}));
+    ASSERT_NE(character.rig.find_joint("clasp"), kNone);
+    EXPECT_EQ(node_of_section(character, 1).parent, character.rig.nodes[character.rig.find_joint("clasp")]);
+    EXPECT_EQ(node_of_section(character, 4).parent, character.sections[3].node);
+    EXPECT_EQ(corner(character, 1), (Vec3<double>{1, 0, -1}));
+    EXPECT_EQ(corner(character, 3), (Vec3<double>{1, 2, 0}));
+    EXPECT_EQ(corner(character, 4), (Vec3<double>{1, 2, 3}));
+}
+
 TEST(AddMeshes, JointsThatAreMissingAreAdded) {
     Asset cape = body();
     cape.name = "cape.glb";
@@ -183,10 +265,14 @@ TEST(AddMeshes, NamesImagesAndMaterialsDoNotMix) {
     other.name = "coat.glb";
     painted(asset, {"skin", "colours"});
     painted(other, {"colours", "cloth"});
+    other.nodes.push_back({.name = "Body"});
+    other.mesh_instances.push_back({.node = 3, .mesh = 0, .skin = 0});
     add_meshes(asset, other).expect();
     add_meshes(asset, other).expect();
     const Character character = compiled(asset);
-    EXPECT_EQ(character.section_names, (std::vector<std::string>{"Body", "coat Body", "coat Body 2"}));
+    EXPECT_EQ(character.section_names,
+              (std::vector<std::string>{"Body", "coat Body", "coat Body", "coat Body 2", "coat Body 2"}))
+        << "those that share a name keep sharing one";
     EXPECT_EQ(asset.images.size(), 3u) << "colours and cloth are taken once";
     const AssetMaterial& material = character.materials[character.sections[1].material];
     EXPECT_EQ(material.name, "coat.glb colours");

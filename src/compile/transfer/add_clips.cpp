@@ -232,7 +232,7 @@ Result<void> add_clips(Asset& asset, const Asset& from) {
             UniqueNames names;
             for (const AssetClip& clip : asset.clips) names.insert(clip.name);
             for (AssetClip& clip : clips)
-                clip.name = names.add(clip.name, is_generic_name(clip.name), stem_of(from.name));
+                clip.name = names.add(clip.name, is_generic_name(clip.name), stem_of(from.name, "clip"));
             // Reserves first, so that nothing fails half-way after that.
             asset.clips.reserve(asset.clips.size() + clips.size());
             asset.warnings.reserve(asset.warnings.size() + warnings.size());

@@ -21,15 +21,33 @@
 namespace throng {
 namespace {
 
+// The joints of an asset and the nodes above them, without clips and meshes. Other nodes have no names here: one that
+// is called the same in another file ("grip", "Object_7", or a mesh "Hair") is another thing.
+Asset rig_of(const Asset& asset) {
+    const std::vector<bool> is_joint = joints_of(asset);
+    std::vector<bool> is_of_rig = is_joint;
+    for (uint32_t node = 0; node < asset.nodes.size(); ++node) {
+        if (!is_joint[node]) continue;
+        for (uint32_t above = asset.nodes[node].parent; above != kNone && !is_of_rig[above];
+             above = asset.nodes[above].parent)
+            is_of_rig[above] = true;
+    }
+    Asset rig{.name = asset.name, .nodes = asset.nodes, .skins = asset.skins};
+    for (uint32_t node = 0; node < rig.nodes.size(); ++node)
+        if (!is_of_rig[node]) rig.nodes[node].name.clear();
+    return rig;
+}
+
 // Collects what the meshes of `from` need, numbered as behind that of `to`.
 class MeshAdder {
 public:
     MeshAdder(const Asset& from, const Asset& to)
         : from_(from),
           to_(to),
-          fit_(to, from, joints_of(to)),
+          rig_(rig_of(to)),
           is_joint_(joints_of(to)),
-          size_ratio_(1 / fit_.size_ratio()),
+          fit_(rig_, from, is_joint_),
+          size_ratio_(fit_.is_same_skeleton() ? 1 : 1 / fit_.size_ratio()),
           old_frames_(rest_frames(from)),
           frames_(rest_frames(to)),
           nodes_(from.nodes.size(), kNone),
@@ -94,14 +112,19 @@ private:
     // Each gets a node of its own, whose number is above those of earlier ones.
     void add_instance(const AssetMeshInstance& instance) {
         const AssetNode& old = from_.nodes[instance.node];
-        const uint32_t matched = fit_.source(instance.node);
-        const bool is_on_joint = matched != kNone && is_joint_[matched];  // the new node is below it
-        const uint32_t parent = is_on_joint ? matched : node_of(old.parent);
+        // A joint goes on moving its mesh, which gets a node below it. So does a node that stands for another already.
+        const bool is_joint = !from_.skins.empty() && fit_.is_joint(instance.node);
+        const bool is_known = fit_.source(instance.node) != kNone || nodes_[instance.node] != kNone;
+        const bool is_below = is_joint || is_known;
+        const uint32_t parent = node_of(is_below ? instance.node : old.parent);
         AssetMeshInstance added = instance;
-        added.node = is_on_joint ? add_node(instance.node, parent, {}, {})
-                                 : add_node(old.parent, parent, {}, old.parent_from_node);
+        added.node = is_below ? add_node(instance.node, parent, {}, {})
+                              : add_node(old.parent, parent, {}, old.parent_from_node);
+        if (!is_below) nodes_[instance.node] = added.node;
         const std::string& name = section_name(from_, instance);
-        added_.nodes.back().name = section_names_.add(name, name.empty(), stem_of(from_.name));
+        const auto [renamed, is_new] = new_names_.try_emplace(name);  // meshes that share a name keep sharing one
+        if (is_new) renamed->second = section_names_.add(name, name.empty(), stem_of(from_.name, "mesh"));
+        added_.nodes.back().name = renamed->second;
         added.mesh += count_of(to_.meshes);
         if (instance.skin != kNone)
             added.skin = skin_of(instance.skin);
@@ -178,14 +201,16 @@ private:
     }
 
     const Asset &from_, &to_;
-    const RigTransfer fit_;                       // from nodes of `to` to those of `from`
+    const Asset rig_;                             // of `to`
     const std::vector<bool> is_joint_;            // [node of `to`]
+    const RigTransfer fit_;                       // from nodes of rig_ to those of `from`
     const double size_ratio_;                     // of `to` to `from`
     std::vector<NodeFrame> old_frames_, frames_;  // [node of `from`]; [node of `to`, then added nodes]
     std::vector<uint32_t> nodes_, skins_;         // [node or skin of `from`]: the added one, or kNone
     std::map<uint32_t, uint32_t> images_;         // image of `from` -> image
     UniqueNames section_names_;
-    std::unordered_set<uint32_t> joints_;  // of `from`, that meshes follow
+    std::map<std::string, std::string> new_names_;  // by the names in `from`
+    std::unordered_set<uint32_t> joints_;           // of `from`, that meshes follow
     NameList added_joints_;
     bool follows_ = false;
     Asset added_;

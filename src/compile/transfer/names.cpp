@@ -46,9 +46,9 @@ std::vector<std::string> new_warnings(const Asset& asset, const Asset& from,
     return out;
 }
 
-std::string stem_of(const std::string& file) {
+std::string stem_of(const std::string& file, const char* unnamed) {
     const std::string name = file.substr(file.find_last_of("/\\") + 1), stem = name.substr(0, name.rfind('.'));
-    return stem.empty() ? "clip" : stem;
+    return stem.empty() ? unnamed : stem;
 }
 
 std::string UniqueNames::add(const std::string& name, bool is_generic, const std::string& stem) {

@@ -33,8 +33,8 @@ std::string some_joints(const Asset& asset, const std::vector<bool>& is_joint);
 std::vector<std::string> new_warnings(const Asset& asset, const Asset& from,
                                       const std::function<bool(const std::string&)>& relevant);
 
-// "walk" of "moves/walk.glb"; "clip" for a file without a name.
-std::string stem_of(const std::string& file);
+// "walk" of "moves/walk.glb"; `unnamed` for a file without a name.
+std::string stem_of(const std::string& file, const char* unnamed);
 
 // Names, each once.
 class UniqueNames {

@@ -32,7 +32,20 @@ public:
             if (!is_chosen[node]) continue;
             const std::string name = loose_name(asset.nodes[node].name);
             if (std::exchange(is_first, false)) prefix_ = name;
-            prefix_.erase(std::ranges::mismatch(prefix_, name).in1, prefix_.end());
+            shorten_prefix(name);
+        }
+        // What few nodes share is more than a prefix: "mixamorigLeft" of gloves. The nodes above them tell.
+        std::vector<bool> is_seen = is_chosen;
+        for (uint32_t node = 0; node < is_chosen.size(); ++node) {
+            if (!is_chosen[node]) continue;
+            for (uint32_t above = asset.nodes[node].parent; above != kNone && !is_seen[above];
+                 above = asset.nodes[above].parent) {
+                is_seen[above] = true;
+                const std::string name = loose_name(asset.nodes[above].name);
+                if (name.starts_with(prefix_)) continue;
+                if (common_length(prefix_, name) < kShortestPrefix) break;  // the node that holds the rig
+                shorten_prefix(name);
+            }
         }
     }
     std::string of(uint32_t node, NameForm form) const {
@@ -47,6 +60,12 @@ public:
     }
 
 private:
+    static constexpr size_t kShortestPrefix = 3;
+    static size_t common_length(std::string_view a, std::string_view b) {
+        return static_cast<size_t>(std::ranges::mismatch(a, b).in1 - a.begin());
+    }
+    void shorten_prefix(const std::string& name) { prefix_.resize(common_length(prefix_, name)); }
+
     const Asset& asset_;
     std::string prefix_;  // three.js writes "mixamorig:Hips" as "mixamorigHips"
 };
@@ -88,7 +107,9 @@ std::vector<uint32_t> find_sources(const Asset& from, const std::vector<bool>& c
             if (step.is_unique && (nodes.size() > 1 || named.size() > 1)) continue;
             for (size_t i = 0; i < nodes.size(); ++i) {
                 const bool is_another = named.size() == 1 && i > 0;
-                if (is_another ? !is_joint[nodes[i]] : i >= named.size()) break;
+                // One below the other would move twice.
+                const bool is_below = is_another && to.nodes[nodes[i]].parent == nodes[0];
+                if (is_another ? !is_joint[nodes[i]] || is_below : i >= named.size()) break;
                 sources[nodes[i]] = named[is_another ? 0 : i];
                 is_taken[sources[nodes[i]]] = true;
             }

@@ -63,6 +63,8 @@ public:
     bool is_joint(uint32_t node) const { return is_joint_[node]; }
     // The mean length of bones in `to` over that in `from`; 1 where all are as long.
     double size_ratio() const { return size_ratio_; }
+    // Whether nearly all bones are as long in both.
+    bool is_same_skeleton() const { return is_same_skeleton_; }
     // Whether the node takes over a track. `holds_rest`: the track never leaves the rest pose of `from`. Exporters
     // write such tracks for the node that holds a rig ("Armature"). In `to` this node may be rotated and scaled in
     // another way, so it keeps its own rest pose.
