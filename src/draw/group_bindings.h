@@ -11,8 +11,7 @@ namespace throng {
 
 struct GroupBindings {
     // Makes the textures that are not yet among `textures`, the renderer's, and subtracts the size of all textures that
-    // the group needs from `room_bytes`. Draw with it only behind the uploads, in the same
-    // commands or later.
+    // the group needs from `room_bytes`. Draw with it only behind the uploads, in the same commands or later.
     GroupBindings(Uploads& uploads, const ShaderLayout& layout, const MaterialSampling& sampling,
                   const CrowdState& crowd, uint32_t group, uint64_t& room_bytes, SharedValues& textures);
 
