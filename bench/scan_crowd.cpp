@@ -135,6 +135,7 @@ ScanCrowd::ScanCrowd(std::shared_ptr<Gpu> gpu, const ScanRig& rig, uint32_t inst
         largest_bytes = std::max(largest_bytes, size_bytes);
     }
     read_back_ = Buffer(gpu_, "read-back", largest_bytes, 0, MemoryKind::kReadback);
+    no_births_ = upload_table(gpu_, "births", std::vector<uint32_t>());
 }
 
 const Buffer& ScanCrowd::local(uint32_t index, ScanLayout layout, ScanFormat format) {
@@ -150,7 +151,8 @@ BufferTable ScanCrowd::buffers(uint32_t batch, const ScanMethod& method, const B
     return {{io::kLocalBuffer, local(batch, method.layout, method.format)},
             {io::kScanLinksBuffer, links},
             {io::kModelBuffer, batches_[batch].model},
-            {io::kScratchBuffer, batches_[batch].scratch}};
+            {io::kScratchBuffer, batches_[batch].scratch},
+            {io::kBirthsBuffer, no_births_}};
 }
 
 void ScanCrowd::poison() const {

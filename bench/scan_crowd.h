@@ -57,7 +57,7 @@ private:
     std::shared_ptr<Gpu> gpu_;
     PoseSet poses_;
     std::vector<Batch> batches_;
-    Buffer read_back_;
+    Buffer read_back_, no_births_;
 };
 
 // Largest difference of instances' matrices (of pose i % pose_count, or of pose 0 alone) from the reference.

@@ -150,15 +150,6 @@ inline void bind(const Context& context, VkCommandBuffer commands, const Pipelin
     vkCmdBindDescriptorSets(commands, pipeline.bind_point, pipeline.layout, 0, 1, &set, 0, nullptr);
 }
 
-// Makes earlier copies visible to compute shaders that come later.
-inline void write_before_shaders(VkCommandBuffer commands) {
-    const VkMemoryBarrier written{.sType = VK_STRUCTURE_TYPE_MEMORY_BARRIER,
-                                  .srcAccessMask = VK_ACCESS_TRANSFER_WRITE_BIT,
-                                  .dstAccessMask = VK_ACCESS_SHADER_READ_BIT | VK_ACCESS_SHADER_WRITE_BIT};
-    vkCmdPipelineBarrier(commands, VK_PIPELINE_STAGE_TRANSFER_BIT, VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT, 0, 1, &written,
-                         0, nullptr, 0, nullptr);
-}
-
 inline VkCommandBuffer begin_commands(const Context& context, uint32_t queue_family) {
     const VkCommandBufferAllocateInfo allocation{
         .sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO,

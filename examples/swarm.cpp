@@ -45,10 +45,7 @@ int main(int argc, char** argv) {
     for (uint32_t frame = 0; frame < kFrames; ++frame) {
         const VkCommandBuffer commands = begin_commands(context, vulkan.queue_family);
         // Without this the buffer of commands would not be empty before the first update.
-        if (frame == 0) {
-            crowd.record_uploads(commands).expect();
-            write_before_shaders(commands);
-        }
+        if (frame == 0) crowd.record_uploads(commands).expect();
         const Push push{kCount, static_cast<uint32_t>(character.clips.size()), static_cast<float>(frame) * kStep_s,
                         kStep_s, character.size};
         bind(context, commands, pipeline, {crowd.outputs()[0].command});

@@ -141,7 +141,8 @@ public:
                                    {io::kInertiasBuffer, local},
                                    {io::kInertiaStatesBuffer, local},
                                    {io::kPoseOverridesBuffer, words_},
-                                   {io::kSetPosesBuffer, keys_}},
+                                   {io::kSetPosesBuffer, keys_},
+                                   {io::kBirthsBuffer, words_}},
                        io::LayeredPush{joint_count(), active_clip_limit}, static_cast<uint32_t>(count));
         return local.read();
     }

@@ -51,7 +51,8 @@ Bound run_bind(uint32_t joint_count, uint32_t palette_count, uint32_t instance_c
                    BufferTable{{io::kModelBuffer, model},
                                {io::kPaletteJointsBuffer, joint_buffer},
                                {io::kJointFromBindBuffer, bind_buffer},
-                               {io::kSkinBuffer, skin}},
+                               {io::kSkinBuffer, skin},
+                               {io::kBirthsBuffer, Guarded<uint32_t>({})}},
                    io::BindPush{joint_count, palette_count}, instance_count);
     bound.got = skin.read();
     EXPECT_TRUE(same_bits(model.read(), bound.model)) << "the stage wrote its input";

@@ -39,7 +39,8 @@ std::vector<Affine> run_blend(const std::vector<float>& weights, const std::vect
                                {io::kSecondPosesBuffer, second_poses},
                                {io::kLocalBuffer, local},
                                {io::kPoseOverridesBuffer, Guarded<uint32_t>({})},
-                               {io::kSetPosesBuffer, first_poses}},
+                               {io::kSetPosesBuffer, first_poses},
+                               {io::kBirthsBuffer, Guarded<uint32_t>({})}},
                    io::BlendPush{joint_count}, static_cast<uint32_t>(weights.size()));
     EXPECT_TRUE(same_bits(first_poses.read(), first) && same_bits(second_poses.read(), second))
         << "the stage wrote its input";
@@ -70,7 +71,8 @@ TEST(Blend, SimilaritiesAreTheSameTransforms) {
                                {io::kSecondPosesBuffer, second_poses},
                                {io::kLocalBuffer, local},
                                {io::kPoseOverridesBuffer, Guarded<uint32_t>({})},
-                               {io::kSetPosesBuffer, first_poses}},
+                               {io::kSetPosesBuffer, first_poses},
+                               {io::kBirthsBuffer, Guarded<uint32_t>({})}},
                    io::BlendPush{kJoints}, static_cast<uint32_t>(weights.size()));
     const std::vector<io::vec4> rows = local.read();
     for (size_t i = 0; i < first.size(); ++i) {

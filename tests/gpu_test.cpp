@@ -137,10 +137,12 @@ TEST(Gpu, TheWorkgroupSizeIsGivenExactlyWhereTheShaderLeavesItOpen) {
         ErrorCode::kInvalidArgument);
 }
 
-std::vector<uint32_t> storage_bindings(const SpirvInfo& info) {
+// `are_for_software`: there tables (gpu/table.glsl) are texel buffers.
+std::vector<uint32_t> storage_bindings(const SpirvInfo& info, bool are_for_software = false) {
     std::vector<uint32_t> out;
     for (const BindingInfo& binding : info.bindings) {
-        EXPECT_EQ(binding.kind, BindingKind::kStorage);
+        const bool is_table = are_for_software && binding.binding == io::kBirthsBuffer;
+        EXPECT_EQ(binding.kind, is_table ? BindingKind::kTexels : BindingKind::kStorage);
         out.push_back(binding.binding);
     }
     return out;
@@ -148,9 +150,9 @@ std::vector<uint32_t> storage_bindings(const SpirvInfo& info) {
 
 TEST(Gpu, SpirvInfoHasWhatAShaderNeeds) {
     const auto expect = [](const char* name, std::span<const uint32_t> spirv, const std::vector<uint32_t>& bindings,
-                           size_t push_bytes, uint32_t local_size) {
+                           size_t push_bytes, uint32_t local_size, bool is_for_software = false) {
         const SpirvInfo info = read_spirv(spirv);
-        EXPECT_EQ(storage_bindings(info), bindings) << name;
+        EXPECT_EQ(storage_bindings(info, is_for_software), bindings) << name;
         EXPECT_EQ(info.push_constant_bytes, push_bytes) << name;
         EXPECT_EQ(info.local_size_is_specialized, local_size == 0) << name;
         if (local_size != 0) {
@@ -161,14 +163,15 @@ TEST(Gpu, SpirvInfoHasWhatAShaderNeeds) {
            {io::kTimelineBuffer, io::kTimesBuffer, io::kBirthsBuffer, io::kPlaybacksBuffer, io::kCursorsBuffer},
            sizeof(io::ControlPush), io::kControlWorkgroupSize);
     expect("sample", kernels::sample.plain,
-           {io::kTracksBuffer, io::kKeysBuffer, io::kWordsBuffer, io::kCursorsBuffer, io::kSampledPosesBuffer},
+           {io::kTracksBuffer, io::kKeysBuffer, io::kWordsBuffer, io::kBirthsBuffer, io::kCursorsBuffer,
+            io::kSampledPosesBuffer},
            sizeof(io::SamplePush), io::kSampleWorkgroupSize);
     expect("blend", kernels::blend.plain,
-           {io::kSetPosesBuffer, io::kCursorsBuffer, io::kPoseOverridesBuffer, io::kFirstPosesBuffer,
+           {io::kSetPosesBuffer, io::kBirthsBuffer, io::kCursorsBuffer, io::kPoseOverridesBuffer, io::kFirstPosesBuffer,
             io::kSecondPosesBuffer, io::kLocalBuffer},
            sizeof(io::BlendPush), io::kBlendWorkgroupSize);
     expect("bind", kernels::bind.plain,
-           {io::kPaletteJointsBuffer, io::kJointFromBindBuffer, io::kModelBuffer, io::kSkinBuffer},
+           {io::kPaletteJointsBuffer, io::kJointFromBindBuffer, io::kBirthsBuffer, io::kModelBuffer, io::kSkinBuffer},
            sizeof(io::BindPush), io::kBindWorkgroupSize);
     expect("skin", kernels::skin.plain,
            {io::kVerticesBuffer, io::kInfluencesBuffer, io::kSkinSectionsBuffer, io::kListedVerticesBuffer,
@@ -178,12 +181,15 @@ TEST(Gpu, SpirvInfoHasWhatAShaderNeeds) {
     for (const ScanMethod& method : scan_table()) {
         const ScanShaders& shaders = scan_shaders(method.name);
         const bench::OnChipShaders& on_chip = bench::on_chip_shaders(method.name);
-        for (const auto& spirv : {shaders.plain, shaders.software, on_chip.plain, on_chip.software}) {
-            const std::vector<uint32_t> bindings = storage_bindings(read_spirv(spirv)),
-                                        all{io::kScanLinksBuffer, io::kLocalBuffer, io::kModelBuffer,
+        for (const auto& [spirv, is_software] : {std::pair{shaders.plain, false},
+                                                 {shaders.software, true},
+                                                 {on_chip.plain, false},
+                                                 {on_chip.software, true}}) {
+            const std::vector<uint32_t> bindings = storage_bindings(read_spirv(spirv), is_software),
+                                        all{io::kScanLinksBuffer, io::kBirthsBuffer, io::kLocalBuffer, io::kModelBuffer,
                                             io::kScratchBuffer};
             EXPECT_TRUE(std::includes(all.begin(), all.end(), bindings.begin(), bindings.end())) << method.name;
-            expect(std::string(method.name).c_str(), spirv, bindings, sizeof(io::ScanPush), 0);
+            expect(std::string(method.name).c_str(), spirv, bindings, sizeof(io::ScanPush), 0, is_software);
         }
     }
     EXPECT_EQ(error_of([] { scan_shaders("no such method"); }).code, ErrorCode::kInvalidArgument);

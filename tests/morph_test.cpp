@@ -101,7 +101,8 @@ private:
                                     {io::kMorphTimesBuffer, tables_[io::kMorphTimesBuffer]},
                                     {io::kMorphTracksBuffer, tables_[io::kMorphTracksBuffer]},
                                     {io::kMorphValuesBuffer, tables_[io::kMorphValuesBuffer]},
-                                    {io::kActiveMorphsBuffer, active}},
+                                    {io::kActiveMorphsBuffer, active},
+                                    {io::kBirthsBuffer, Guarded<uint32_t>({})}},
                         io::MorphPush{count, static_cast<uint32_t>(character_.morphs.size()),
                                       character_.rig.joint_count(), active_clip_limit, limit},
                         count);

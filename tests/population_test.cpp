@@ -414,6 +414,49 @@ TEST(Population, UnseenInstancesWithSocketsAreAnimated) {
     }
 }
 
+// What is free keeps whatever is in its matrices: here, words that no kernel would write.
+TEST(Population, FreeNumbersAreNotAnimatedStageByStage) {
+    constexpr uint32_t kUntouched = 0xFFFFFFFF;
+    const Character character = creature(20, 6);
+    const Controller layered = direct_layers(2);
+    Controller in_model_space = layered;
+    in_model_space.layers.back().model_space_rotations = true;
+    for (const Controller* const controller :
+         std::initializer_list<const Controller*>{nullptr, &layered, &in_model_space}) {
+        CrowdSettings settings{.groups = {{.character = &character, .controller = controller, .capacity = 7}},
+                               .path = UpdatePath::kStaged,
+                               .keep_model_matrices = true};
+        if (has_scan("levels")) settings.scan = "levels";  // a workgroup for each instance, so that it can be left out
+        Crowd crowd = create(settings);
+        const std::vector<InstanceHandle> all = crowd.spawn(0, std::vector<Affine>(5)).value();
+        ASSERT_TRUE(crowd.update(0.1f));
+        ASSERT_TRUE(crowd.despawn(std::vector{all[1], all[3]}));
+        ASSERT_TRUE(crowd.update(0.1f));
+        const OutputBlock& block = crowd.outputs()[0];
+        const auto expect_untouched = [&](const std::set<uint32_t>& numbers) {
+            std::vector<std::pair<BufferView OutputBlock::*, uint32_t>> outputs{
+                {&OutputBlock::skin, block.palette_count}};
+            if (settings.scan == "levels") outputs.emplace_back(&OutputBlock::model, block.joint_count);
+            for (const auto& [member, count] : outputs) {
+                const uint64_t words = count * sizeof(Affine) / sizeof(uint32_t);
+                test_gpu()->submit_and_wait([&](VkCommandBuffer commands) {
+                    record_fill(*test_gpu(), commands, output_range(block, member, 0, 7 * words * sizeof(uint32_t)),
+                                kUntouched);
+                });
+            }
+            ASSERT_TRUE(crowd.update(0.1f));
+            for (const auto& [member, count] : outputs) {
+                const uint64_t words = count * sizeof(Affine) / sizeof(uint32_t);
+                const auto got = output<uint32_t>(block, member, 7 * words);
+                for (uint32_t i = 0; i < 5; ++i) EXPECT_EQ(got[i * words] == kUntouched, numbers.contains(i)) << i;
+            }
+        };
+        expect_untouched({1, 3});
+        ASSERT_TRUE(crowd.spawn(0, Affine{}));
+        expect_untouched({3});
+    }
+}
+
 // Skin pool rows go to the current instances, nearest first, and shared poses do not change.
 TEST(Population, SkinPoolRowsGoToLivingInstances) {
     const Character character = creature(30, 10);

@@ -35,7 +35,8 @@ std::vector<io::JointPose> run_sample(const Character& character, const std::vec
                                {io::kTracksBuffer, tracks},
                                {io::kKeysBuffer, keys},
                                {io::kWordsBuffer, words},
-                               {io::kSampledPosesBuffer, poses}},
+                               {io::kSampledPosesBuffer, poses},
+                               {io::kBirthsBuffer, Guarded<uint32_t>({})}},
                    io::SamplePush{character.rig.joint_count(), which}, count);
     return poses.read();
 }

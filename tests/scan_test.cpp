@@ -129,6 +129,7 @@ struct ScanRun {
     std::vector<std::array<float, 4>> input;
     Guarded<std::array<float, 4>> local;
     Guarded<Affine> model, scratch;
+    Guarded<uint32_t> births;  // of crowds in which instances come and go: not these
 
     ScanRun(const RigCrowd& crowd_in, const ScanMethod& method, uint32_t instance_count_in)
         : crowd(crowd_in),
@@ -137,13 +138,15 @@ struct ScanRun {
           input(make_input()),
           local(input),
           model(poison<Affine>(matrix_count())),
-          scratch(poison<Affine>(matrix_count())) {}
+          scratch(poison<Affine>(matrix_count())),
+          births(std::vector<uint32_t>()) {}
     size_t matrix_count() const { return size_t{crowd.rig.joint_count()} * instance_count; }
     BufferTable buffers(const Buffer& links) const {
         return {{io::kLocalBuffer, local},
                 {io::kScanLinksBuffer, links},
                 {io::kModelBuffer, model},
-                {io::kScratchBuffer, scratch}};
+                {io::kScratchBuffer, scratch},
+                {io::kBirthsBuffer, births}};
     }
 
     // [instance][joint]. Also checks the guard words and that the input is unchanged.

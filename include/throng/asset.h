@@ -152,7 +152,8 @@ struct Asset {
 };
 
 // Reads a .glb or .gltf file (glTF 2.0), its buffers and its images.
-// Extensions: KHR_mesh_quantization, EXT_ and KHR_meshopt_compression, KHR_draco_mesh_compression,
+// Extensions: KHR_mesh_quantization, EXT_meshopt_compression (and KHR_meshopt_compression, as far as it is the same:
+// attributes of version 0, no colour filter), KHR_draco_mesh_compression,
 // KHR_texture_transform, KHR_node_visibility, EXT_texture_webp, KHR_materials_emissive_strength, and the colours of
 // KHR_materials_pbrSpecularGlossiness.
 // Other extensions of materials and images are ignored, with a warning if that can be seen; any other one in
@@ -197,16 +198,17 @@ Result<Asset> load_asset(std::span<const std::byte> bytes, std::string_view name
 Result<void> add_clips(Asset& asset, const Asset& from);
 
 // Appends the meshes of another asset to those of `asset`, with its materials and images: clothes, hair or weapons that
-// come in files of their own for the same rig, from which CrowdGroup::outfits then choose. Joints are matched by name,
-// as by add_clips(), and must have the same axes in both. Joints and other nodes that `asset` lacks are added below
-// those that it has, with a warning for the joints, since no clip moves them. If the rigs differ in units or size, the
-// meshes are scaled by the ratio of the mean bone lengths.
+// come in files of their own for the same rig. CrowdGroup::outfits can then choose among them. Joints and the nodes
+// above them are matched by name, as by add_clips(), and must have the same axes in both. Joints that `asset` lacks are
+// added below those that it has, with a warning, since no clip moves them. All other nodes are added, even if `asset`
+// has one of the same name. If the rigs differ in units or size, the meshes are scaled by the ratio of the mean bone
+// lengths.
 //
-// Each mesh gets a node of its own, behind those of `asset`, with the name that it has in `from`: what
-// Character::find_sections() finds. If a mesh of `asset` has this name already, the name of the file is put before it
-// ("coat Body"), and a number behind it if that is taken too; a mesh without a name is named after the file. An image
-// that `asset` has already is not added again. Clips stay behind: for these, add_clips() before, or after if
-// they move joints or morph targets that have been added.
+// Each mesh gets a node of its own, behind those of `asset`, with the name of its node in `from`, or of the mesh where
+// the node has none: what Character::find_sections() finds. If a mesh of `asset` has this name already, the name of the
+// file is put before it ("coat Body"), and a number behind it if that is taken too; a mesh without a name is named
+// after the file. An image that `asset` has already is not added again. Clips are not taken over; use add_clips() for
+// these, after add_meshes() if they move joints or morph targets that this call adds.
 //
 // Errors: kInvalidArgument: no meshes in `from`, none that follows a joint of `asset`, or an asset that
 // compile_character() would not take; then `asset` is unchanged.

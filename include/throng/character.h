@@ -147,8 +147,11 @@ struct Skin {
 
 // 32 bytes. Shared with the shaders (src/skin/skin_io.h has the same layout).
 struct Vertex {
-    Vec3<float> position{};          // bind space of the mesh
-    uint32_t normal_octahedral = 0;  // two signed 16-bit fractions
+    Vec3<float> position{};  // bind space of the mesh
+    // The normal, octahedral. In GLSL: vec2 e = unpackSnorm2x16(normal_octahedral); float z = 1 - abs(e.x) - abs(e.y);
+    // if (z < 0) e = (1 - abs(e.yx)) * mix(vec2(-1), vec2(1), greaterThanEqual(e, vec2(0)));
+    // normal = normalize(vec3(e, z));
+    uint32_t normal_octahedral = 0;
     std::array<float, 2> texcoord{};
     uint32_t color = 0xFFFFFFFFu;  // linear, four unsigned bytes, red lowest
     // 0: no morph moves it; else 1 + the index of the first of its MorphDeltas, one for each morph of its section

@@ -35,6 +35,9 @@ enum class CommandKind : uint32_t {
 //   kBlendLayer: weight (float, 0..1), 1 for LayerMode::kAdditive, mask or kNone, fade in seconds (float).
 //   kSetParameter: value (float).
 //   kSetLook: tint (three floats, 0..1000), outfit.
+// kSpawn and kDespawn are for groups with ShaderCommands::populate, kPlayback (set_playback()) for those without a
+// controller, kPlay and kBlendLayer (set_layer()) for layers without states, kSetParameter for groups with a
+// controller, kSetLook for those with outfits.
 struct InstanceCommand {
     uint32_t instance = 0;  // of the block
     CommandKind kind = CommandKind::kNothing;
@@ -60,8 +63,9 @@ struct CommandHead {
     // before, if that is below OutputBlock::command_capacity. An update sets it to 0 when it has executed the commands.
     uint32_t count = 0;
     uint32_t lost = 0;  // commands that the last update did not get, because there was no room for them
-    // Commands that the last update could not execute: for a clip, layer or instance number that does not exist, with a
-    // number that is not finite or out of range, and so on.
+    // Commands that the last update refused: of a kind that the group does not obey, for a clip, layer or instance
+    // number out of range, with a number that is not finite or out of range. Commands for an instance number that is
+    // free, and those that a later one replaces, do nothing and are not counted.
     uint32_t ignored = 0;
     std::array<uint32_t, 13> unused{};
 };

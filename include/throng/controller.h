@@ -102,9 +102,9 @@ struct ControllerLayer {
     std::vector<ControllerState> states{};  // the layer starts in the first one
     std::vector<ControllerTransition> transitions{};
 
-    // Index of the state with this name, for Crowd::set_state(), or kNone. The state that a
-    // file names as `start` comes first, before the others in their order. state_named() is the same, but a missing
-    // name is an error that says which there are: kInvalidArgument.
+    // Index of the state with this name, for Crowd::set_state(), or kNone. The state that a file names as `start` comes
+    // first, before the others in their order. state_named() is the same, but a missing name is an error that says
+    // which there are: kInvalidArgument.
     StateIndex find_state(std::string_view state_name) const;
     Result<StateIndex> state_named(std::string_view state_name) const;
 };
@@ -127,7 +127,9 @@ struct Controller {
     Result<LayerIndex> layer_named(std::string_view layer_name) const;
     Result<MaskIndex> mask_named(std::string_view mask_name) const;
     // All events with this name, as CharacterEvent::event has them: several clips may have one, such as a step.
+    // events_named() is the same, but a missing name is an error that says which there are: kInvalidArgument.
     std::vector<EventIndex> find_events(std::string_view event_name) const;
+    Result<std::vector<EventIndex>> events_named(std::string_view event_name) const;
 };
 
 // A controller of `count` layers (at least 1), none of which has states: they play what Crowd::play() says.

@@ -31,14 +31,17 @@ class Crowd {
 public:
     // Makes a crowd. Submits nothing and waits for nothing, so that a thread can make a crowd while others record and
     // submit. The initial contents of its buffers stay in host memory until the first update, or record_uploads(),
-    // brings them to the device. Tables of a character that another crowd of the device already uses are shared with
-    // it.
+    // brings them to the device. Tables of a character are shared with other
+    // crowds of the device whose uploads are known to have run: after their first update(), or from the first record()
+    // that finds their first update finished. Crowds made before that have tables of their own; to share from the
+    // start, make one crowd of several groups.
     //
-    // Errors: kInvalidArgument (unknown scan, no instances, a Character that has been modified and no longer is as
-    // character.h says), kUnsupported (the scan method, the fused path, the skin format, the skin blend or the skin
-    // pool does not apply to a character), kInvalidArgument or kUnsupported (a controller, sockets or procedural rules
-    // that do not fit), kLimit (names what exceeds which limit, of throng or the device),
-    // kOutOfMemory.
+    // Errors: kInvalidArgument (no character; no instances; unknown scan; a setting out of its range, or "not together
+    // with" another; a controller, sockets, rules, steering, terrain or outfits that do not fit the character; a
+    // Character that has been modified and no longer is as character.h says), kUnsupported (the scan method, the path,
+    // the skin format, the skin blend or the rules do not apply to a character or device; a skin pool, or capacity with
+    // keep_previous_matrices, with settings that exclude it), kLimit (names what exceeds which limit, of throng or the
+    // device), kOutOfMemory.
     static Result<Crowd> create(const Device& device, const CrowdSettings& settings);
     // No crowd yet, for example a member that is filled in later. Call nothing on it until another crowd is assigned to
     // it.
@@ -80,9 +83,10 @@ public:
     // the other cannot be), kLimit, kOutOfMemory.
     Result<std::vector<GroupIndex>> add_groups(Crowd&& other);
     // Removes a group with all of its instances; instances attached to them stay where they are. The other groups and
-    // their instances keep their numbers. The group's memory is freed some ten updates later (record() with a time step
-    // of 0 counts). Errors: kInvalidArgument (no such group; the only one with instances; the last record() failed; the
-    // second half of an update for a view with occlusion is still to come).
+    // their instances keep their numbers. outputs() lose the group's blocks, and spans that it has returned become
+    // invalid; the views of other groups stay the same. The group's memory is freed some ten updates later (record()
+    // with a time step of 0 counts). Errors: kInvalidArgument (no such group; the only one with instances; the last
+    // record() failed; the second half of an update for a view with occlusion is still to come).
     Result<void> remove_group(GroupIndex group);
 
     // Adds instances to a group with CrowdGroup::capacity, one for each placement, or removes some; this takes effect
@@ -160,9 +164,9 @@ public:
     Result<void> play(const Instances& instances, LayerIndex layer, const LayerPlayback& playback);
     Result<void> play(const Instances& instances, LayerIndex layer, std::span<const LayerPlayback> playback);
     // Puts a layer with states into one of them, whatever its transitions say: a state that comes from another machine,
-    // a saved game or a script, or the first motion of the layer in WatchedInstance::layers. It starts with the given
-    // PlayedMotion::phase and loops; the beginning of a state that plays backwards is phase 1. PlayedMotion::fade,
-    // speed and loop are ignored.
+    // a saved game or a script, or the first motion of the layer in WatchedInstance::layers. It starts with the
+    // `phase` and `loops` of the given PlayedMotion; the beginning of a state that plays backwards is phase 1. Its
+    // `fade`, `speed` and `loop` are ignored.
     //
     // The state replaces what is shown within `fade_s` seconds (0: at once, but an inertial transition under way decays
     // as before). Transitions are taken from it in the same update already; while it fades in, only those that may
@@ -254,10 +258,10 @@ public:
     // constants) is no longer bound afterwards. On a native device the command buffer is VK_NULL_HANDLE, and the update
     // is done when the call returns, as by update().
     //
-    // With a view, which needs CrowdSettings::culling, time advances for all instances, but only those that the view
-    // sees are animated, in groups that are fused and have no sockets or inertial transitions. In other groups, and
-    // without a view, all instances are animated; without a view, all are listed too. Whether an instance is in view is
-    // decided by a box around the poses of all clips, enlarged by CrowdGroup::pose_margin.
+    // With a view, for crowds that cull (CrowdSettings::culling), time advances for all instances, but only those that
+    // the view sees are animated, in groups that are fused and have no sockets or inertial transitions. In other
+    // groups, and without a view, all instances are animated; without a view, all are listed too. Whether an instance
+    // is in view is decided by a box around the poses of all clips, enlarged by CrowdGroup::pose_margin.
     //
     // Errors: kInvalidArgument (no command buffer, or one on a native device; the time step or the view is not finite;
     // a view and no culling; where there is feedback(), the update of four record()s ago has not finished),
@@ -325,9 +329,10 @@ public:
     Result<void> restore_state(std::span<const std::byte> state);
 
     // The outputs of the last record(), or those of one frame slot. Each record() writes to the next slot, and after
-    // the last slot to the first: frame_slot() says which one the last record() wrote to. There are
-    // CrowdSettings::frames_in_flight slots, and one more with keep_previous_matrices. Their buffers stay the same, so
-    // an application can make its descriptors once for each slot. Empty if there is no such slot.
+    // the last slot to the first: frame_slot() says which one the last record() wrote to; before the first
+    // one it is 0. The next record() writes to slot (frame_slot() + 1) % frame_slot_count(), the first one too. There
+    // are CrowdSettings::frames_in_flight slots, and one more with keep_previous_matrices. Their buffers stay the same,
+    // so an application can make its descriptors once for each slot. Empty if there is no such slot.
     std::span<const OutputBlock> outputs() const;
     std::span<const OutputBlock> outputs(uint32_t frame_slot) const;
     uint32_t frame_slot_count() const;
@@ -349,8 +354,8 @@ public:
     // only for instances that the last update has listed.
     Result<std::vector<Vec3<float>>> read_positions(const InstanceHandle& instance);
 
-    // What the last update has listed, in the order of the lists; submits and waits. Errors: kInvalidArgument (no
-    // CrowdSettings::culling; the last record() has not run).
+    // What the last update has listed, in the order of the lists; submits and waits. Errors: kInvalidArgument (a
+    // crowd that does not cull; the last record() has not run).
     Result<std::vector<DrawnInstance>> read_drawn();
 
     // Device memory that the crowd holds. What it shares with other crowds of its characters is counted in each of

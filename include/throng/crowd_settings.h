@@ -41,12 +41,14 @@ struct SkinPool {
 // Commands that the application's shaders write for instances (throng/commands.h). An update executes them after it has
 // applied what the CPU's calls have set.
 struct ShaderCommands {
-    // The most for each update and OutputBlock; above 0, at most 1048576. 64 bytes each, and 12 or more an instance
+    // The most for each update and OutputBlock; above 0, at most 1048576. 64 bytes each, and 16 or more an instance
     uint32_t capacity = 0;
     // Instances are spawned and despawned only by such commands, not by the CPU's calls: shaders choose the instance
     // numbers, below CrowdGroup::capacity, which must be above 0. The group has no instances when the crowd is made
-    // (instance_count is 0). Calls that name one of its instances are errors, except those that read; events name its
-    // instances with generation 0. Not together with pose_capacity.
+    // (instance_count is 0). Its instances have no handles: calls that name one are errors, also watch(),
+    // request_poses(), and attach() with one as the carrier; is_alive() is false. Only Crowd::read_…() take
+    // InstanceHandle{number}; which numbers are in use is in OutputBlock::list. Events name its instances with
+    // generation 0. Not together with pose_capacity.
     bool populate = false;
 };
 
@@ -59,7 +61,8 @@ struct CrowdGroup {
     const Controller* controller = nullptr;
     // True: root motion, if the character has it, moves the placements; false: it is only reported
     bool moves_placements = true;
-    // Joints, at most 64, whose transforms are written in each update, for attachments
+    // Joints of Character::rig, all different, at most 64, whose transforms each update writes to OutputBlock::socket,
+    // in this order. A SocketIndex is an index into this list, not a joint
     std::vector<uint32_t> sockets{};
     SocketSpace socket_space = SocketSpace::kWorld;
     // Its instances can be attached to sockets of other instances (Crowd::attach()). Such a group does not move by
@@ -74,7 +77,8 @@ struct CrowdGroup {
     // Makes its instances agents. If root motion moves placements, it moves the agents too; otherwise the update moves
     // them at the speed at which they want to walk
     std::optional<Steering> steering{};
-    // Its instances stand on this ground: the update sets y of their placements. Groups on equal terrains share memory
+    // Its instances, agents or not, stand on this ground: each update sets y of their placements. Not together with
+    // is_carried. Groups on equal terrains share memory
     const Terrain* terrain = nullptr;
     // How many instances can have a pose from set_pose() at the same time; 48 bytes a joint each. 0: no cost at all
     uint32_t pose_capacity = 0;
@@ -83,10 +87,11 @@ struct CrowdGroup {
     // controller, rules, pose_capacity or a CrowdSettings::skin_blend other than kLinear. A ragdoll that falls off a
     // roof while its placement stays there needs more.
     std::optional<float> pose_margin{};
-    // Its crowd culls even if CrowdSettings::culling is not set. Needs a group that is updated in one pass and has a
-    // mesh, and a native engine (docs/native.md), which computes the shared poses. Not together with sockets, inertial
-    // transitions or pose_capacity, nor with the crowd's keep_model_matrices, keep_previous_matrices,
-    // Culling::skips_updates or skins_once: all of these need data of instances that are not drawn.
+    // Keeps skin matrices only for instances that are drawn. The crowd then culls, also if CrowdSettings::culling is
+    // not set. The group must have a mesh and be updated in one pass, on a machine with a native engine
+    // (docs/native.md), which computes the shared poses. Not together with sockets, inertial transitions or
+    // pose_capacity, nor with the crowd's keep_model_matrices, keep_previous_matrices, Culling::skips_updates or
+    // skins_once: all of these need data of instances that are not drawn.
     std::optional<SkinPool> skin_pool{};
     // Above 0: instances come and go, by Crowd::spawn() and despawn(), at most this many at a time; at least
     // instance_count. Such a crowd culls even if CrowdSettings::culling is not set: its lists contain only live
@@ -94,7 +99,7 @@ struct CrowdGroup {
     // with CrowdSettings::keep_previous_matrices if all instances of the group are animated in each update (see
     // record()).
     uint32_t capacity = 0;
-    // The application's shaders write commands for its instances. Not together with is_carried
+    // Its instances also obey commands that the application's shaders write. Not together with is_carried
     std::optional<ShaderCommands> shader_commands{};
     // The most morphs that an instance shows: those with the largest weights by magnitude; of equal weights, the
     // earlier morphs. 0: all that have weight. 8 bytes each for every instance
@@ -168,7 +173,9 @@ struct CrowdSettings {
     // before everything that reads the outputs of the update that many before has finished; ensure this by a fence or a
     // semaphore.
     uint32_t frames_in_flight = 1;
-    // Unset: every update animates all instances, unless a group has CrowdGroup::capacity or skin_pool
+    // A crowd culls if this is set or a group has CrowdGroup::capacity or skin_pool, which set it to Culling{}. Then
+    // updates can be for a view, and list what is drawn (OutputBlock::list, draw). Else every update animates all
+    // instances
     std::optional<Culling> culling{};
     SkinBlend skin_blend = SkinBlend::kLinear;
     // Every vertex that is drawn is skinned once, in compute, into OutputBlock::skinned, to be read by several passes

@@ -50,8 +50,8 @@ struct DeviceSettings {
 };
 
 // An instance, device and queue that the application made, and destroys after all that throng made with them: copies of
-// the Device, crowds and renderers. It must be Vulkan 1.3 (VkApplicationInfo::apiVersion has to say so), loaded from
-// the system's libvulkan.so.1; the device has the features synchronization2 and maintenance4 enabled, and
+// the Device, crowds and renderers. The instance must be made for Vulkan 1.3 (VkApplicationInfo::apiVersion), by the
+// system's libvulkan.so.1; the device has the features synchronization2 and maintenance4 enabled, and
 // dynamicRendering to draw with throng. throng cannot ask which features are enabled; validation layers can tell. The
 // queue supports compute, and graphics to draw with throng.
 struct AdoptedDevice {
@@ -71,13 +71,15 @@ struct AdoptedDevice {
     uint32_t threads = 0;
     std::shared_ptr<JobSystem> jobs{};
     // Families of other queues whose commands use throng's buffers: one that computes, for updates beside the drawing,
-    // or one that copies, for Crowd::record_uploads(). Buffers are shared by all of them concurrently
-    // (VK_SHARING_MODE_CONCURRENT), so no ownership transfers are needed. (An application that reads
-    // nothing but outputs() on another family may leave the list empty instead, and transfer those views: after a
-    // record(), or its record_disoccluded(), and back before the next one to the same frame slot. Crowd::mesh() needs
-    // the list.) Crowds of a character share its tables
-    // (Crowd::create()): if the first update of a crowd runs on another queue, make it wait, by a semaphore, for the
-    // queue that uploaded them.
+    // or one that copies, for Crowd::record_uploads(). The buffers then have VK_SHARING_MODE_CONCURRENT, and need no
+    // ownership transfers. If the first update of a crowd runs on another queue than the uploads of a crowd that it
+    // shares tables with (Crowd::create()), make it wait for that queue by a semaphore.
+    //
+    // If another family reads nothing but outputs(), the list may be empty: the application then transfers the views
+    // that it reads, after a record() (or its record_disoccluded()), and back before the next record() to the same
+    // frame slot. Views that are the same in all slots (parameter, target, destination, command) must be back before
+    // the next record(); so must `skin` with keep_previous_matrices or Culling::skips_updates. Crowd::mesh() needs the
+    // list.
     std::vector<uint32_t> more_queue_families{};
 };
 
@@ -90,8 +92,9 @@ class Gpu;  // internal
 // A handle; copies share one device, which lives as long as the last copy and the last crowd made with it.
 // Several devices may live side by side. Creation is thread-safe; crowds of one device share its queue, so calls that
 // use it need the caller's lock when made from several threads: Crowd::update(), read_...(), save_state() and
-// restore_state(); Renderer::render(), render_frame() and update(), and prepare() for a crowd that has been updated.
-// A native device has no queue: its crowds may be updated side by side, each by one thread at a time.
+// restore_state(); Renderer::render(), render_frame() and update(), and prepare() for a crowd that has been updated. On
+// a software device also prepare() and record_drawing(), if record_uploads() has been recorded and no update. A native
+// device has no queue: its crowds may be updated side by side, each by one thread at a time.
 class Device {
 public:
     // All physical devices of this machine, and the native one, which is the last. Errors: kVulkan.
@@ -101,7 +104,7 @@ public:
     static Result<Device> create(const DeviceSettings& settings = {});
     // throng submits to the adopted queue only in the calls that say so; the application guards the queue there.
     // Errors: kInvalidArgument (something is null; no such queue family, or without compute; an instance made for a
-    // Vulkan below 1.3), kNoDevice (the device cannot run throng).
+    // Vulkan below 1.3), kLimit (too many threads), kNoDevice (the device cannot run throng).
     static Result<Device> adopt(const AdoptedDevice& adopted);
 
     const DeviceInfo& info() const;

@@ -33,6 +33,8 @@ struct Bounds {
     Vec3<float> min{}, max{};
 };
 
+// Calls that take a const Crowd use it too: one thread at a time per crowd.
+
 // World bounds of the instances' rest poses at their placements. Placements are those that the application has set; for
 // groups whose updates move instances, those after a recent update, if a Renderer has prepared or drawn the crowd. If
 // none has, instances of groups that shaders populate (ShaderCommands::populate) do not count.
@@ -91,13 +93,15 @@ struct RenderResult {
     Picture picture{};
     // Milliseconds of skinning and drawing: of the GPU, 0 where the queue has no timestamps; natively, by the clock
     double draw_ms = 0;
-    std::vector<std::string> warnings{};  // textures that could not be decoded and are drawn white
+    std::vector<std::string>
+        warnings{};  // textures that could not be decoded and are drawn white (recorded pictures have none)
 };
 
-// Decodes the images of a crowd's materials on the calling thread, so that the thread that draws need not: for crowds
-// that a loading thread makes, while no other thread draws them. The decoded images stay with the crowd's groups, also
-// when Crowd::add_groups() takes these into another crowd, until a Renderer has made textures of them; meanwhile they
-// take host memory. Images that cannot be decoded are left to the renderer, which warns of them. Errors: kOutOfMemory.
+// Decodes the images of a crowd's materials on the calling thread, which uses the crowd meanwhile, so that the thread
+// that draws need not: for crowds that a loading thread makes, while no other thread draws them. The decoded images
+// stay with the crowd's groups, also when Crowd::add_groups() takes these into another crowd, until a Renderer has made
+// textures of them; meanwhile they take host memory. Images that cannot be decoded are left to the renderer, which
+// warns of them. Errors: kOutOfMemory.
 Result<void> decode_images(const Crowd& crowd);
 
 struct RendererState;  // internal
@@ -117,9 +121,11 @@ public:
 
     // Makes what drawing this crowd needs, its pipelines and textures, so that its first picture has nothing to decode
     // or compile. The textures are uploaded by the commands of the next two or three pictures, and kept in host memory
-    // until some pictures later. From now on updates copy the placements that they move back to the CPU, 48 bytes each,
-    // for world_bounds(), main_bounds() and what is fitted to them. Submits and waits only to read where earlier
-    // updates have moved instances: not before the crowd's first update.
+    // until some pictures later. From this call on, updates copy the placements that they move back to the CPU, 48
+    // bytes each, for world_bounds(), main_bounds() and what is fitted to them. If updates have moved instances before
+    // (root motion, steering, terrain, shaders), it submits and waits once, to read where they are. Errors:
+    // kInvalidArgument (a crowd of another device, or with a group of sockets_only; DrawOptions::skeletons without
+    // keep_model_matrices), kOutOfMemory.
     Result<void> prepare(const Crowd& crowd);
 
     // The calls below draw one crowd, or several different ones, in one picture, with one sun and one ground. Several
@@ -150,8 +156,9 @@ public:
     // pipelines set dynamically (viewport, scissor, cull mode) are undefined afterwards.
     //
     // Nothing is submitted. For groups that this renderer has not drawn yet, the commands upload textures too, and so
-    // do those of the next few frames, until it is known that some have run. Where updates had moved instances of a
-    // crowd that no renderer had drawn or prepared, it learns from the updates that follow. After an error no crowd has
+    // do those of the next few frames, until it is known that some have run. If updates had moved instances of a crowd
+    // that no renderer had drawn or prepared, the first pictures are fitted to the places that the application has
+    // set, later ones to where updates have moved the instances. prepare() avoids that. After an error no crowd has
     // been updated, except for one whose own record() failed half-way. Errors: kUnsupported (a native device).
     Result<void> record(VkCommandBuffer commands, Crowd& crowd, float time_step_s, const Camera& camera);
     Result<void> record(VkCommandBuffer commands, std::span<Crowd* const> crowds, float time_step_s,

@@ -16,10 +16,10 @@ struct SectionLod {
     uint32_t first_influences = 0;
 };
 
-// The buffers belong to the crowd, and are shared by all crowds that have the same character. They stay as long as the
-// crowd lives, and must not be written. Their contents are valid when the commands of the first record(), or of
-// record_uploads(), have run, and are visible to all later commands on the queue. Empty on a native device: Character
-// has the same data.
+// The buffers belong to the crowd, and may be shared with others that have the same character (Crowd::create()). They
+// stay as long as the crowd lives, and must not be written. Their contents are valid when the commands of the first
+// record(), or of record_uploads(), have run, and are visible to all later commands on the queue. Empty on a native
+// device: Character has the same data.
 struct GroupMesh {
     BufferView vertex{};      // Vertex[Character::vertices], as storage buffer or vertex buffer
     BufferView influences{};  // Influences, for each set of joints (Culling::reduces_joints); storage or vertex buffer

@@ -11,7 +11,9 @@ inline constexpr uint32_t kNone = 0xFFFFFFFFu;  // "no index", wherever an index
 enum class Indexed { kGroup, kSocket, kClip, kState, kLayer, kParameter, kMask, kEvent, kTarget, kJoint };
 
 // An index into one kind of list. Converts from and to a bare number, for applications that count or store such numbers
-// themselves, but not to an index into another kind of list.
+// themselves, but not to an index into another kind of list. In `condition ? index : kNone` write index.number. Plain
+// numbers are: sections, materials, morphs, lists of joints (CrowdGroup::sockets, JointSampler::create()), and
+// PlayedMotion::motion, which is a state or a clip.
 template <Indexed>
 struct Index {
     constexpr Index() = default;

@@ -1,12 +1,12 @@
-// Where a native device computes: threads of its own, or the application's.
+// Where native updates compute, on native and software devices: threads of throng's own, or the application's.
 #pragma once
 
 #include <cstdint>
 
 namespace throng {
 
-// An application's job system, for DeviceSettings::jobs. Called from whatever threads call throng, even by several at
-// the same time.
+// An application's job system, for DeviceSettings::jobs and AdoptedDevice::jobs. Called from whatever threads call
+// throng, even by several at the same time.
 class JobSystem {
 public:
     virtual ~JobSystem() = default;

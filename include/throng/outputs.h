@@ -58,10 +58,10 @@ struct HostOutputs {
     std::span<const SkinnedVertex> skinned{};
 };
 
-// Results of consecutive instances of one group. The views stay the same as long as the crowd lives, and those that the
-// crowd does not have are empty. Each can be bound as storage buffer or vertex buffer and copied from; `draw` is for
-// indirect draws too. (For another usage, such as building acceleration structures, copy them first.) Offsets are
-// multiples of all alignments that the device asks for.
+// Results of consecutive instances of one group. The views stay the same as long as the group is in the crowd, and
+// those that the crowd does not have are empty. Each can be bound as storage buffer or vertex buffer and copied from;
+// `draw` is for indirect draws too. (For another usage, such as building acceleration structures, copy them first.)
+// Offsets are multiples of all alignments that the device asks for.
 //
 // They are written by compute shaders, and made visible by record() to later compute, vertex, indirect and transfer
 // reads on the same queue. They are valid from when the recorded commands have run until those of a later record() to
@@ -73,10 +73,10 @@ struct HostOutputs {
 //   finished by then. What the application itself writes (parameter, target, destination, command) is the same in all
 //   slots, and must not be read by drawing.
 //
-// With CrowdSettings::culling and without a skin pool, instances that are not listed have the matrices of an earlier
-// update that listed them. An instance that the update before did not list has no previous matrices of its own, so an
-// update that lists it writes its current ones there too. It does so even if they lie in a slot that is in flight: the
-// update of that slot did not list the instance.
+// In crowds that cull (CrowdSettings::culling), and without a skin pool, instances that are not listed keep the
+// matrices of the last update that listed them. An instance that is listed, but was not in the update before, has no
+// previous matrices: the update writes its current ones into previous_skin, which is `skin` of the slot before. Frames
+// in flight that read that slot do not draw the instance.
 struct OutputBlock {
     GroupIndex group = 0;
     uint32_t first_instance = 0;  // of the crowd
@@ -140,12 +140,12 @@ struct OutputBlock {
     // or discard before the update that executes the commands, since that may upload the empty buffer again.
     BufferView command{};
 
-    // Instances that are drawn, uint32_t[5 + instance_count], with CrowdSettings::culling. The first word is how many
+    // Instances that are drawn, uint32_t[5 + instance_count], in crowds that cull. The first word is how many
     // there are. The next four say for each level of detail where its instances begin, counted from the sixth word.
     // From the sixth word on come the instances, as indices in the block: level by level, ascending within each.
     BufferView list{};
-    // Draw calls for Crowd::mesh(), VkDrawIndexedIndirectCommand[section_count][4 levels of detail], with
-    // CrowdSettings::culling; the n-th instance of a call is the n-th of its level in the list. The stride is that of a
+    // Draw calls for Crowd::mesh(), VkDrawIndexedIndirectCommand[section_count][4 levels of detail], in
+    // crowds that cull; the n-th instance of a call is the n-th of its level in the list. The stride is that of a
     // command.
     BufferView draw{};
     // Where the call of a section in a level of detail begins in draw.buffer.

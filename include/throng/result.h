@@ -78,11 +78,16 @@ public:
     }
 
     T value_or(T other) && { return ok() ? std::move(*this).value() : std::move(other); }
+    T value_or(T other) const& { return ok() ? value() : std::move(other); }
     // For programs that cannot go on without the value: if there is an error, prints it as a line on stderr and ends
     // the program with exit code 1.
     T expect() && {
         if (!ok()) exit_with(error());
         return std::move(*this).value();
+    }
+    const T& expect() const& {
+        if (!ok()) exit_with(error());
+        return value();
     }
 
 private:

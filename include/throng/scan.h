@@ -10,7 +10,7 @@
 
 namespace throng {
 
-// The methods of the Hierarchy-Scan stage, by name; docs/scan.md describes them.
+// One of them; docs/scan.md describes all.
 struct ScanMethodInfo {
     std::string name{};
     std::string summary{};

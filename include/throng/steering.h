@@ -26,10 +26,10 @@ struct Steering {
 // Heights of the ground over a grid of points, bilinear between them; beyond the edges, the height of the nearest
 // point.
 struct Terrain {
-    float x = 0, z = 0;              // of the first point, world space
-    float spacing = 1;               // of neighbouring points along x and z; above 0
-    uint32_t columns = 0, rows = 0;  // points along x, along z
-    std::vector<float> heights{};    // [rows][columns], world y
+    float x = 0, z = 0;              // of the first point, world space; finite
+    float spacing = 1;               // of neighbouring points along x and z, world units; above 0, finite
+    uint32_t columns = 0, rows = 0;  // points along x, along z; at least 1 each
+    std::vector<float> heights{};    // [rows][columns], world y; finite
 };
 
 }  // namespace throng

@@ -9,8 +9,9 @@
 
 namespace throng {
 
-// What a camera sees: with CrowdSettings::culling, an update for a view animates only what the view shows, and lists it
-// for drawing. For several cameras, give one that sees what all of them do, and choose from the list for each.
+// What a camera sees: in crowds that cull (CrowdSettings::culling), an update for a view animates only what the view
+// shows, and lists it for drawing. For several cameras, give one that sees what all of them do, and choose from the
+// list for each.
 struct CrowdView {
     // [row][column]. A world point p is seen if -w <= x, y <= w and 0 <= z <= w, where (x, y, z, w) is this matrix
     // times (p, 1)

@@ -4,8 +4,8 @@
 
 namespace throng {
 
-Kernel bind_kernel(const std::shared_ptr<Gpu>& gpu, SkinFormat format) {
-    return kernels::bind.on(gpu, {static_cast<uint32_t>(format)});
+Kernel bind_kernel(const std::shared_ptr<Gpu>& gpu, SkinFormat format, bool varies) {
+    return kernels::bind.on(gpu, {static_cast<uint32_t>(format), varies});
 }
 
 }  // namespace throng

@@ -9,6 +9,7 @@
 namespace throng {
 
 // Dispatched with io::BindPush, a workgroup per instance.
-Kernel bind_kernel(const std::shared_ptr<Gpu>& gpu, SkinFormat format);
+// `varies`: instances come and go, and those that are not there are left out.
+Kernel bind_kernel(const std::shared_ptr<Gpu>& gpu, SkinFormat format, bool varies = false);
 
 }  // namespace throng

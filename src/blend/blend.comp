@@ -14,14 +14,17 @@ TABLE_OF_WORDS(kPoseOverridesBuffer, pose_overrides);
 TABLE_OF_ROWS(kSetPosesBuffer, poses);
 CONSTANT(1, bool, kSimilarity, false);
 CONSTANT(2, bool, kPoseOverrides, false);
+CONSTANT(3, bool, kVaries, false);
 PUSH(BlendPush);
 
 uint rig_joint_count() { return push.joint_count; }
 #include "blend/local.glsl"
+#include "control/births.glsl"
 #include "blend/pose_override.glsl"
 
 void main() {
     const uint instance = gl_WorkGroupID.x;
+    if (kVaries && is_free(instance)) return;
     const float weight = cursors[instance].weight;
     for (uint joint = gl_LocalInvocationID.x; joint < push.joint_count; joint += kBlendWorkgroupSize) {
         const uint i = instance * push.joint_count + joint;

@@ -13,6 +13,7 @@ enum class BlendOutput { kAffine, kSimilarity };
 struct BlendSettings {
     BlendOutput output = BlendOutput::kAffine;
     bool pose_overrides = false;  // the application may set poses
+    bool varies = false;          // instances come and go, and those that are not there are left out
 };
 Kernel blend_kernel(const std::shared_ptr<Gpu>& gpu, const BlendSettings& settings);
 

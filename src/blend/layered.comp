@@ -9,6 +9,7 @@ PUSH(LayeredPush);
 
 void main() {
     const uint instance = gl_WorkGroupID.x;
+    if (kVaries && is_free(instance)) return;
     for (uint joint = gl_LocalInvocationID.x; joint < push.joint_count; joint += kLayeredWorkgroupSize)
         pose_joint(instance, joint);
 }

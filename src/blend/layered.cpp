@@ -16,7 +16,7 @@ static_assert(sizeof(io::ActiveClip) == 32, "two rows of a table");
 Kernel layered_kernel(const std::shared_ptr<Gpu>& gpu, const LayeredSettings& settings) {
     const KernelCode& code = settings.in_order ? kernels::layered_in_order : kernels::layered;
     return code.on(gpu, {settings.packed, settings.output == BlendOutput::kSimilarity, settings.inertial,
-                         settings.pose_overrides});
+                         settings.pose_overrides, settings.varies});
 }
 
 void record_layered_in_order(const Gpu& gpu, VkCommandBuffer commands, const Kernel& kernel, const Bindings& bindings,

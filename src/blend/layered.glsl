@@ -21,6 +21,7 @@ CONSTANT(1, bool, kPacked, false);
 CONSTANT(2, bool, kSimilarity, false);
 CONSTANT(3, bool, kInertial, false);
 CONSTANT(4, bool, kPoseOverrides, false);
+CONSTANT(5, bool, kVaries, false);
 
 uint rig_joint_count() { return push.joint_count; }
 #include "blend/local.glsl"
@@ -30,6 +31,7 @@ uint rig_joint_count() { return push.joint_count; }
 #endif
 #include "blend/pose_override.glsl"
 #include "blend/active_clips.glsl"
+#include "control/births.glsl"
 
 void pose_joint(uint instance, uint joint) {
     const uint index = instance * push.joint_count + joint;

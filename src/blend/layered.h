@@ -17,6 +17,7 @@ struct LayeredSettings {
     BlendOutput output = BlendOutput::kAffine;
     bool inertial = false;
     bool pose_overrides = false;  // the application may set poses
+    bool varies = false;          // as BlendSettings'
     // Layers may blend rotations in model space: one invocation per instance, see record_layered_in_order()
     bool in_order = false;
 

@@ -14,6 +14,6 @@ BUFFER(kRotationsBuffer, ModelRotations, rotations);
 
 void main() {
     const uint instance = gl_GlobalInvocationID.x;
-    if (instance >= push.instance_count) return;
+    if (instance >= push.instance_count || (kVaries && is_free(instance))) return;
     for (uint joint = push.first_joint; joint < push.joint_end; ++joint) pose_joint(instance, joint);
 }

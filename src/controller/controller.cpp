@@ -61,6 +61,11 @@ MaskIndex Controller::find_mask(std::string_view mask_name) const { return find_
 std::vector<EventIndex> Controller::find_events(std::string_view event_name) const {
     return find_all_names<EventIndex>(events, event_name);
 }
+Result<std::vector<EventIndex>> Controller::events_named(std::string_view event_name) const {
+    const Result<EventIndex> first = index_named<EventIndex>(name, "event", events, event_name);
+    if (!first) return first.error();
+    return find_events(event_name);
+}
 Result<ParameterIndex> Controller::parameter_named(std::string_view parameter_name) const {
     return index_named<ParameterIndex>(name, "parameter", parameters, parameter_name);
 }

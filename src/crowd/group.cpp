@@ -111,10 +111,9 @@ GroupController::GroupController(Uploads& uploads, const Controller& controller,
 
 Group::Group(Uploads& uploads, SharedRigs& rigs, const CrowdGroup& group, const PathChoice& choice,
              const CrowdSettings& settings)
-    : Group(uploads, rigs, *group.character, choice) {
+    : Group(uploads, rigs, *group.character, choice, group.capacity > 0) {
     if (group.controller)
         controller.emplace(uploads, *group.controller, *group.character, group.moves_placements, buffers);
-    varies = group.capacity > 0;
     if (group.shader_commands) {
         command_capacity = group.shader_commands->capacity;
         shaders_populate = group.shader_commands->populate;
@@ -155,8 +154,9 @@ Group::Group(Uploads& uploads, SharedRigs& rigs, const CrowdGroup& group, const 
             uploads.gpu(), name + ": poses of CrowdGroup::pose_capacity", uint64_t{pose_capacity} * joint_count);
 }
 
-Group::Group(Uploads& uploads, SharedRigs& rigs, const Character& character, const PathChoice& choice)
+Group::Group(Uploads& uploads, SharedRigs& rigs, const Character& character, const PathChoice& choice, bool varies_in)
     : name(character.name),
+      varies(varies_in),
       joint_count(character.rig.joint_count()),
       palette_count(static_cast<uint32_t>(character.palette.size())),
       vertex_count(static_cast<uint32_t>(character.vertices.size())),
@@ -176,7 +176,7 @@ Group::Group(Uploads& uploads, SharedRigs& rigs, const Character& character, con
         add_fused(uploads, rigs, character, FusedRig(character), *choice.fused, choice.rows);
     else
         scan.emplace(uploads, scan_choice, ScanRig(character.rig.parents, character.rig.uniform_scale),
-                     scan_limits(*uploads.gpu()));
+                     scan_limits(*uploads.gpu()), varies);
     std::vector<uint32_t> joints;
     std::vector<Affine> binds;
     for (const PaletteEntry& entry : character.palette) {

@@ -189,7 +189,7 @@ private:
     void make_looks(Uploads& uploads, const CrowdGroup& group);
     void make_terrain(Uploads& uploads, const Terrain& made_of);
     void make_sockets(Uploads& uploads, const std::vector<uint32_t>& joints);
-    Group(Uploads& uploads, SharedRigs& rigs, const Character& character, const PathChoice& choice);
+    Group(Uploads& uploads, SharedRigs& rigs, const Character& character, const PathChoice& choice, bool varies);
 };
 
 // The first of the rest pose's tracks, which come after those of the clips.

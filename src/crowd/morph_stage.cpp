@@ -12,8 +12,8 @@ MorphStage::MorphStage(const StageContext& context) : Stage(context) {
         const Batch& batch = batches_[i];
         const Group& group = group_of(batch);
         if (group.morph_count == 0) continue;
-        std::optional<Kernel>& kernel = kernels_[group.controller.has_value()];
-        if (!kernel) kernel = morph_kernel(gpu_, group.controller.has_value());
+        std::optional<Kernel>& kernel = kernels_[group.controller.has_value()][group.varies];
+        if (!kernel) kernel = morph_kernel(gpu_, group.controller.has_value(), group.varies);
         served_.push_back({i, kernel->bind(batch.table(group, batch[io::kActiveMorphsBuffer]))});
     }
 }

@@ -22,9 +22,9 @@ private:
         uint32_t batch = 0;
         Bindings bindings;
     };
-    const Kernel& kernel_of(const Group& group) const { return *kernels_[group.controller.has_value()]; }
+    const Kernel& kernel_of(const Group& group) const { return *kernels_[group.controller.has_value()][group.varies]; }
 
-    std::array<std::optional<Kernel>, 2> kernels_;  // of two clips, of layers
+    std::optional<Kernel> kernels_[2][2];  // [two clips, layers][Group::varies]
     std::vector<ServedBatch> served_;
 };
 

@@ -36,17 +36,20 @@ StagedUpdate::StagedUpdate(const StageContext& context)
     for (const Group& group : groups_) {
         if (!group.fused.empty() || group.is_gone()) continue;
         const BlendOutput output = group.takes_similarities() ? BlendOutput::kSimilarity : BlendOutput::kAffine;
+        std::optional<Kernel>& bind = bind_[group.varies];
+        if (!bind) bind = bind_kernel(gpu_, context.settings.skin_format, group.varies);
         if (group.controller) {
             const LayeredSettings settings = layered_settings(group);
             if (!layered_.contains(settings)) layered_.emplace(settings, layered_kernel(gpu_, settings));
             continue;
         }
-        std::optional<Kernel>& sample = group.packed ? sample_packed_ : sample_exact_;
-        if (!sample) sample = sample_kernel(gpu_, group.packed);
-        std::optional<Kernel>& blend = blend_[group.takes_similarities()][group.pose_capacity > 0];
-        if (!blend) blend = blend_kernel(gpu_, {.output = output, .pose_overrides = group.pose_capacity > 0});
+        std::optional<Kernel>& sample = sample_[group.packed][group.varies];
+        if (!sample) sample = sample_kernel(gpu_, group.packed, group.varies);
+        const BlendSettings settings{
+            .output = output, .pose_overrides = group.pose_capacity > 0, .varies = group.varies};
+        std::optional<Kernel>& blend = blend_[group.takes_similarities()][settings.pose_overrides][group.varies];
+        if (!blend) blend = blend_kernel(gpu_, settings);
     }
-    bind_ = bind_kernel(gpu_, context.settings.skin_format);
     make_waves();
     for (ServedBatch& served : served_) bind_batch(served);
 }
@@ -94,7 +97,8 @@ void StagedUpdate::bind_batch(ServedBatch& served) {
                                         {io::kScanLinksBuffer, group.scan->links()}});
     if (group.procedural) served.procedural = procedural_.bind(served.batch, local);
     served.scan = group.scan->bind(table);
-    for (const Buffer& skin : batch.skins) served.bind.push_back(bind_->bind(table.with({{io::kSkinBuffer, skin}})));
+    for (const Buffer& skin : batch.skins)
+        served.bind.push_back(bind_of(group).bind(table.with({{io::kSkinBuffer, skin}})));
     if (group.sockets) {
         if (!sockets_) sockets_ = socket_kernel(gpu_);
         served.sockets = sockets_->bind(table);
@@ -114,6 +118,7 @@ LayeredSettings StagedUpdate::layered_settings(const Group& group) {
             .output = group.takes_similarities() ? BlendOutput::kSimilarity : BlendOutput::kAffine,
             .inertial = group.controller->is_inertial,
             .pose_overrides = group.pose_capacity > 0,
+            .varies = group.varies,
             .in_order = group.controller->model_layer_count > 0};
 }
 
@@ -175,8 +180,8 @@ void StagedUpdate::record_wave(const Update& update, const Wave& wave) const {
                 io::SocketPush{instance_count, group.joint_count, group.socket_count(),
                                io::kSocketsGather | group.socket_flags(), batches_[served.batch].birth},
                 instance_count * group.socket_count());
-        bind_->dispatch_workgroups(commands, served.bind[batches_[served.batch].slot],
-                                   io::BindPush{group.joint_count, group.palette_count}, instance_count);
+        bind_of(group).dispatch_workgroups(commands, served.bind[batches_[served.batch].slot],
+                                           io::BindPush{group.joint_count, group.palette_count}, instance_count);
     });
 }
 

@@ -47,22 +47,24 @@ private:
     void bind_batch(ServedBatch& served);
     void record_wave(const Update& update, const Wave& wave) const;
     void record_procedural(const Update& update, std::span<const ServedBatch> of_wave) const;
-    const Kernel& sample_of(const Group& group) const { return *(group.packed ? sample_packed_ : sample_exact_); }
+    const Kernel& sample_of(const Group& group) const { return *sample_[group.packed][group.varies]; }
     static LayeredSettings layered_settings(const Group& group);
     const Kernel& layered_of(const Group& group) const { return layered_.at(layered_settings(group)); }
     void record_layered(VkCommandBuffer commands, const ServedBatch& served, uint32_t instance_count,
                         const Group& group) const;
     const Kernel& blend_of(const Group& group) const {
-        return *blend_[group.takes_similarities()][group.pose_capacity > 0];
+        return *blend_[group.takes_similarities()][group.pose_capacity > 0][group.varies];
     }
+    const Kernel& bind_of(const Group& group) const { return *bind_[group.varies]; }
 
     const ProceduralStage& procedural_;
     std::vector<ServedBatch> served_;
     std::vector<Wave> waves_;
-    std::optional<Kernel> sample_exact_, sample_packed_;  // those that the groups need
-    std::optional<Kernel> blend_[2][2];                   // [similarities][pose_overrides]
+    // Those that the groups need
+    std::optional<Kernel> sample_[2][2];    // [packed][Group::varies]
+    std::optional<Kernel> blend_[2][2][2];  // [similarities][pose_overrides][Group::varies]
     std::map<LayeredSettings, Kernel> layered_;
-    std::optional<Kernel> bind_, sockets_;
+    std::optional<Kernel> bind_[2], sockets_;  // [Group::varies]
     // The arena, 48 bytes a joint each; second_poses serves the scan as scratch once blended
     Buffer first_poses_, second_poses_, local_, model_;
 };

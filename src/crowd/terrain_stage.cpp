@@ -27,9 +27,11 @@ void check_terrain(const CrowdGroup& group) {
 TerrainStage::TerrainStage(const StageContext& context) : Stage(context) {
     for (uint32_t i = 0; i < batches_.size(); ++i) {
         const Batch& batch = batches_[i];
-        if (!group_of(batch).terrain) continue;
-        if (served_.empty()) kernel_ = kernels::terrain.on(gpu_);
-        served_.push_back({i, kernel_.bind(batch.table(group_of(batch), {}))});
+        const Group& group = group_of(batch);
+        if (!group.terrain) continue;
+        std::optional<Kernel>& kernel = kernels_[group.varies];
+        if (!kernel) kernel = kernels::terrain.on(gpu_, {group.varies});
+        served_.push_back({i, kernel->bind(batch.table(group, batch[io::kPlacementsBuffer]))});
     }
 }
 
@@ -37,9 +39,10 @@ void TerrainStage::record(const Update& update) {
     if (served_.empty()) return;
     for (const ServedBatch& served : served_) {
         const Batch& batch = batches_[served.batch];
-        io::TerrainPush push = *group_of(batch).terrain;
+        const Group& group = group_of(batch);
+        io::TerrainPush push = *group.terrain;
         push.instance_count = batch.used_count;
-        kernel_.dispatch_invocations(update.commands, served.bindings, push, push.instance_count);
+        kernels_[group.varies]->dispatch_invocations(update.commands, served.bindings, push, push.instance_count);
     }
     separate_kernels(update.commands);
     update.end_stage("terrain");

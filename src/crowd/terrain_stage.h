@@ -5,6 +5,8 @@
 #include "crowd/stage.h"
 #include "gpu/kernel.h"
 
+#include <optional>
+
 namespace throng {
 
 // Throws kInvalidArgument if the group's terrain is not a grid of finite heights.
@@ -24,7 +26,7 @@ private:
         Bindings bindings;
     };
 
-    Kernel kernel_;
+    std::optional<Kernel> kernels_[2];  // [Group::varies]
     std::vector<ServedBatch> served_;
 };
 

@@ -16,13 +16,15 @@ TABLE_OF_ROWS(kMorphTracksBuffer, tracks);
 TABLE_OF_WORDS(kMorphValuesBuffer, values);
 BUFFER(kActiveMorphsBuffer, ActiveMorph, active_morphs);
 CONSTANT(1, bool, kLayered, false);
+CONSTANT(2, bool, kVaries, false);
 PUSH(MorphPush);
 
+#include "control/births.glsl"
 #include "morph/morph.glsl"
 
 void main() {
     const uint instance = gl_GlobalInvocationID.x;
-    if (instance >= push.instance_count) return;
+    if (instance >= push.instance_count || (kVaries && is_free(instance))) return;
     const uint first = instance * push.active_morph_limit;
     uint count = 0;
     RowsOfTwo rows;

@@ -67,6 +67,8 @@ void upload_morph_tables(Uploads& uploads, const Character& character, Buffers& 
     buffers[io::kMorphDeltasBuffer] = upload(uploads, name + ": morph differences", character.morph_deltas);
 }
 
-Kernel morph_kernel(const std::shared_ptr<Gpu>& gpu, bool layered) { return kernels::morph.on(gpu, {layered}); }
+Kernel morph_kernel(const std::shared_ptr<Gpu>& gpu, bool layered, bool varies) {
+    return kernels::morph.on(gpu, {layered, varies});
+}
 
 }  // namespace throng

@@ -23,6 +23,7 @@ MorphTables make_morph_tables(const Character& character);
 void upload_morph_tables(Uploads& uploads, const Character& character, Buffers& buffers);
 
 // Dispatched with io::MorphPush, an invocation per instance. `layered`: instances play active clips, not two clips.
-Kernel morph_kernel(const std::shared_ptr<Gpu>& gpu, bool layered);
+// `varies`: they come and go, and those that are not there are left out.
+Kernel morph_kernel(const std::shared_ptr<Gpu>& gpu, bool layered, bool varies = false);
 
 }  // namespace throng

@@ -12,12 +12,15 @@ TABLE_OF_ROWS(kKeysBuffer, keys);
 TABLE_OF_WORDS(kWordsBuffer, words);
 WRITEONLY_BUFFER(kSampledPosesBuffer, JointPose, poses);
 CONSTANT(1, bool, kPacked, false);
+CONSTANT(2, bool, kVaries, false);
 PUSH(SamplePush);
 
+#include "control/births.glsl"
 #include "sample/sample.glsl"
 
 void main() {
     const uint instance = gl_WorkGroupID.x;
+    if (kVaries && is_free(instance)) return;
     const InstanceCursor cursor = cursors[instance];
     const bool is_first = push.is_second == 0;
     if ((is_first ? cursor.weight : 1 - cursor.weight) <= 0) return;

@@ -4,6 +4,8 @@
 
 namespace throng {
 
-Kernel sample_kernel(const std::shared_ptr<Gpu>& gpu, bool packed) { return kernels::sample.on(gpu, {packed}); }
+Kernel sample_kernel(const std::shared_ptr<Gpu>& gpu, bool packed, bool varies) {
+    return kernels::sample.on(gpu, {packed, varies});
+}
 
 }  // namespace throng

@@ -7,7 +7,7 @@
 namespace throng {
 
 // Dispatched with io::SamplePush, a workgroup per instance.
-// `packed`: Character::packed.
-Kernel sample_kernel(const std::shared_ptr<Gpu>& gpu, bool packed);
+// `packed`: Character::packed. `varies`: instances come and go, and those that are not there are left out.
+Kernel sample_kernel(const std::shared_ptr<Gpu>& gpu, bool packed, bool varies = false);
 
 }  // namespace throng

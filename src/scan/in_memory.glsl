@@ -1,5 +1,9 @@
 // The host of a method that runs as a stage of its own: local and model transforms are in memory.
 #include "scan/scan_buffers.glsl"
+#include "control/births.glsl"
+
+// If instances come and go, how many a workgroup has; else 0. Workgroups none of whose instances are there do nothing.
+CONSTANT(8, uint, kVaryingInstances, 0);
 
 uint instance_count() { return push.instance_count; }
 Transform load_local(uint instance, uint joint) { return unpack(local[at(instance, joint)]); }
@@ -19,4 +23,14 @@ void scan_barrier(bool through_buffers) {
 }
 #endif
 
-void main() { scan(); }
+bool is_idle() {
+    const uint first = gl_WorkGroupID.x * kVaryingInstances, end = min(first + kVaryingInstances, push.instance_count);
+    for (uint instance = first; instance < end; ++instance)
+        if (!is_free(instance)) return false;
+    return true;
+}
+
+void main() {
+    if (kVaryingInstances > 0 && is_idle()) return;
+    scan();
+}

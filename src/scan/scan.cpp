@@ -26,7 +26,8 @@ ScanLimits scan_limits(const Gpu& gpu) {
             .storage_buffers = limits.maxPerStageDescriptorStorageBuffers};
 }
 
-ScanStage::ScanStage(Uploads& uploads, const ScanChoice& choice, const ScanRig& rig, const ScanLimits& limits)
+ScanStage::ScanStage(Uploads& uploads, const ScanChoice& choice, const ScanRig& rig, const ScanLimits& limits,
+                     bool varies)
     : choice_(choice), joint_count_(rig.joint_count()) {
     const ScanMethod& method = *choice.method;
     ScanPlan plan = plan_scan(method, rig, limits, choice.threads);
@@ -38,6 +39,11 @@ ScanStage::ScanStage(Uploads& uploads, const ScanChoice& choice, const ScanRig& 
     instances_per_workgroup_ = plan.instances_per_workgroup;
     links_ = upload(uploads, "scan links", plan.links);
     const ScanShaders& shaders = scan_shaders(method.name);
+    if (varies) {
+        constexpr size_t kVaryingInstances = 8;  // the number of the constant; the first is 1
+        plan.constants.resize(kVaryingInstances - 1);
+        plan.constants.push_back(plan.instances_per_workgroup);
+    }
     const std::shared_ptr<Gpu>& gpu = uploads.gpu();
     kernel_ = Kernel(gpu, {.name = method.name,
                            .spirv = gpu->uses_software_kernels() ? shaders.software : shaders.plain,

@@ -20,7 +20,9 @@ class ScanStage {
 public:
     ScanStage() = default;
     // Throws kUnsupported with the plan's reason if the method does not apply. `limits` may be lower than the device's.
-    ScanStage(Uploads& uploads, const ScanChoice& choice, const ScanRig& rig, const ScanLimits& limits);
+    // `varies`: instances come and go, and those that are not there are left out as far as the method allows.
+    ScanStage(Uploads& uploads, const ScanChoice& choice, const ScanRig& rig, const ScanLimits& limits,
+              bool varies = false);
     // Like the other constructor, but submits the uploads and waits for them.
     ScanStage(const std::shared_ptr<Gpu>& gpu, const ScanChoice& choice, const ScanRig& rig, const ScanLimits& limits);
 

@@ -7,7 +7,10 @@ WORKGROUP(kTerrainWorkgroupSize);
 // world_from_model, three rows each
 BUFFER(kPlacementsBuffer, vec4, placements);
 READONLY_BUFFER(kHeightsBuffer, float, heights);
+CONSTANT(1, bool, kVaries, false);
 PUSH(TerrainPush);
+
+#include "control/births.glsl"
 
 // Bilinear between four points. Places beyond the edges are clamped to them.
 float height_at(vec2 place) {
@@ -22,7 +25,7 @@ float height_at(vec2 place) {
 
 void main() {
     const uint instance = gl_GlobalInvocationID.x;
-    if (instance >= push.instance_count) return;
+    if (instance >= push.instance_count || (kVaries && is_free(instance))) return;
     const vec2 place = vec2(placements[3 * instance].w, placements[3 * instance + 2].w);
     placements[3 * instance + 1].w = height_at(place);
 }

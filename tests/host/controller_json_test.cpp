@@ -3,6 +3,7 @@
 #include "json/json_text.h"
 #include "tests/controller_cases.h"
 #include "tests/files.h"
+#include "tests/text.h"
 
 #include <gtest/gtest.h>
 
@@ -42,6 +43,10 @@ TEST(ControllerJson, EveryFieldIsRead) {
     EXPECT_EQ(c.events[1].time_s, 0.1);
     EXPECT_EQ(c.find_events("step"), (std::vector<EventIndex>{0, 1}));
     EXPECT_TRUE(c.find_events("stride").empty());
+    EXPECT_EQ(c.events_named("step").value(), c.find_events("step"));
+    const auto missing = c.events_named("stride");
+    ASSERT_FALSE(missing);
+    EXPECT_TRUE(contains(missing.error().text(), "there is no event 'stride'")) << missing.error().text();
 
     ASSERT_EQ(c.masks.size(), 2u);
     ASSERT_EQ(c.masks[0].items.size(), 2u);
