@@ -202,7 +202,8 @@ public:
     // until it is cleared, so a call in each frame replaces the pose and lets the fade continue. clear_pose() fades the
     // pose out, and frees its slot (CrowdGroup::pose_capacity) when that is done; a pose set meanwhile fades in from
     // the weight reached. Translations and scales are blended linearly, rotations on the shortest path, by a weight
-    // that is eased as in docs/controller.md, step 5. Rotations are normalised.
+    // that is eased as in docs/controller.md, step 5. Rotations are normalised. Views look for an instance near its
+    // placement (CrowdGroup::pose_margin), so move that along with a ragdoll that slides away.
     //
     // Errors: kInvalidArgument (another number of joints, a number that is not finite, a rotation of length 0, a
     // negative fade; where Rig::uniform_scale is set, a scale that differs along the axes by more than 1e-5 of itself),
@@ -211,8 +212,9 @@ public:
     Result<void> clear_pose(const Instances& instances, float fade_s = 0);
 
     // From the next record() on, feedback() reports the placement, move, sockets and controller state of each of these
-    // instances (WatchedInstance). Replaces the instances watched before. Errors: kInvalidArgument (no group has a
-    // controller, sockets or steering), kLimit (more than CrowdSettings::watch_capacity).
+    // instances (WatchedInstance); for the pose that one shows, call request_poses(). Replaces the instances watched
+    // before. Errors: kInvalidArgument (no group has a controller, sockets or steering), kLimit (more than
+    // CrowdSettings::watch_capacity).
     Result<void> watch(const Instances& instances);
 
     // Requests the poses that these instances show after the next record(). They come once, in the feedback of that
