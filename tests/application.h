@@ -69,7 +69,7 @@ struct Application {
         table.vkDestroyDevice(device, nullptr);
         vkDestroyInstance(instance, nullptr);
     }
-    // Of the queues that were made in each family: two, where there are as many.
+    // How many queues this device has of a family: two, or one if the hardware has no more.
     uint32_t queue_count_of(uint32_t family) const { return std::min(families[family].queueCount, 2u); }
     AdoptedDevice adopted() const { return {instance, physical_device, device, queue, queue_family}; }
 

@@ -414,7 +414,7 @@ TEST(Population, UnseenInstancesWithSocketsAreAnimated) {
     }
 }
 
-// What is free keeps whatever is in its matrices: here, words that no kernel would write.
+// The matrices are filled with a pattern before an update. Where it is still there afterwards, nothing was computed.
 TEST(Population, FreeNumbersAreNotAnimatedStageByStage) {
     constexpr uint32_t kUntouched = 0xFFFFFFFF;
     const Character character = creature(20, 6);

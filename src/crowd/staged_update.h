@@ -60,7 +60,7 @@ private:
     const ProceduralStage& procedural_;
     std::vector<ServedBatch> served_;
     std::vector<Wave> waves_;
-    // Those that the groups need
+    // Kernels, made for the combinations that occur among the groups
     std::optional<Kernel> sample_[2][2];    // [packed][Group::varies]
     std::optional<Kernel> blend_[2][2][2];  // [similarities][pose_overrides][Group::varies]
     std::map<LayeredSettings, Kernel> layered_;

@@ -216,7 +216,7 @@ Result<void> add_clips(Asset& asset, const Asset& from) {
             const ClipAdder adder(from, asset);
             std::vector<AssetClip> clips = adder.clips();
             std::vector<std::string> warnings = new_warnings(asset, from, [](const std::string& line) {
-                // Those about the other file's meshes do not concern this character.
+                // Only animations and nodes are taken over, so warnings about meshes do not apply here.
                 return line.find(": animations[") != line.npos || line.find(": nodes[") != line.npos;
             });
             const std::string without = adder.without_target();
