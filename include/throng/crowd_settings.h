@@ -95,9 +95,10 @@ struct CrowdGroup {
     std::optional<SkinPool> skin_pool{};
     // Above 0: instances come and go, by Crowd::spawn() and despawn(), at most this many at a time; at least
     // instance_count. Such a crowd culls even if CrowdSettings::culling is not set: its lists contain only live
-    // instances, and only these are updated and drawn. Unused capacity takes memory, and almost no time. Not together
-    // with CrowdSettings::keep_previous_matrices if all instances of the group are animated in each update (see
-    // record()).
+    // instances, and only these are updated and drawn. Unused capacity takes memory, and almost no time; only in groups
+    // that are updated stage by stage, a number that is free below others in use may still be scanned
+    // (docs/performance.md). Not together with CrowdSettings::keep_previous_matrices if all instances of the group are
+    // animated in each update (see record()).
     uint32_t capacity = 0;
     // Its instances also obey commands that the application's shaders write. Not together with is_carried
     std::optional<ShaderCommands> shader_commands{};
