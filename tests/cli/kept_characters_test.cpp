@@ -56,14 +56,19 @@ TEST_F(KeptCharacters, AFileChangedBeforeReadingIsNotCachedAsTheOldOne) {
     EXPECT_EQ(kept_count(), 1) << "of the file that did not change";
 }
 
-TEST_F(KeptCharacters, FilesWithSideFilesAreNotCachedEvenWithEscapedKeys) {
+// The first position of tiny_character() is 0; this one is wider.
+std::string wider(std::string side) {
+    const float x = -1;
+    std::memcpy(side.data(), &x, sizeof x);
+    return side;
+}
+
+TEST_F(KeptCharacters, ChangedSideFilesAreNoticedEvenWithEscapedKeys) {
     GlbBuilder character = tiny_character();
     character.json["buffers"] = {{{"side_uri", "side.bin"}, {"byteLength", character.bin.size()}}};
     const std::string glb = character.glb();
     const std::string side(reinterpret_cast<const char*>(character.bin.data()), character.bin.size());
-    std::string wider = side;
-    const float x = -1;  // of the first position, which is 0
-    std::memcpy(wider.data(), &x, sizeof x);
+    int count = 0;
     // Each escaped key is as long as the key it replaces, so that the lengths in the file stay right
     for (const char* key : {"\\u0075ri", "u\\u0072i", "ur\\u0069"}) {
         std::string escaped = glb;
@@ -71,12 +76,43 @@ TEST_F(KeptCharacters, FilesWithSideFilesAreNotCachedEvenWithEscapedKeys) {
         write("side.bin", side);
         const Result<Character> narrow = load_kept_character(fox, {});
         ASSERT_TRUE(narrow) << narrow.error().text();
-        write("side.bin", wider);
+        write("side.bin", wider(side));
         const Result<Character> wide = load_kept_character(fox, {});
         ASSERT_TRUE(wide) << wide.error().text();
         EXPECT_LT(narrow->size, wide->size) << key;
+        EXPECT_EQ(kept_count(), count += 2) << key;
+        EXPECT_EQ(load_kept_character(fox, {})->size, wide->size) << key;
+        EXPECT_EQ(kept_count(), count) << key;
     }
+}
+
+// A .gltf file, the names of whose side files are spelt as the importer would find them.
+TEST_F(KeptCharacters, SideFilesAreFoundUnderTheirNames) {
+    GlbBuilder character = tiny_character();
+    const std::string side(reinterpret_cast<const char*>(character.bin.data()), character.bin.size());
+    std::filesystem::create_directories(file("parts"));
+    int count = 0;
+    for (const char* uri : {"parts/a side.bin", "parts/a%20side.bin", "parts\\a side.bin", "./x/../parts/a side.bin"}) {
+        character.json["buffers"] = {{{"uri", uri}, {"byteLength", character.bin.size()}}};
+        const std::string fox = write("fox.gltf", character.json.dump());
+        write("parts/a side.bin", side);
+        const Result<Character> narrow = load_kept_character(fox, {});
+        ASSERT_TRUE(narrow) << narrow.error().text();
+        write("parts/a side.bin", wider(side));
+        EXPECT_LT(narrow->size, load_kept_character(fox, {})->size) << uri;
+        EXPECT_EQ(kept_count(), count += 2) << uri;
+    }
+}
+
+// The importer opens nothing outside of the file's folder, and leaves out an image there with a warning.
+TEST_F(KeptCharacters, FilesThatNameOthersOutsideOfTheirFolderAreNotKept) {
+    GlbBuilder character = tiny_character();
+    character.json["images"] = {{{"uri", "../skin.png"}}};
+    ASSERT_TRUE(load_kept_character(write("fox.glb", character.glb()), {}));
     EXPECT_EQ(kept_count(), 0);
+    character.json["images"] = {{{"uri", "skin.png"}}};
+    ASSERT_TRUE(load_kept_character(write("fox.glb", character.glb()), {}));
+    EXPECT_EQ(kept_count(), 1);
 }
 
 // Some exporters escape all non-ASCII letters.

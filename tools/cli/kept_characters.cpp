@@ -5,12 +5,14 @@
 
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <cinttypes>
 #include <cstdio>
-#include <cstring>
 #include <dlfcn.h>
 #include <fstream>
+#include <nlohmann/json.hpp>
 #include <optional>
+#include <string>
 #include <string_view>
 #include <sys/stat.h>
 #include <vector>
@@ -48,39 +50,94 @@ bool add_build(Key& key) {
     return true;
 }
 
-// Whether a file's JSON may refer to side files, whose changes the key would not show. The name "uri" can also be spelt
-// with escapes of its letters, which exporters have no reason to escape.
-bool may_have_side_files(std::string_view json) {
-    constexpr std::array<std::string_view, 4> kSigns{"\"uri\"", "\\u0075", "\\u0072", "\\u0069"};
-    return std::ranges::any_of(kSigns, [&](std::string_view sign) { return json.find(sign) != json.npos; });
+constexpr uint64_t kMaxJson_bytes = uint64_t{1} << 28;
+
+// Adds the rest of the file.
+void add_rest(Key& key, std::ifstream& stream) {
+    std::string part(1 << 20, '\0');
+    while (stream.read(part.data(), static_cast<std::streamsize>(part.size())), stream.gcount() > 0)
+        key.add(std::string_view(part).substr(0, static_cast<size_t>(stream.gcount())));
 }
 
-// Adds the content of a .glb file that has no side files. False if it is anything else.
+// All strings that a file's JSON gives as "uri", however its letters are escaped; none if it is broken.
+std::vector<std::string> uris_in(std::string_view json) {
+    using Json = nlohmann::json;
+    std::vector<std::string> uris;
+    bool is_uri = false;
+    const auto collect = [&](int, Json::parse_event_t event, Json& parsed) {
+        if (is_uri && event == Json::parse_event_t::value && parsed.is_string()) uris.push_back(parsed);
+        is_uri = event == Json::parse_event_t::key && parsed == "uri";
+        return event != Json::parse_event_t::value;  // keeps none of them
+    };
+    [[maybe_unused]] const Json nothing = Json::parse(json, collect, false);
+    return uris;
+}
+
+// As in glTF: %20 for a space. A % that begins no escape stays.
+std::string percent_decoded(std::string_view uri) {
+    std::string out;
+    for (size_t i = 0; i < uri.size(); ++i) {
+        unsigned code = 0;
+        const char* const digits = uri.data() + i + 1;
+        const bool is_escape = uri[i] == '%' && i + 2 < uri.size() &&
+                               std::from_chars(digits, digits + 2, code, 16).ptr == digits + 2;
+        out += is_escape ? static_cast<char>(code) : uri[i];
+        if (is_escape) i += 2;
+    }
+    return out;
+}
+
+// Adds what the file may have in side files: whatever has such a name, also with `\\` in place of `/`. False if one
+// lies outside of the folder, where load_character() opens nothing.
+bool add_side_files(Key& key, std::string_view json, const fs::path& folder) {
+    std::error_code error;
+    const fs::path top = fs::canonical(folder.empty() ? "." : folder, error);
+    for (const std::string& uri : uris_in(json)) {
+        if (uri.starts_with("data:")) continue;
+        const std::string name = percent_decoded(uri);
+        std::string with_slashes = name;
+        std::ranges::replace(with_slashes, '\\', '/');
+        for (const std::string& path : {name, with_slashes}) {
+            const fs::path side = fs::weakly_canonical(top / path, error);
+            if (error || !side.native().starts_with((top / "").native())) return false;
+            key.add_number(fs::is_regular_file(side, error));
+            if (!fs::is_regular_file(side, error)) continue;
+            key.add_number(fs::file_size(side, error));
+            std::ifstream stream(side, std::ios::binary);
+            add_rest(key, stream);
+        }
+    }
+    return true;
+}
+
+// Adds the content of a .glb or .gltf file and of its side files. False if it is anything else.
 bool add_file(Key& key, const std::string& file) {
     struct Head {
         char magic[4];
         uint32_t version, size_bytes, json_bytes, json_type;
     };
     static_assert(sizeof(Head) == 20);
-    constexpr uint32_t kMaxJson_bytes = 1u << 28;
     std::error_code error;
     if (!fs::is_regular_file(file, error)) return false;  // a pipe would block here; load_character() reports it
+    const uint64_t size_bytes = fs::file_size(file, error);
     std::ifstream stream(file, std::ios::binary);
     Head head{};
     stream.read(reinterpret_cast<char*>(&head), sizeof head);
-    if (!stream || std::string_view(head.magic, 4) != "glTF" || head.json_bytes > kMaxJson_bytes) return false;
-    if (const uint64_t size_bytes = fs::file_size(file, error); error || head.json_bytes > size_bytes) return false;
-    std::string part(head.json_bytes, '\0');
-    stream.read(part.data(), head.json_bytes);
-    if (!stream || may_have_side_files(part)) return false;
-    key.add_number(head);
-    constexpr size_t kPart_bytes = 1 << 20;
-    for (; !part.empty(); part.resize(static_cast<size_t>(stream.gcount()))) {
-        key.add(part);
-        part.resize(kPart_bytes);
-        stream.read(part.data(), kPart_bytes);
+    const bool is_glb = stream && std::string_view(head.magic, 4) == "glTF";
+    if (!is_glb && fs::path(file).extension() != ".gltf") return false;
+    if (!is_glb) {
+        stream.clear();
+        stream.seekg(0);
     }
-    return true;
+    const uint64_t json_bytes = is_glb ? head.json_bytes : size_bytes;
+    if (error || json_bytes > std::min(kMaxJson_bytes, size_bytes)) return false;
+    std::string json(json_bytes, '\0');
+    stream.read(json.data(), static_cast<std::streamsize>(json_bytes));
+    if (!stream) return false;
+    if (is_glb) key.add_number(head);
+    key.add(json);
+    add_rest(key, stream);
+    return add_side_files(key, json, fs::path(file).parent_path());
 }
 
 // Where the character is, or would be, kept; none if it cannot be kept.
