@@ -228,7 +228,7 @@ TEST_F(GroupChanges, MemoryOfRemovedGroupsIsFreed) {
             EXPECT_GT(crowd.size_bytes(), before_bytes + 50 * character_.palette.size() * sizeof(Affine));
             ASSERT_TRUE(crowd.remove_group(1));
             EXPECT_GT(crowd.size_bytes(), before_bytes + 50 * character_.palette.size() * sizeof(Affine));
-            go_on(crowd, 12);
+            go_on(crowd, 40);  // ten or so until it may go, then each frees a part
             EXPECT_EQ(crowd.size_bytes(), before_bytes);
         }
     }

@@ -70,8 +70,8 @@ public:
     // Returns the numbers that the groups have here, in their order: the lowest that are free. Instances get the lowest
     // numbers at which enough are free in a row, and new handles (instances(group), handle()). The other crowd's
     // watched instances and wind are dropped. Data that stages keep for all groups together is rebuilt, in
-    // about a millisecond, and what updates under way still use is freed some ten updates later. outputs() change
-    // because of the new groups, and spans that it has returned become invalid.
+    // about a millisecond, and what updates under way still use is freed later, a part in each update from about the
+    // tenth on. outputs() change because of the new groups, and spans that it has returned become invalid.
     //
     // Both crowds need the same CrowdSettings, except for groups, path, scan, timestamps and capacities of
     // feedback (but pose_request_capacity is above 0 in both or neither). If a group has CrowdGroup::capacity or
@@ -84,9 +84,10 @@ public:
     Result<std::vector<GroupIndex>> add_groups(Crowd&& other);
     // Removes a group with all of its instances; instances attached to them stay where they are. The other groups and
     // their instances keep their numbers. outputs() lose the group's blocks, and spans that it has returned become
-    // invalid; the views of other groups stay the same. The group's memory is freed some ten updates later (record()
-    // with a time step of 0 counts). Errors: kInvalidArgument (no such group; the only one with instances; the last
-    // record() failed; the second half of an update for a view with occlusion is still to come).
+    // invalid; the views of other groups stay the same. The group's memory is freed later, a part in each update
+    // from about the tenth on (record() with a time step of 0 counts). Errors: kInvalidArgument (no such group; the
+    // only one with instances; the last record() failed; the second half of an update for a view with occlusion is
+    // still to come).
     Result<void> remove_group(GroupIndex group);
 
     // Adds instances to a group with CrowdGroup::capacity, one for each placement, or removes some; this takes effect

@@ -332,7 +332,8 @@ void CrowdState::free_what_may_go() {
         first_uploads_.erase(first_uploads_.begin() + static_cast<ptrdiff_t>(i));
     }
     for (size_t i = retired_.size(); i-- > 0;) {
-        if (!retired_[i].may_go()) continue;
+        retired_[i].free_one();
+        if (!retired_[i].is_empty()) continue;
         events_.give_back(retired_[i].take_event());
         retired_.erase(retired_.begin() + static_cast<ptrdiff_t>(i));
     }

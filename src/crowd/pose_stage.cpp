@@ -44,6 +44,11 @@ uint64_t PoseStage::native_bytes(const Group& group) {
     return group.native_rig() ? group.pose_capacity * group.native_rig()->pose_floats() * sizeof(float) : 0;
 }
 
+void PoseStage::retire() {
+    of_batches_.clear();
+    of_groups_.clear();
+}
+
 uint64_t PoseStage::size_bytes() const {
     uint64_t sum = 0;
     for (const GroupPoses& of_group : of_groups_) sum += of_group.native_poses_bytes;

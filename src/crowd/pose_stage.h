@@ -38,6 +38,7 @@ public:
     // What was set or cleared since stays so.
     void discard() override;
     void exchange_group(StateArchive& archive, uint32_t group) override;
+    void retire() override;
     uint32_t end_count() const override { return 0; }
     uint64_t size_bytes() const override;
 

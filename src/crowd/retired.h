@@ -14,12 +14,15 @@ public:
         std::optional<Group> group{};
         std::unique_ptr<StageTimer> timer{};
     };
-    // Things are freed once `update_count` later updates have run, after which nothing reads the outputs of earlier
-    // ones, and as many more have been recorded. The event alone would do, but validation layers do not follow events.
-    // They know that commands have run by the fences of the application, which has waited for them by then.
+    // Things may go once `update_count` later updates have run, after which nothing reads the outputs of earlier ones,
+    // and as many more have been recorded. The event alone would do, but validation layers do not follow events. They
+    // know that commands have run by the fences of the application, which has waited for them by then.
     Retired(EventPool& events, uint32_t update_count)
         : have_run_(events.take()), left_(update_count), more_(update_count) {}
-    void keep(Things things) { things_ = std::move(things); }
+    void keep(Things things) {
+        things_ = std::move(things);
+        for (const auto& stage : things_.stages) stage->retire();
+    }
 
     // At the end of each update.
     void record(VkCommandBuffer commands) {
@@ -32,8 +35,20 @@ public:
     }
     // The last update will never be submitted.
     void discard() { left_ = was_left_; }
-    bool may_go() const { return more_ == 0; }
-    DeviceEvent take_event() { return std::move(have_run_); }  // when it may go
+    // Frees one of the things if they may go: all at once would take longer than recording an update.
+    void free_one() {
+        if (more_ > 0) return;
+        if (!things_.batches.empty())
+            things_.batches.pop_back();
+        else if (!things_.stages.empty())
+            things_.stages.pop_back();
+        else
+            things_ = {};
+    }
+    bool is_empty() const {
+        return things_.stages.empty() && things_.batches.empty() && !things_.group && !things_.timer;
+    }
+    DeviceEvent take_event() { return std::move(have_run_); }  // when it is empty
     uint64_t size_bytes() const {
         uint64_t sum = 0;
         for (const auto& stage : things_.stages) sum += stage->size_bytes();

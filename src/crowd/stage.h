@@ -72,6 +72,9 @@ public:
     virtual void exchange(StateArchive&) {}
     virtual void exchange_group(StateArchive&, uint32_t /*group*/) {}
 
+    // Another stage has taken over: frees what only the CPU uses.
+    virtual void retire() {}
+
     // The largest number of times that an update, both halves of it, calls end_stage().
     virtual uint32_t end_count() const { return 1; }
     // The memory that the stage itself owns, apart from the buffers of groups and batches. Can be called after those
