@@ -152,8 +152,7 @@ struct Asset {
 };
 
 // Reads a .glb or .gltf file (glTF 2.0), its buffers and its images.
-// Extensions: KHR_mesh_quantization, EXT_meshopt_compression (and KHR_meshopt_compression, as far as it is the same:
-// attributes of version 0, no colour filter), KHR_draco_mesh_compression,
+// Extensions: KHR_mesh_quantization, EXT_meshopt_compression, KHR_meshopt_compression, KHR_draco_mesh_compression,
 // KHR_texture_transform, KHR_node_visibility, EXT_texture_webp, KHR_materials_emissive_strength, and the colours of
 // KHR_materials_pbrSpecularGlossiness.
 // Other extensions of materials and images are ignored, with a warning if that can be seen; any other one in

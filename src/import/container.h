@@ -29,7 +29,7 @@ Container open_container(std::span<const std::byte> file, Warnings& warnings);
 // Where side files come from: a folder, or the application.
 using SideFiles = std::variant<std::filesystem::path, AssetResolver>;
 
-// Buffers and buffer views, read at first use: a buffer that nothing needs (the fallback of EXT_meshopt_compression,
+// Buffers and buffer views, read at first use: a buffer that nothing needs (the fallback of meshopt's extensions,
 // which may be without data) is not looked at.
 class Buffers {
 public:

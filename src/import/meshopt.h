@@ -1,6 +1,7 @@
-// EXT_meshopt_compression, and KHR_meshopt_compression where it is the same: without its newer attribute codec and its
-// colour filter, which the meshoptimizer of our packages (0.18) does not have.
-// Source: "EXT_meshopt_compression", glTF extension by Arseny Kapoulkine, decoded by his meshoptimizer.
+// EXT_meshopt_compression and KHR_meshopt_compression. They differ by what the latter adds, version 1 of the codec of
+// attributes and the filter COLOR, which are read under either name.
+// Source: "EXT_meshopt_compression" and "KHR_meshopt_compression", glTF extensions by Arseny Kapoulkine and others,
+// decoded by his meshoptimizer; what our packages' version of it (0.18) lacks, by meshopt_attributes and meshopt_color.
 #pragma once
 
 #include "import/limits.h"

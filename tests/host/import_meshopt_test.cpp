@@ -1,4 +1,5 @@
 // Importing buffers compressed with EXT_meshopt_compression and KHR_meshopt_compression.
+#include "tests/files.h"
 #include "tests/host/import_cases.h"
 
 #include <meshoptimizer.h>
@@ -96,7 +97,7 @@ TEST(Import, Meshopt) {
     EXPECT_EQ(other.meshes.at(0).primitives.at(0).indices, (std::vector<uint32_t>{0, 1, 2}));
 }
 
-// The newer extension: the same, except that more is refused, by the extension's name.
+// The newer extension, without and with what it adds (import_meshopt_v1_test.cpp).
 TEST(Import, MeshoptOfKhronos) {
     const auto renamed = [](const GlbBuilder& b) {
         std::string text = b.json.dump();
@@ -112,14 +113,23 @@ TEST(Import, MeshoptOfKhronos) {
     EXPECT_EQ(asset.meshes.at(0).primitives.at(0).indices, wanted.meshes.at(0).primitives.at(0).indices);
     EXPECT_EQ(asset.clips.at(0).tracks.at(0).values, wanted.clips.at(0).tracks.at(0).values);
 
+    GlbBuilder newer = tiny_character();
+    const std::string positions = read_file(std::string(THRONG_SOURCE_DIR) + "/tests/data/meshopt/triangle.bin");
+    const std::vector<unsigned char> compressed(positions.begin(), positions.end());
+    ASSERT_FALSE(compressed.empty());
+    EXPECT_EQ(compressed[0], 0xA1);
+    compress_view(newer, kPosition, compressed, 12, 3, {{"mode", "ATTRIBUTES"}});
     const std::string place = "bufferViews[0].extensions.KHR_meshopt_compression";
-    GlbBuilder newer = renamed(good);
-    const GltfJson& extension = newer.json["bufferViews"][0]["extensions"]["KHR_meshopt_compression"];
-    newer.bin[extension["byteOffset"]] = std::byte{0xA1};
-    expect_refused(load(newer), ErrorCode::kUnsupported, place, "with version 1 of their codec");
-    GlbBuilder colors = renamed(good);
-    colors.json["bufferViews"][0]["extensions"]["KHR_meshopt_compression"]["filter"] = "COLOR";
-    expect_refused(load(colors), ErrorCode::kUnsupported, place, "COLOR");
+    for (const GlbBuilder& b : {newer, renamed(newer)}) {
+        const Asset with_version_1 = loaded(b);
+        EXPECT_EQ(with_version_1.meshes.at(0).primitives.at(0).positions,
+                  wanted.meshes.at(0).primitives.at(0).positions);
+    }
+    newer = renamed(newer);
+    newer.bin.back() = std::byte{3};
+    expect_refused(newer, place, "channel mode 3 is unknown");
+    newer.json["bufferViews"][0]["extensions"]["KHR_meshopt_compression"]["filter"] = "COLOR";
+    expect_refused(newer, place, "byteStride 12 is not allowed with filter COLOR");
 }
 
 TEST(Import, MeshoptMemoryIsGivenBack) {

@@ -12,14 +12,15 @@ class Mesh {};
 
 namespace throng::gltf {
 
-DracoMesh::DracoMesh(const JsonView& json, Buffers&, Budget& budget) : json_(json), budget_(budget) {
+DracoMesh::DracoMesh(const JsonView& json, Buffers&, Budget& budget) : json_(json), budget_(budget), charge_(budget) {
     json_.fail("without Draco");
 }
 DracoMesh::~DracoMesh() = default;
 std::optional<AccessorView> DracoMesh::attribute(std::string_view, const AccessorFormat&) const { return {}; }
 std::vector<uint32_t> DracoMesh::indices() const { return {}; }
 
-std::vector<std::byte> decode_meshopt(const JsonView& json, std::span<const std::byte>, Budget&) {
+std::shared_ptr<const std::vector<std::byte>> decode_meshopt(const JsonView& json, std::span<const std::byte>,
+                                                             Budget&) {
     json.fail("without meshoptimizer");
 }
 
