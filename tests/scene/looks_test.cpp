@@ -6,57 +6,93 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <span>
+#include <string>
 #include <vector>
 
 namespace throng::tools {
 namespace {
 
-constexpr uint32_t kCount = 2000;
+constexpr uint32_t kCount = 10'000;
 
-class LooksOfWalkers : public testing::Test {
-protected:
-    // How much the colours of two walkers differ, sRGB, as the mean over their triangles: 0 to 1.
-    double difference(const InstanceLook& a, const InstanceLook& b) const {
-        double sum = 0;
-        for (uint32_t section = 0; section < walker_.sections.size(); ++section) {
-            double most = 0;
-            for (size_t i = 0; i < 3; ++i)
-                most = std::max(most, std::abs(encoded(a, section, i) - encoded(b, section, i)));
-            sum += most * walker_.sections[section].index_count;
-        }
-        return sum / static_cast<double>(walker_.indices.size());
-    }
-    // The least difference of two walkers who stand within one and a half places of each other.
-    double least_difference(const std::vector<InstanceLook>& looks) const {
-        const double near = 1.5 * footprint(walker_);
+// Creatures of a kind, and the looks that the demo gives them.
+class Dressed {
+public:
+    Dressed(CreatureKind kind, const std::string& looks_file)
+        : character(compile_character(make_creature(creature_settings(kind)).value(), {.lods = false}).value()),
+          looks(THRONG_SOURCE_DIR "/examples/looks/" + looks_file, character) {}
+
+    // Of those that stand at `places` with these looks: the least difference of two that stand within one and a half
+    // times their width of each other.
+    double least_difference(std::span<const Affine> places, std::span<const InstanceLook> worn, double scale) const {
+        const double near = 1.5 * scale * footprint(character);
         double least = 1;
-        uint32_t pairs = 0;
-        for (uint32_t i = 0; i < kCount; ++i)
-            for (uint32_t j = 0; j < i; ++j) {
-                const auto &a = field_.placement[i].row, &b = field_.placement[j].row;
-                if (std::hypot(double{a[0][3]} - double{b[0][3]}, double{a[2][3]} - double{b[2][3]}) > near) continue;
-                least = std::min(least, difference(looks[i], looks[j]));
-                ++pairs;
+        for (size_t i = 0; i < places.size(); ++i)
+            for (size_t j = 0; j < i; ++j) {
+                const double x = double{places[i].row[0][3]} - double{places[j].row[0][3]},
+                             z = double{places[i].row[2][3]} - double{places[j].row[2][3]};
+                if (x * x + z * z > near * near) continue;
+                least = std::min(least, difference(worn[i], worn[j]));
+                ++neighbours;
             }
-        EXPECT_GT(pairs, 2 * kCount);
         return least;
     }
 
-    const Character walker_ =
-        compile_character(make_creature(creature_settings(CreatureKind::kWalker)).value(), {.lods = false}).value();
-    const Looks looks_{THRONG_SOURCE_DIR "/examples/looks/walker.json", walker_};
-    const Scatter field_ = scatter(std::span(&walker_, 1), {.counts = {kCount}, .formation = Formation::kDisc});
+    const Character character;
+    const Looks looks;
+    mutable uint64_t neighbours = 0;  // pairs that have been compared
 
 private:
+    // How much the colours of two differ, sRGB, as the mean over their triangles: 0 to 1.
+    double difference(const InstanceLook& a, const InstanceLook& b) const {
+        double sum = 0;
+        for (uint32_t section = 0; section < character.sections.size(); ++section) {
+            double most = 0;
+            for (size_t i = 0; i < 3; ++i)
+                most = std::max(most, std::abs(encoded(a, section, i) - encoded(b, section, i)));
+            sum += most * character.sections[section].index_count;
+        }
+        return sum / static_cast<double>(character.indices.size());
+    }
     double encoded(const InstanceLook& look, uint32_t section, size_t channel) const {
-        const SectionLook& of = looks_.outfits()[look.outfit].sections[section];
-        const double base = double{walker_.materials[walker_.sections[section].material].base_color[channel]},
+        const SectionLook& of = looks.outfits()[look.outfit].sections[section];
+        const double base = double{character.materials[character.sections[section].material].base_color[channel]},
                      linear = base * double{of.color[channel]} *
                               (1 - double{of.tint} + double{of.tint} * double{look.tint[channel]});
         return linear <= 0.0031308 ? 12.92 * linear : 1.055 * std::pow(linear, 1 / 2.4) - 0.055;
     }
+};
+
+// The field of `./run demo`.
+TEST(LooksOfTheDemo, NeighboursDiffer) {
+    const std::array kinds{Dressed(CreatureKind::kDragon, "dragon.json"), Dressed(CreatureKind::kWillow, "willow.json"),
+                           Dressed(CreatureKind::kWalker, "walker.json")};
+    constexpr std::array kWanted{0.07, 0.08, 0.11};  // dragons and willows are of one piece
+    const std::array characters{kinds[0].character, kinds[1].character, kinds[2].character};
+    const Scatter field = scatter(
+        characters, {.counts = {300, 120, 9580}, .heights = {5, 9, 1.8}, .formation = Formation::kDisc, .seed = 1});
+    size_t first = 0;
+    for (size_t k = 0; k < kinds.size(); ++k) {
+        const std::span places = std::span(field.placement).subspan(first, field.groups[k].instance_count);
+        first += places.size();
+        const auto worn = kinds[k].looks.of_instances(kinds[k].character, places, 1 + k);
+        EXPECT_GE(kinds[k].least_difference(places, worn, field.scales[k]), kWanted[k]) << k;
+        EXPECT_GT(kinds[k].neighbours, places.size() / 10) << k;
+    }
+}
+
+class LooksOfWalkers : public testing::Test {
+protected:
+    double least_difference(const std::vector<InstanceLook>& worn) const {
+        return walkers_.least_difference(field_.placement, worn, 1);
+    }
+
+    const Dressed walkers_{CreatureKind::kWalker, "walker.json"};
+    const Character& walker_ = walkers_.character;
+    const Looks& looks_ = walkers_.looks;
+    const Scatter field_ = scatter(std::span(&walker_, 1), {.counts = {kCount}, .formation = Formation::kDisc});
 };
 
 TEST_F(LooksOfWalkers, NeighboursDiffer) {
@@ -67,6 +103,7 @@ TEST_F(LooksOfWalkers, NeighboursDiffer) {
                                           {.counts = {kCount}, .formation = Formation::kRandom, .seed = seed});
         EXPECT_LT(least_difference(looks_.of_instances(walker_, elsewhere.placement, seed)), 0.05) << seed;
     }
+    EXPECT_GT(walkers_.neighbours, 6 * 2 * kCount);
 }
 
 TEST_F(LooksOfWalkers, TheSameSeedGivesTheSameLooks) {
