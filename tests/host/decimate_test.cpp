@@ -45,7 +45,7 @@ struct Mesh {
             result = std::move(made);
             return false;
         };
-        decimate(WeldedMesh(character, indices, positions), indices, rest, wanted, take, {});
+        decimate(WeldedMesh(character, indices, positions), TriangleIndex(indices, rest), wanted, take, {});
         return result;
     }
 };

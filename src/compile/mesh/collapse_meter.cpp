@@ -16,26 +16,31 @@ constexpr float kTurned = 0.3f;  // the cosine of the angle by which a triangle 
 
 }  // namespace
 
-CollapseMeter::CollapseMeter(const WeldedMesh& fine, const SimplifiedMesh& mesh, std::span<const uint32_t> indices,
-                             std::span<const Vec3<float>> rest_places)
-    : fine_(fine), mesh_(mesh), index_(indices, rest_places), near_triangle_(fine.point_count()) {
-    for (uint32_t triangle = 0; triangle < index_.corners().size(); ++triangle)
-        for (const uint32_t vertex : index_.corners()[triangle]) near_triangle_[fine_.point_of(vertex)] = triangle;
+CollapseMeter::CollapseMeter(const WeldedMesh& fine, const TriangleIndex& fine_surface, const SimplifiedMesh& mesh)
+    : fine_(fine),
+      fine_surface_(fine_surface),
+      mesh_(mesh),
+      near_triangle_(fine.point_count()),
+      marks_(fine.point_count()) {
+    for (uint32_t triangle = 0; triangle < fine_surface.corners().size(); ++triangle)
+        for (const uint32_t vertex : fine_surface.corners()[triangle])
+            near_triangle_[fine_.point_of(vertex)] = triangle;
 }
 
 std::vector<Collapse> CollapseMeter::possible_collapses(uint32_t from) {
     std::vector<Collapse> all;
     if (mesh_.faces_of(from).size() > kMaxFaces) return all;
     look_around(from);
-    float least = kNever, second = kNever;
+    float least = kNever;
     for (const uint32_t to : mesh_.neighbours_of(from)) {
         Collapse one{.to = to, .extra = kLengthWeight * length(fine_.rest_place(from) - fine_.rest_place(to))};
         if (mesh_.faces_of(to).size() > kMaxFaces || !try_moving(one)) continue;
-        one.squared_distance = distance_of_lost(0, 0, one.squared_distance_at(second));
+        const float useful = one.squared_distance_at(least);
+        one.squared_distance = distance_of_lost(0, 0, useful);
+        one.groups = one.squared_distance <= useful ? 1 : 0;
         const float cost = one.cost();
         if (cost >= kNever) continue;
         all.push_back(one);
-        second = std::min(second, std::max(least, cost));
         least = std::min(least, cost);
     }
     std::ranges::sort(all, {}, &Collapse::cost);
@@ -60,7 +65,7 @@ void CollapseMeter::look_around(uint32_t from) {
         const SimplifiedMesh::Face& face = mesh_.face(number);
         const size_t corner = face.points[0] == from ? 0 : face.points[1] == from ? 1 : 2;
         const Vec3<float> normal = rest_normal(face.points);
-        around_.push_back({number, corner, normal, length(normal)});
+        around_.push_back({face.points, corner, face.vertices[corner], normal, length(normal)});
         lost_.insert(lost_.end(), face.lost.begin(), face.lost.end());
     }
 }
@@ -70,25 +75,38 @@ void CollapseMeter::look_around(uint32_t from) {
 bool CollapseMeter::try_moving(Collapse& collapse) {
     moved_.clear();
     const uint32_t to = collapse.to;
+    mark_neighbours_of(to);
     for (const Around& one : around_) {
-        const SimplifiedMesh::Face& face = mesh_.face(one.face);
-        const uint32_t left = face.points[(one.corner + 1) % 3], right = face.points[(one.corner + 2) % 3];
+        const uint32_t left = one.points[(one.corner + 1) % 3], right = one.points[(one.corner + 2) % 3];
         if (left == to || right == to) {
             if (mesh_.faces_of(left == to ? right : left).size() == 1) return false;
             continue;
         }
-        const WeldedMesh::Corner vertex = fine_.most_like(face.vertices[one.corner], to);
-        if (vertex.vertex == kNone) return false;
-        Corners moved = face.points;
+        if (target_has_face(to, left, right)) return false;
+        Corners moved = one.points;
         moved[one.corner] = to;
-        for (const uint32_t other : mesh_.faces_of(to))
-            if (mesh_.face(other).has(left) && mesh_.face(other).has(right)) return false;
         const Vec3<float> normal = rest_normal(moved);
         if (dot(one.rest_normal, normal) <= kTurned * one.length * length(normal)) return false;
+        const WeldedMesh::Corner vertex = fine_.most_like(one.vertex, to);
+        if (vertex.vertex == kNone) return false;
         if (!vertex.is_of_same_chart) collapse.extra = std::max(collapse.extra, height_of(moved));
         moved_.push_back(moved);
     }
     return !moved_.empty();
+}
+
+void CollapseMeter::mark_neighbours_of(uint32_t point) {
+    ++mark_;
+    for (const uint32_t number : mesh_.faces_of(point))
+        for (const uint32_t other : mesh_.face(number).points) marks_[other] = mark_;
+}
+
+// The marks answer nearly always: two points have few common neighbours apart from the triangles that vanish.
+bool CollapseMeter::target_has_face(uint32_t target, uint32_t left, uint32_t right) const {
+    if (marks_[left] != mark_ || marks_[right] != mark_) return false;
+    return std::ranges::any_of(mesh_.faces_of(target), [&](uint32_t number) {
+        return mesh_.face(number).has(left) && mesh_.face(number).has(right);
+    });
 }
 
 Vec3<float> CollapseMeter::rest_normal(const Corners& corners) const {
@@ -109,9 +127,9 @@ float CollapseMeter::height_of(const Corners& corners) const {
 void CollapseMeter::measure(Collapse& collapse, float least) {
     try_moving(collapse);
     const float useful = collapse.squared_distance_at(least);
-    for (size_t group = 0; group < fine_.groups() && collapse.squared_distance < useful; ++group)
+    for (size_t group = collapse.groups; group < fine_.groups() && collapse.squared_distance < useful; ++group)
         collapse.squared_distance = distance_of_lost(group, collapse.squared_distance, useful);
-    if (collapse.squared_distance < useful) measure_middles(collapse);
+    if (collapse.squared_distance < useful) measure_middles(collapse, useful);
 }
 
 // The largest squared distance of the points lost_ from the triangles moved_ in a group of poses, or `known` if that is
@@ -124,8 +142,10 @@ float CollapseMeter::distance_of_lost(size_t group, float known, float useful) {
     size_t likely = 0;  // the triangle tested last: it is usually near enough to the next point too
     for (const uint32_t point : lost_) {
         const Four3 place = fine_.places(point)[group];
-        Four nearest = triangles_[likely].squared_distance(place);
+        const size_t first = likely;
+        Four nearest = triangles_[first].squared_distance(place);
         for (size_t i = 0; i < triangles_.size() && is_any(nearest > furthest); ++i) {
+            if (i == first) continue;
             nearest = lower(nearest, triangles_[i].squared_distance(place));
             likely = i;
         }
@@ -138,10 +158,11 @@ float CollapseMeter::distance_of_lost(size_t group, float known, float useful) {
 // Measures the other direction, from the coarse mesh to the fine one. All lost points may lie near a surface that spans
 // a gap of the fine mesh, such as the one between two fingers. So the middles of the triangles that move, and of their
 // edges, are compared with the fine mesh too.
-void CollapseMeter::measure_middles(Collapse& collapse) {
+void CollapseMeter::measure_middles(Collapse& collapse, float useful) {
     uint32_t guess = near_triangle_[collapse.to];
     ends_.clear();
     for (const Corners& corners : moved_) {
+        if (collapse.squared_distance >= useful) return;
         measure_middle(corners, 1 / 3.0f, guess, collapse);
         for (const uint32_t end : corners) {
             if (end == collapse.to || std::ranges::find(ends_, end) != ends_.end()) continue;
@@ -160,20 +181,21 @@ void CollapseMeter::measure_middle(const Corners& ends, float part, uint32_t& gu
         if (ends[2] != kNone) sum = sum + fine_.places(ends[2])[group];
         return sum * four(part);
     };
-    const auto furthest_from = [&](uint32_t triangle) {
+    // Beyond `enough`, any value above it will do
+    const auto furthest_from = [&](uint32_t triangle, float enough) {
         std::array<const Four3*, 3> corners;
-        for (size_t k = 0; k < 3; ++k) corners[k] = fine_.places(fine_.point_of(index_.corners()[triangle][k]));
+        for (size_t k = 0; k < 3; ++k) corners[k] = fine_.places(fine_.point_of(fine_surface_.corners()[triangle][k]));
         float furthest = 0;
-        for (size_t group = 0; group < fine_.groups(); ++group) {
+        for (size_t group = 0; group < fine_.groups() && furthest <= enough; ++group) {
             const FourTriangles in_poses(corners[0][group], corners[1][group], corners[2][group]);
             furthest = std::max(furthest, largest(in_poses.squared_distance(middle_in(group))));
         }
         return furthest;
     };
-    if (furthest_from(guess) <= collapse.squared_distance) return;
+    if (furthest_from(guess, collapse.squared_distance) <= collapse.squared_distance) return;
     const float near_enough = kNearEnough * collapse.cost();
-    guess = index_.nearest(middle_in(0).at(0), near_enough * near_enough, guess).triangle;
-    collapse.squared_distance = std::max(collapse.squared_distance, furthest_from(guess));
+    guess = fine_surface_.nearest(middle_in(0).at(0), near_enough * near_enough, guess).triangle;
+    collapse.squared_distance = std::max(collapse.squared_distance, furthest_from(guess, kNever));
 }
 
 }  // namespace throng

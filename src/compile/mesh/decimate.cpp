@@ -13,8 +13,8 @@ constexpr uint64_t kStepsBetweenReports = 1000;  // some 20 ms
 
 class Decimation {
 public:
-    Decimation(const WeldedMesh& fine, std::span<const uint32_t> indices, std::span<const Vec3<float>> rest_places)
-        : fine_(fine), mesh_(fine_), meter_(fine_, mesh_, indices, rest_places), plans_(fine_.point_count()) {}
+    Decimation(const WeldedMesh& fine, const TriangleIndex& fine_surface)
+        : fine_(fine), mesh_(fine_), meter_(fine_, fine_surface, mesh_), plans_(fine_.point_count()) {}
 
     void plan_all(const Progress& progress) {
         for (uint32_t point = 0; point < plans_.size(); ++point) {
@@ -99,11 +99,10 @@ private:
 
 }  // namespace
 
-void decimate(const WeldedMesh& fine, std::span<const uint32_t> indices, std::span<const Vec3<float>> rest_places,
-              std::span<const size_t> index_counts, const std::function<bool(std::vector<uint32_t>)>& take,
-              const Progress& progress) {
+void decimate(const WeldedMesh& fine, const TriangleIndex& fine_surface, std::span<const size_t> index_counts,
+              const std::function<bool(std::vector<uint32_t>)>& take, const Progress& progress) {
     constexpr double kPlanned = 0.1;  // part of the work
-    Decimation decimation(fine, indices, rest_places);
+    Decimation decimation(fine, fine_surface);
     decimation.plan_all(progress.between(0, kPlanned));
     for (const size_t count : index_counts) {
         decimation.collapse_to(count / 3, progress.between(kPlanned, 1));

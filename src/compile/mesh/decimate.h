@@ -2,6 +2,7 @@
 #pragma once
 
 #include "base/progress.h"
+#include "compile/mesh/triangle_index.h"
 #include "compile/mesh/welded_mesh.h"
 
 #include <cstdint>
@@ -17,11 +18,10 @@ namespace throng {
 // poses lose theirs. (The error is measured at the points that were removed, after R. Klein, G. Liebich and W.
 // Strasser, Mesh Reduction with Error Control, Visualization 1996.)
 //
-// `fine` is made of `indices`, vertices of the character; `rest_places` [vertices]. For each of `index_counts` (the
-// largest first), `take` gets a mesh with at most that many indices, or the coarsest mesh from which no piece has
-// vanished; it returns false if it needs no more.
-void decimate(const WeldedMesh& fine, std::span<const uint32_t> indices, std::span<const Vec3<float>> rest_places,
-              std::span<const size_t> index_counts, const std::function<bool(std::vector<uint32_t>)>& take,
-              const Progress& progress);
+// `fine_surface` holds the triangles of `fine` at rest. For each of `index_counts` (the largest first), `take` gets a
+// mesh with at most that many indices, or the coarsest mesh from which no piece has vanished; it returns false if it
+// needs no more.
+void decimate(const WeldedMesh& fine, const TriangleIndex& fine_surface, std::span<const size_t> index_counts,
+              const std::function<bool(std::vector<uint32_t>)>& take, const Progress& progress);
 
 }  // namespace throng

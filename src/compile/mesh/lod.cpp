@@ -110,7 +110,7 @@ public:
             wanted_.push_back(static_cast<size_t>(share * static_cast<double>(indices_.size())) / 3 * 3);
         }
         decimate(
-            welded_, indices_, fine_.positions[0], wanted_,
+            welded_, fine_.surfaces[0], wanted_,
             [&](std::vector<uint32_t> decimated) { return add_level(std::move(decimated)); },
             progress_.between(0, kDecimated));
         std::vector<FittedLevel> fitted;

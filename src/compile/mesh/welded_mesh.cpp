@@ -111,9 +111,11 @@ WeldedMesh::WeldedMesh(const Character& character, std::span<const uint32_t> ind
         if (a != b && b != c && c != a) faces_.push_back(face);
     }
     make_charts();
-    for (const std::vector<uint32_t>& vertices : vertices_of_)
+    for (const std::vector<uint32_t>& vertices : vertices_of_) {
+        rest_places_.push_back(positions[0][vertices[0]]);
         for (size_t group = 0; group < groups_; ++group)
             places_.push_back(in_four_poses(positions, vertices[0], group));
+    }
 }
 
 // Numbers the points in the order in which the triangles use them, so that neighbours are close in memory.
