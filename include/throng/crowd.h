@@ -80,7 +80,7 @@ public:
     // After an error nothing has changed, except that the groups of the other crowd may not be updated natively any
     // more. Errors: kInvalidArgument (other settings, device; it has been updated; the second half of an update for a
     // view with occlusion is still to come), kUnsupported (on a software device, if one crowd is updated natively and
-    // the other cannot be), kLimit, kOutOfMemory.
+    // the other cannot be), kLimit (of memory: what is still to be freed counts), kOutOfMemory.
     Result<std::vector<GroupIndex>> add_groups(Crowd&& other);
     // Removes a group with all of its instances; instances attached to them stay where they are. The other groups and
     // their instances keep their numbers. outputs() lose the group's blocks, and spans that it has returned become

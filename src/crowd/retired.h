@@ -48,7 +48,7 @@ public:
     bool is_empty() const {
         return things_.stages.empty() && things_.batches.empty() && !things_.group && !things_.timer;
     }
-    DeviceEvent take_event() { return std::move(have_run_); }  // when it is empty
+    DeviceEvent take_event() { return std::move(have_run_); }  // once is_empty()
     uint64_t size_bytes() const {
         uint64_t sum = 0;
         for (const auto& stage : things_.stages) sum += stage->size_bytes();

@@ -159,7 +159,7 @@ void decode_attributes(const JsonView& json, std::span<const std::byte> compress
 
     const size_t block_bytes = max_block(stride_bytes) * stride_bytes;
     for (size_t at = 0; at < out.size(); at += block_bytes) {
-        progress.poll_at(at / block_bytes);
+        progress.poll();
         const auto block = out.subspan(at, std::min(block_bytes, out.size() - at));
         decode_block(json, in, modes, before, block);
         before = block.data() + block.size() - stride_bytes;

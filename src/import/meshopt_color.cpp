@@ -11,7 +11,8 @@
 namespace throng::gltf {
 namespace {
 
-// A component of `bits` bits, scaled to all bits of `T` and rounded. Encoders keep it in its range; clamped for others.
+// A component of `bits` bits, scaled to all bits of `T` and rounded. Encoders keep it in its range; outside of it, it
+// is clamped.
 template <class T>
 T scaled(int component, int bits) {
     const int64_t one = (1 << bits) - 1, value = std::clamp<int64_t>(component, 0, one);

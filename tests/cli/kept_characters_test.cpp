@@ -104,15 +104,30 @@ TEST_F(KeptCharacters, SideFilesAreFoundUnderTheirNames) {
     }
 }
 
-// The importer opens nothing outside of the file's folder, and leaves out an image there with a warning.
-TEST_F(KeptCharacters, FilesThatNameOthersOutsideOfTheirFolderAreNotKept) {
+TEST_F(KeptCharacters, DotsBehindALinkAreResolvedAsWhenLoading) {
     GlbBuilder character = tiny_character();
-    character.json["images"] = {{{"uri", "../skin.png"}}};
-    ASSERT_TRUE(load_kept_character(write("fox.glb", character.glb()), {}));
-    EXPECT_EQ(kept_count(), 0);
-    character.json["images"] = {{{"uri", "skin.png"}}};
-    ASSERT_TRUE(load_kept_character(write("fox.glb", character.glb()), {}));
+    const std::string side(reinterpret_cast<const char*>(character.bin.data()), character.bin.size());
+    std::filesystem::create_directories(file("sub/deep"));
+    std::filesystem::create_directory_symlink("sub/deep", file("link"));
+    character.json["buffers"] = {{{"uri", "link/../side.bin"}, {"byteLength", character.bin.size()}}};
+    const std::string fox = write("fox.gltf", character.json.dump());
+    write("side.bin", side);
+    const Result<Character> narrow = load_kept_character(fox, {});
+    ASSERT_TRUE(narrow) << narrow.error().text();
+    write("side.bin", wider(side));
+    EXPECT_LT(narrow->size, load_kept_character(fox, {})->size);
+}
+
+// Without its image a character is compiled with a warning.
+TEST_F(KeptCharacters, AnImageThatAppearsIsNoticed) {
+    GlbBuilder character = tiny_character();
+    character.json["images"] = {{{"uri", "skin.png"}}, {{"uri", "../skin.png"}}};
+    const std::string fox = write("fox.glb", character.glb());
+    for (int times = 0; times < 2; ++times) ASSERT_TRUE(load_kept_character(fox, {}));
     EXPECT_EQ(kept_count(), 1);
+    write("skin.png", "not a picture");
+    ASSERT_TRUE(load_kept_character(fox, {}));
+    EXPECT_EQ(kept_count(), 2);
 }
 
 // Some exporters escape all non-ASCII letters.

@@ -1,10 +1,7 @@
 #include "tools/cli/inputs.h"
 
-#include "base/read_file.h"
-#include "import/container.h"
-#include "import/read_asset.h"
-#include "import/uri.h"
 #include "tools/cli/command.h"
+#include "tools/cli/side_files.h"
 
 #include <algorithm>
 #include <sys/stat.h>
@@ -27,30 +24,6 @@ std::optional<FileOnDisk> on_disk(const std::filesystem::path& path, const std::
     return FileOnDisk{status.st_dev, status.st_ino, name};
 }
 
-// The files that a glTF file refers to; none for any other file. For a broken file, whatever can be found: the loader
-// reports what is wrong.
-std::vector<FileOnDisk> side_files(const std::string& file) {
-    std::vector<FileOnDisk> found;
-    const std::filesystem::path path = file, folder = path.has_parent_path() ? path.parent_path() : ".";
-    const auto add_all = [&] {
-        gltf::Warnings ignored(file);
-        const std::vector<std::byte> bytes = read_file(path, gltf::kFileLimitBytes, file);
-        gltf::Budget budget(bytes.size());
-        const JsonText json = gltf::parse_json(gltf::open_container(bytes, ignored).json, budget);
-        for (const char* list : {"buffers", "images"})
-            for (const JsonView item : json.view().optional_array(list)) {
-                if (!item.has("uri") || !item.find("uri")->is_string()) continue;
-                const std::string uri = item.required_string("uri");
-                if (gltf::is_data_uri(uri)) continue;
-                const auto named = as_result([&] { return gltf::resolve_side_file(uri, folder, file); });
-                if (!named) continue;  // later entries may be valid
-                if (auto side_file = on_disk(*named, uri + " of " + file)) found.push_back(std::move(*side_file));
-            }
-    };
-    (void)as_result(add_all);
-    return found;
-}
-
 }  // namespace
 
 void protect_inputs(const std::vector<std::string>& inputs, const std::vector<std::filesystem::path>& outs) {
@@ -66,7 +39,10 @@ void protect_inputs(const std::vector<std::string>& inputs, const std::vector<st
     };
     for (const std::string& input : inputs) {
         if (const auto file = on_disk(input, input)) check_input(*file);
-        std::ranges::for_each(side_files(input), check_input);
+        std::vector<SideFile> side_files;
+        find_side_files(input, side_files);  // of a broken file, some: loading it reports what is wrong
+        for (const auto& [uri, path] : side_files)
+            if (const auto file = path ? on_disk(*path, uri + " of " + input) : std::nullopt) check_input(*file);
     }
 }
 

@@ -2,16 +2,17 @@
 
 #include "base/cache_folder.h"
 #include "base/crc64.h"
+#include "import/limits.h"
+#include "tools/cli/side_files.h"
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cinttypes>
 #include <cstdio>
 #include <dlfcn.h>
 #include <fstream>
-#include <nlohmann/json.hpp>
 #include <optional>
+#include <set>
 #include <string>
 #include <string_view>
 #include <sys/stat.h>
@@ -50,8 +51,6 @@ bool add_build(Key& key) {
     return true;
 }
 
-constexpr uint64_t kMaxJson_bytes = uint64_t{1} << 28;
-
 // Adds the rest of the file.
 void add_rest(Key& key, std::ifstream& stream) {
     std::string part(1 << 20, '\0');
@@ -59,53 +58,26 @@ void add_rest(Key& key, std::ifstream& stream) {
         key.add(std::string_view(part).substr(0, static_cast<size_t>(stream.gcount())));
 }
 
-// All strings that a file's JSON gives as "uri", however its letters are escaped; none if it is broken.
-std::vector<std::string> uris_in(std::string_view json) {
-    using Json = nlohmann::json;
-    std::vector<std::string> uris;
-    bool is_uri = false;
-    const auto collect = [&](int, Json::parse_event_t event, Json& parsed) {
-        if (is_uri && event == Json::parse_event_t::value && parsed.is_string()) uris.push_back(parsed);
-        is_uri = event == Json::parse_event_t::key && parsed == "uri";
-        return event != Json::parse_event_t::value;  // keeps none of them
-    };
-    [[maybe_unused]] const Json nothing = Json::parse(json, collect, false);
-    return uris;
+// Whether a file's JSON may refer to side files. The name "uri" can also be spelt with escapes of its letters.
+bool may_have_side_files(std::string_view json) {
+    constexpr std::array<std::string_view, 4> kSigns{"\"uri\"", "\\u0075", "\\u0072", "\\u0069"};
+    return std::ranges::any_of(kSigns, [&](std::string_view sign) { return json.find(sign) != json.npos; });
 }
 
-// As in glTF: %20 for a space. A % that begins no escape stays.
-std::string percent_decoded(std::string_view uri) {
-    std::string out;
-    for (size_t i = 0; i < uri.size(); ++i) {
-        unsigned code = 0;
-        const char* const digits = uri.data() + i + 1;
-        const bool is_escape = uri[i] == '%' && i + 2 < uri.size() &&
-                               std::from_chars(digits, digits + 2, code, 16).ptr == digits + 2;
-        out += is_escape ? static_cast<char>(code) : uri[i];
-        if (is_escape) i += 2;
-    }
-    return out;
-}
-
-// Adds what the file may have in side files: whatever has such a name, also with `\\` in place of `/`. False if one
-// lies outside of the folder, where load_character() opens nothing.
-bool add_side_files(Key& key, std::string_view json, const fs::path& folder) {
-    std::error_code error;
-    const fs::path top = fs::canonical(folder.empty() ? "." : folder, error);
-    for (const std::string& uri : uris_in(json)) {
-        if (uri.starts_with("data:")) continue;
-        const std::string name = percent_decoded(uri);
-        std::string with_slashes = name;
-        std::ranges::replace(with_slashes, '\\', '/');
-        for (const std::string& path : {name, with_slashes}) {
-            const fs::path side = fs::weakly_canonical(top / path, error);
-            if (error || !side.native().starts_with((top / "").native())) return false;
-            key.add_number(fs::is_regular_file(side, error));
-            if (!fs::is_regular_file(side, error)) continue;
-            key.add_number(fs::file_size(side, error));
-            std::ifstream stream(side, std::ios::binary);
-            add_rest(key, stream);
-        }
+// Adds the side files that load_character() would open, and which of them it would not find. False if it would fail.
+bool add_side_files(Key& key, const std::string& file) {
+    std::vector<SideFile> side_files;
+    if (!find_side_files(file, side_files)) return false;
+    std::set<fs::path> added;
+    for (const auto& [uri, path] : side_files) {
+        key.add_number(path.has_value());
+        if (!path || !added.insert(*path).second) continue;
+        std::error_code error;
+        const uint64_t size_bytes = fs::file_size(*path, error);
+        if (error || size_bytes > gltf::kFileLimitBytes) return false;
+        key.add_number(size_bytes);
+        std::ifstream stream(*path, std::ios::binary);
+        add_rest(key, stream);
     }
     return true;
 }
@@ -130,14 +102,14 @@ bool add_file(Key& key, const std::string& file) {
         stream.seekg(0);
     }
     const uint64_t json_bytes = is_glb ? head.json_bytes : size_bytes;
-    if (error || json_bytes > std::min(kMaxJson_bytes, size_bytes)) return false;
+    if (error || json_bytes > std::min(gltf::kJsonLimitBytes, size_bytes)) return false;
     std::string json(json_bytes, '\0');
     stream.read(json.data(), static_cast<std::streamsize>(json_bytes));
     if (!stream) return false;
     if (is_glb) key.add_number(head);
     key.add(json);
     add_rest(key, stream);
-    return add_side_files(key, json, fs::path(file).parent_path());
+    return !may_have_side_files(json) || add_side_files(key, file);
 }
 
 // Where the character is, or would be, kept; none if it cannot be kept.

@@ -79,7 +79,7 @@ private:
     std::vector<uint32_t> lost_;  // the point itself, and the lost points of its triangles
     // Filled while one of its collapses is measured
     std::vector<uint32_t> marks_;           // [points]: mark_ at the target and its neighbours
-    uint32_t mark_ = 0;                     // another one for each target
+    uint32_t mark_ = 0;                     // a new number for each target
     std::vector<Corners> moved_;            // triangles
     std::vector<FourTriangles> triangles_;  // moved_, in a group of poses
     std::vector<uint32_t> ends_;            // of edges that have been measured
