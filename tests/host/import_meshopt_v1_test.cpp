@@ -182,8 +182,8 @@ TEST(ImportMeshopt1, Refusals) {
 }
 
 TEST(ImportMeshopt1, FewBytesMayBeManyElementsUpToTheLimits) {
-    for (const size_t stride_bytes : {4, 12, 32, 256})
-        for (const size_t count : {1, 32, 33, 256, 257, 10'000}) {
+    for (const size_t stride_bytes : std::array<size_t, 4>{4, 12, 32, 256})
+        for (const size_t count : std::array<size_t, 6>{1, 32, 33, 256, 257, 10'000}) {
             const Bytes least = constant_elements(count, stride_bytes);
             EXPECT_EQ(decoded(least, count, stride_bytes), Bytes(count * stride_bytes, std::byte{7}));
             expect_refusal("too few", {least.begin(), least.end() - 1}, count, stride_bytes);
