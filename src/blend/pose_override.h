@@ -27,6 +27,7 @@ public:
     bool is_moving() const { return fade_ != (is_set_ ? 1.0f : 0.0f); }
     bool is_gone() const { return !is_set_ && fade_ == 0; }  // cleared, and faded out
     float weight() const;                                    // 0..1, eased
+    bool operator==(const PoseFade&) const = default;
 
     // Saves or restores the state.
     template <class Archive>

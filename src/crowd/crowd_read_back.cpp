@@ -25,35 +25,43 @@ void CrowdState::watch(const Instances& instances) {
     std::ranges::sort(watched_, {}, &Watched::instance);
 }
 
+WatchedBatch CrowdState::watched_in(const Batch& batch) const {
+    const Group& group = groups[batch.group];
+    const auto part = [&](uint32_t number, uint64_t instance_bytes) {
+        const Buffer& buffer = batch[number];
+        return buffer ? WatchedBatch::Part{buffer, instance_bytes} : WatchedBatch::Part{};
+    };
+    WatchedBatch watched{.placements = part(io::kPlacementsBuffer, sizeof(Affine)),
+                         .roots = part(io::kRootsBuffer, sizeof(io::RootState)),
+                         .sockets = part(io::kSocketsBuffer, group.socket_count() * sizeof(Affine)),
+                         .parameters = {},
+                         .layers = {},
+                         .layer_kinds = {},
+                         .clip_count = static_cast<uint32_t>(group.clip_durations_s.size())};
+    if (!group.controller) return watched;
+    watched.parameters = part(io::kParametersBuffer, group.controller->parameter_count * sizeof(float));
+    watched.layers = part(io::kLayersBuffer, group.controller->layer_count * sizeof(io::LayerState));
+    watched.layer_kinds = group.controller->layer_kinds;
+    return watched;
+}
+
 // Fills watched_runs_.
 void CrowdState::find_watched_runs() {
-    watched_runs_.clear();
-    for (size_t first = 0, end = 0; first < watched_.size(); first = end) {
-        const uint32_t instance = watched_[first].instance;
-        const Batch& batch = batch_of(instance);
-        const Group& group = groups[batch.group];
-        const auto is_next = [&] {
-            return watched_[end].instance - instance == end - first && batch.has(watched_[end].instance);
-        };
-        for (end = first + 1; end < watched_.size() && is_next();) ++end;
-        const auto count = static_cast<uint32_t>(end - first);
-        const auto all = [&](const Buffer& buffer, uint64_t size_bytes) {
-            return buffer ? BufferRange(buffer, (instance - batch.first_instance) * size_bytes, count * size_bytes)
-                          : BufferRange();
-        };
-        WatchedRun& run = watched_runs_.emplace_back();
-        run = {.count = count,
-               .placements = all(batch[io::kPlacementsBuffer], sizeof(Affine)),
-               .roots = all(batch[io::kRootsBuffer], sizeof(io::RootState)),
-               .sockets = all(batch[io::kSocketsBuffer], group.socket_count() * sizeof(Affine)),
-               .parameters = {},
-               .layers = {},
-               .layer_kinds = {},
-               .clip_count = static_cast<uint32_t>(group.clip_durations_s.size())};
-        if (!group.controller) continue;
-        run.parameters = all(batch[io::kParametersBuffer], group.controller->parameter_count * sizeof(float));
-        run.layers = all(batch[io::kLayersBuffer], group.controller->layer_count * sizeof(io::LayerState));
-        run.layer_kinds = group.controller->layer_kinds;
+    auto& [of_batches, runs] = watched_runs_;
+    of_batches.clear();
+    runs.clear();
+    const Batch* batch = nullptr;
+    for (size_t at = 0; at < watched_.size();) {
+        const uint32_t first = watched_[at].instance;
+        if (!batch || !batch->has(first)) {
+            batch = &batch_of(first);
+            of_batches.push_back(watched_in(*batch));
+        }
+        uint32_t count = 1;
+        while (++at < watched_.size() && watched_[at].instance == first + count && batch->has(first + count)) ++count;
+        runs.push_back({.batch = static_cast<uint32_t>(of_batches.size() - 1),
+                        .first = first - batch->first_instance,
+                        .count = count});
     }
 }
 

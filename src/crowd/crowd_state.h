@@ -140,6 +140,7 @@ private:
     uint64_t skin_row_count(const Batch& batch) const;
     HostOutputs host_outputs(const Batch& batch, uint32_t slot) const;
     void make_feedback();
+    WatchedBatch watched_in(const Batch& batch) const;
     void find_watched_runs();
     std::vector<RequestedPose> take_pose_requests();
     using Stages = std::vector<std::unique_ptr<Stage>>;
@@ -235,11 +236,11 @@ private:
     bool awaits_commands_ =
         false;                  // the last update was recorded into commands, which may have run or been dropped since
     bool can_discard_ = false;  // the last record() has not been discarded, and groups have not changed since
-    bool may_be_pending_ = false;           // commands of a record() that has not been discarded may not have run
-    bool is_half_recorded_ = false;         // the last record() failed midway
-    float full_rate_factor_ = 1;            // the budget's factor on CrowdView::full_rate_pixels
-    std::vector<Watched> watched_;          // by instance
-    std::vector<WatchedRun> watched_runs_;  // of the last update; kept to reuse the memory
+    bool may_be_pending_ = false;    // commands of a record() that has not been discarded may not have run
+    bool is_half_recorded_ = false;  // the last record() failed midway
+    float full_rate_factor_ = 1;     // the budget's factor on CrowdView::full_rate_pixels
+    std::vector<Watched> watched_;   // by instance
+    WatchedRuns watched_runs_;       // of the last update; kept to reuse the memory
     uint32_t watch_capacity_ = 0;
     std::vector<uint32_t> pose_requests_, recorded_pose_requests_;  // for the next record(), and of the last one
     uint32_t pose_request_capacity_ = 0;

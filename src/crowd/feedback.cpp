@@ -23,6 +23,9 @@ Affine over_the_ground(const io::vec4& move) {
     return affine;
 }
 
+constexpr std::array kWatchedParts{&WatchedBatch::placements, &WatchedBatch::roots, &WatchedBatch::sockets,
+                                   &WatchedBatch::parameters, &WatchedBatch::layers};
+
 uint64_t event_bytes(uint32_t capacity) { return sizeof(io::EventHead) + capacity * uint64_t{sizeof(io::EventRecord)}; }
 
 }  // namespace
@@ -64,7 +67,8 @@ void FeedbackRing::begin(VkCommandBuffer commands) {
     slot.update.number = ++update_count_;
     slot.update.is_read = false;
     slot.update.watched.clear();
-    slot.update.runs.clear();
+    slot.update.runs.batches.clear();
+    slot.update.runs.runs.clear();
     slot.update.poses.clear();
     record_fill(*gpu_, commands, BufferRange(events_, 0, sizeof(io::EventHead)), 0);
 }
@@ -88,29 +92,27 @@ BufferRange FeedbackRing::happened() const {
     return {events_, 0, sizeof head + std::min(head.count, event_capacity_) * sizeof(io::EventRecord)};
 }
 
-void FeedbackRing::end(VkCommandBuffer commands, std::span<const Watched> watched, std::span<const WatchedRun> runs,
+void FeedbackRing::end(VkCommandBuffer commands, std::span<const Watched> watched, const WatchedRuns& runs,
                        std::vector<RequestedPose> poses) {
     Slot& slot = last_slot();
     memory_barrier(*gpu_, commands, kShaderWrite | kTransferWrite, kTransferRead | kTransferWrite);
     copies_.assign(1, {commands ? BufferRange(events_) : happened(), 0});
     VkDeviceSize at = events_.size_bytes();
-    // Adjacent ranges are copied together. Drivers take time for each copy: thousands took NVIDIA's over a millisecond.
-    const auto copy = [&](const BufferRange& range) {
-        if (range.size_bytes == 0) return;
-        BufferRange& last = copies_.back().from;
-        if (last.buffer == range.buffer && last.mapped == range.mapped &&
-            last.offset_bytes + last.size_bytes == range.offset_bytes)
-            last.size_bytes += range.size_bytes;
-        else
-            copies_.push_back({range, at});
-        at += range.size_bytes;
+    const auto copy = [&](BufferRange range, uint64_t offset_bytes, uint64_t size_bytes) {
+        range.offset_bytes += offset_bytes;
+        range.size_bytes = size_bytes;
+        copies_.push_back({range, at});
+        at += size_bytes;
     };
-    for (size_t part = 0; part < WatchedRun::kParts; ++part)
-        for (const WatchedRun& run : runs) copy(run.parts()[part]);
-    for (const RequestedPose& pose : poses) copy(pose.skin);
+    for (const auto part_of : kWatchedParts)
+        for (const WatchedRun& run : runs.runs) {
+            const auto& [instances, instance_bytes] = runs.batches[run.batch].*part_of;
+            if (instance_bytes > 0) copy(instances, run.first * instance_bytes, run.count * instance_bytes);
+        }
+    for (const RequestedPose& pose : poses) copy(pose.skin, 0, pose.skin.size_bytes);
     record_copies(*gpu_, commands, copies_, slot.copy);
     slot.update.watched.assign(watched.begin(), watched.end());
-    slot.update.runs.assign(runs.begin(), runs.end());
+    slot.update.runs = runs;
     slot.update.poses = std::move(poses);
     slot.done.record_set(commands);
 }
@@ -152,10 +154,11 @@ Feedback FeedbackRing::read(const Slot& slot) const {
 void FeedbackRing::read_watched(const Slot& slot, const std::byte*& at, Feedback& feedback) {
     Feedback::Arrays& arrays = feedback.arrays;
     std::vector<uint32_t> motion_counts;  // of each layer
-    std::array<const std::byte*, WatchedRun::kParts> next_of_parts{};
-    for (size_t part = 0; part < WatchedRun::kParts; ++part) {
+    const auto& [batches, runs] = slot.update.runs;
+    std::array<const std::byte*, kWatchedParts.size()> next_of_parts{};
+    for (size_t part = 0; part < kWatchedParts.size(); ++part) {
         next_of_parts[part] = at;
-        for (const WatchedRun& run : slot.update.runs) at += run.parts()[part].size_bytes;
+        for (const WatchedRun& run : runs) at += slot.update.runs.size_bytes(run, kWatchedParts[part]);
     }
     auto& [placement, root, socket_bytes, parameter_bytes, layer_bytes] = next_of_parts;
     const auto take = [](const std::byte*& from, void* into, uint64_t size_bytes) {
@@ -169,20 +172,21 @@ void FeedbackRing::read_watched(const Slot& slot, const std::byte*& at, Feedback
     };
     feedback.watched.resize(slot.update.watched.size());
     size_t index = 0;
-    for (const WatchedRun& run : slot.update.runs) {
-        append(socket_bytes, arrays.sockets, run.sockets.size_bytes);
-        append(parameter_bytes, arrays.parameters, run.parameters.size_bytes);
+    for (const WatchedRun& run : runs) {
+        const WatchedBatch& batch = batches[run.batch];
+        append(socket_bytes, arrays.sockets, run.count * batch.sockets.instance_bytes);
+        append(parameter_bytes, arrays.parameters, run.count * batch.parameters.instance_bytes);
         for (const size_t end = index + run.count; index < end; ++index) {
             WatchedInstance& watched = feedback.watched[index];
             watched.instance = {slot.update.watched[index].instance};
             io::RootState state{.move = {0, 0, 1, 0}};
-            take(placement, &watched.world_from_model, run.placements.size_bytes / run.count);
-            take(root, &state, run.roots.size_bytes / run.count);
+            take(placement, &watched.world_from_model, batch.placements.instance_bytes);
+            take(root, &state, batch.roots.instance_bytes);
             watched.move = over_the_ground(state.move);
-            for (const LayerKind& kind : run.layer_kinds) {
+            for (const LayerKind& kind : batch.layer_kinds) {
                 io::LayerState layer;
                 take(layer_bytes, &layer, sizeof layer);
-                append_played(arrays.motions, layer, kind, run.clip_count);
+                append_played(arrays.motions, layer, kind, batch.clip_count);
                 motion_counts.push_back(layer.play_count);
                 arrays.layer_weights.push_back(layer.weight);
             }
@@ -194,17 +198,17 @@ void FeedbackRing::read_watched(const Slot& slot, const std::byte*& at, Feedback
         motion += count;
     }
     index = 0;
-    for (const WatchedRun& run : slot.update.runs) {
+    for (const WatchedRun& run : runs) {
+        const WatchedBatch& batch = batches[run.batch];
         const auto next = [](const auto& array, size_t& first, uint64_t count) {
             return std::span(array).subspan(std::exchange(first, first + count), count);
         };
         for (const size_t end = index + run.count; index < end; ++index) {
             WatchedInstance& watched = feedback.watched[index];
-            watched.sockets = next(arrays.sockets, socket, run.sockets.size_bytes / run.count / sizeof(Affine));
-            watched.parameters = next(arrays.parameters, parameter,
-                                      run.parameters.size_bytes / run.count / sizeof(float));
-            watched.layer_weights = std::span(arrays.layer_weights).subspan(layer, run.layer_kinds.size());
-            watched.layers = next(arrays.layers, layer, run.layer_kinds.size());
+            watched.sockets = next(arrays.sockets, socket, batch.sockets.instance_bytes / sizeof(Affine));
+            watched.parameters = next(arrays.parameters, parameter, batch.parameters.instance_bytes / sizeof(float));
+            watched.layer_weights = std::span(arrays.layer_weights).subspan(layer, batch.layer_kinds.size());
+            watched.layers = next(arrays.layers, layer, batch.layer_kinds.size());
         }
     }
     const auto place_of = [&](uint32_t i) { return slot.update.watched[i].place; };

@@ -20,20 +20,36 @@ struct Watched {
     uint32_t place = 0;     // in the order that the application asked for
 };
 
-// Watched instances of one batch with consecutive numbers: where the device has their data that feedback copies to the
-// CPU, side by side.
-struct WatchedRun {
-    uint32_t count = 0;
-    BufferRange placements;                  // Affine[count]
-    BufferRange roots;                       // io::RootState[count]; none where there is no root motion
-    BufferRange sockets;                     // Affine[count][sockets]
-    BufferRange parameters;                  // float[count][parameters]; none where there is no controller
-    BufferRange layers;                      // io::LayerState[count][layers]; none where there is no controller
+// Where the device has what feedback copies to the CPU of the watched instances of a batch.
+struct WatchedBatch {
+    struct Part {
+        BufferRange instances;        // of all instances of the batch
+        uint64_t instance_bytes = 0;  // 0: there is none
+    };
+    Part placements;                         // Affine
+    Part roots;                              // io::RootState; none where there is no root motion
+    Part sockets;                            // Affine[sockets]
+    Part parameters;                         // float[parameters]; none where there is no controller
+    Part layers;                             // io::LayerState[layers]; none where there is no controller
     std::span<const LayerKind> layer_kinds;  // of the group, which outlives it (Retired)
     uint32_t clip_count = 0;                 // of the character
+};
 
-    static constexpr size_t kParts = 5;
-    std::array<BufferRange, kParts> parts() const { return {placements, roots, sockets, parameters, layers}; }
+// Those with consecutive numbers lie side by side, so they are copied together.
+struct WatchedRun {
+    uint32_t batch = 0;  // of WatchedRuns::batches
+    uint32_t first = 0;  // of the batch's instances
+    uint32_t count = 0;
+};
+
+// All watched instances, in the order of their numbers.
+struct WatchedRuns {
+    std::vector<WatchedBatch> batches;
+    std::vector<WatchedRun> runs;
+
+    uint64_t size_bytes(const WatchedRun& run, WatchedBatch::Part WatchedBatch::*part) const {
+        return run.count * (batches[run.batch].*part).instance_bytes;
+    }
 };
 
 // An instance whose pose is read back, once.
@@ -68,8 +84,8 @@ public:
     void begin(VkCommandBuffer commands);
     // Takes the last update back: its commands will never be submitted.
     void discard();
-    // The runs are those of all that are watched, in their order.
-    void end(VkCommandBuffer commands, std::span<const Watched> watched, std::span<const WatchedRun> runs,
+    // `watched` are ordered by their numbers.
+    void end(VkCommandBuffer commands, std::span<const Watched> watched, const WatchedRuns& runs,
              std::vector<RequestedPose> poses);
     // Feedback of the updates that have finished and have not been read, oldest first.
     std::vector<Feedback> take();
@@ -81,7 +97,7 @@ private:
         uint64_t number = 0;   // 0: none
         bool is_read = false;  // by take()
         std::vector<Watched> watched;
-        std::vector<WatchedRun> runs;
+        WatchedRuns runs;
         std::vector<RequestedPose> poses;
     };
     struct Slot {

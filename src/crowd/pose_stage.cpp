@@ -64,6 +64,7 @@ void PoseStage::make_room(std::span<const InBatch> instances) {
                 had.emplace_back(at.batch, found);
                 found->second.awaits_pose = true;
             } else {
+                of_batches_[at.batch].unsettled.add(at.instance, 1);
                 const Override with_room{.slot = take_slot(at), .fade = {}, .before = {}, .awaits_pose = true};
                 made.emplace_back(at.batch, overrides.emplace(at.instance, with_room).first);
             }
@@ -111,12 +112,11 @@ bool PoseStage::take_back_slot(uint32_t group) {
     return false;
 }
 
-// Returns the override after it.
-PoseStage::OverrideAt PoseStage::erase(uint32_t batch, OverrideAt at) {
+void PoseStage::erase(uint32_t batch, OverrideAt at) {
     std::vector<uint32_t>& free_slots = of_groups_[batches_[batch].group].free_slots;
     free_slots.push_back(at->second.slot);
     std::ranges::push_heap(free_slots, std::greater());
-    return of_batches_[batch].overrides.erase(at);
+    of_batches_[batch].overrides.erase(at);
 }
 
 void PoseStage::set(const InBatch& at, std::span<const Trs<double>> pose, float fade_s) {
@@ -124,6 +124,7 @@ void PoseStage::set(const InBatch& at, std::span<const Trs<double>> pose, float 
     Override& pose_override = of_batches_[at.batch].overrides.at(at.instance);
     pose_override.awaits_pose = false;
     for (PoseFade* fade : {&pose_override.fade, &pose_override.before}) fade->set(fade_s);
+    of_batches_[at.batch].unsettled.add(at.instance, 1);
     GroupPoses& poses = of_groups_[batches_[at.batch].group];
     std::ranges::transform(
         pose, poses.poses.begin() + static_cast<ptrdiff_t>(uint64_t{pose_override.slot} * group.joint_count), to_io);
@@ -148,6 +149,7 @@ void PoseStage::clear(const InBatch& at, float fade_s) {
     if (found == of_batches_[at.batch].overrides.end()) return;
     Override& pose_override = found->second;
     for (PoseFade* fade : {&pose_override.fade, &pose_override.before}) fade->clear(fade_s);
+    of_batches_[at.batch].unsettled.add(at.instance, 1);
     follow(at.batch, found);
     if (pose_override.fade.is_gone() && pose_override.before.is_gone()) erase(at.batch, found);
 }
@@ -170,17 +172,20 @@ void PoseStage::follow(uint32_t batch, OverrideAt at) {
 void PoseStage::begin(const Update& update) {
     for (uint32_t i = 0; i < of_batches_.size(); ++i) {
         BatchPoses& batch = of_batches_[i];
-        for (OverrideAt at = batch.overrides.begin(); at != batch.overrides.end();) {
-            Override& pose_override = at->second;
-            if (pose_override.fade.is_gone()) {
-                at = erase(i, at);
-                continue;
+        for (const auto& [first, count] : batch.unsettled.take())
+            for (uint32_t instance = first; instance < first + count; ++instance) {
+                const OverrideAt at = batch.overrides.find(instance);
+                if (at == batch.overrides.end()) continue;
+                Override& pose_override = at->second;
+                if (pose_override.fade.is_gone()) {
+                    erase(i, at);
+                    continue;
+                }
+                pose_override.before = pose_override.fade;
+                pose_override.fade.advance(update.time_step_s);
+                follow(i, at);
+                if (!pose_override.is_at_rest()) batch.unsettled.add(instance, 1);
             }
-            pose_override.before = pose_override.fade;
-            pose_override.fade.advance(update.time_step_s);
-            follow(i, at);
-            ++at;
-        }
         upload_changes(update.commands, batches_[i][io::kPoseOverridesBuffer], batch.changed, batch.instances, 1);
     }
     for (size_t i = 0; i < of_groups_.size(); ++i)
@@ -192,10 +197,13 @@ void PoseStage::discard() {
     for (uint32_t i = 0; i < of_batches_.size(); ++i) {
         BatchPoses& batch = of_batches_[i];
         batch.changed.put_back();
-        for (OverrideAt at = batch.overrides.begin(); at != batch.overrides.end(); ++at) {
-            at->second.fade = at->second.before;
-            follow(i, at);
-        }
+        for (const auto& [first, count] : batch.unsettled.pending())
+            for (uint32_t instance = first; instance < first + count; ++instance) {
+                const OverrideAt at = batch.overrides.find(instance);
+                if (at == batch.overrides.end()) continue;
+                at->second.fade = at->second.before;
+                follow(i, at);
+            }
     }
     for (GroupPoses& poses : of_groups_) poses.changed.put_back();
 }
@@ -248,6 +256,7 @@ void PoseStage::exchange_overrides(StateArchive& archive, uint32_t batch) {
         pose_override.fade.exchange(archive);
         if (!archive.reads()) continue;
         pose_override.before = pose_override.fade;
+        poses.unsettled.add(instance, 1);
         follow(batch, at);
     }
 }

@@ -48,12 +48,16 @@ private:
         PoseFade fade;
         PoseFade before;           // what `fade` would be without the last begin()
         bool awaits_pose = false;  // between make_room() and set()
+
+        // A further step would change nothing, nor would taking the last one back.
+        bool is_at_rest() const { return !fade.is_moving() && !fade.is_gone() && before == fade; }
     };
     struct BatchPoses {
         // [instance_count], as the device has them, or will have by the next begin(); empty where there is no room for
         // poses
         std::vector<io::InstancePose> instances;
         std::map<uint32_t, Override> overrides;  // those that have a slot
+        DirtyRanges unsettled;                   // instances whose overrides are not at rest
         DirtyRanges changed;                     // of instances
     };
     struct GroupPoses {
@@ -73,7 +77,7 @@ private:
     void put_native_pose(uint32_t group, uint32_t slot);
     uint32_t take_slot(const InBatch& at);
     bool take_back_slot(uint32_t group);
-    OverrideAt erase(uint32_t batch, OverrideAt at);
+    void erase(uint32_t batch, OverrideAt at);
     void follow(uint32_t batch, OverrideAt at);
     template <class T>
     void upload_changes(VkCommandBuffer commands, const Buffer& buffer, DirtyRanges& changed,

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cstring>
-#include <map>
 
 namespace throng {
 
@@ -116,14 +115,25 @@ void record_copy(const Gpu& gpu, VkCommandBuffer commands, const BufferRange& fr
 }
 
 void record_copies(const Gpu& gpu, VkCommandBuffer commands, std::span<const CopyFrom> copies, const Buffer& target) {
-    std::map<VkBuffer, std::vector<VkBufferCopy>> of_buffers;
-    for (const auto& [from, to_bytes] : copies)
-        if (commands)
-            of_buffers[from.buffer].push_back({from.offset_bytes, to_bytes, from.size_bytes});
-        else
+    if (!commands) {
+        for (const auto& [from, to_bytes] : copies)
             std::memcpy(target.mapped() + to_bytes, from.bytes(), from.size_bytes);
-    for (const auto& [from, regions] : of_buffers)
-        gpu.vk.vkCmdCopyBuffer(commands, from, target.handle(), static_cast<uint32_t>(regions.size()), regions.data());
+        return;
+    }
+    std::vector<VkBufferCopy> regions;
+    regions.reserve(copies.size());
+    for (size_t i = 0; i < copies.size(); ++i) {
+        const auto& [from, to_bytes] = copies[i];
+        VkBufferCopy* const last = regions.empty() ? nullptr : &regions.back();
+        if (last && last->srcOffset + last->size == from.offset_bytes && last->dstOffset + last->size == to_bytes)
+            last->size += from.size_bytes;
+        else
+            regions.push_back({from.offset_bytes, to_bytes, from.size_bytes});
+        if (i + 1 < copies.size() && copies[i + 1].from.buffer == from.buffer) continue;
+        gpu.vk.vkCmdCopyBuffer(commands, from.buffer, target.handle(), static_cast<uint32_t>(regions.size()),
+                               regions.data());
+        regions.clear();
+    }
 }
 
 void record_repeated(const Gpu& gpu, VkCommandBuffer commands, const BufferRange& from, const BufferRange& to) {
