@@ -13,8 +13,8 @@ namespace {
 
 constexpr std::array kParts{0.1, 0.5, 1.0};
 
-enum class Kind { kForGood, kTogether, kAnywhere };
-constexpr std::array kKindNames{"for good", "together", "anywhere"};
+enum class Kind { kForGood, kTogether, kLast, kAnywhere };
+constexpr std::array kKindNames{"for good", "together", "last", "anywhere"};
 
 struct PopulationCandidate {
     Kind kind = Kind::kForGood;
@@ -49,7 +49,7 @@ public:
 
     void check(const Progress& progress) {
         for (const double part : kParts)
-            for (const Kind kind : {Kind::kForGood, Kind::kTogether, Kind::kAnywhere}) {
+            for (const Kind kind : {Kind::kForGood, Kind::kTogether, Kind::kLast, Kind::kAnywhere}) {
                 const auto count = std::max(1u, static_cast<uint32_t>(part * capacity_));
                 progress(population_.configuration + ": checking " + std::to_string(count));
                 compare(candidates_.emplace_back(make(kind, count)));
@@ -110,9 +110,12 @@ private:
         if (kind == Kind::kForGood) {
             for (uint32_t i = 0; i < count; ++i) candidate.instances.push_back({.instance = i});
         } else {
-            const uint32_t born = kind == Kind::kAnywhere ? capacity_ : count;
+            const uint32_t born = kind == Kind::kTogether ? count : capacity_;
             candidate.instances = value_of(crowd.spawn(0, population_.placement.first(born)));
-            std::shuffle(candidate.instances.begin(), candidate.instances.end(), std::mt19937(1));
+            if (kind == Kind::kLast)
+                std::ranges::reverse(candidate.instances);
+            else
+                std::ranges::shuffle(candidate.instances, std::mt19937(1));
             value_of(crowd.despawn(std::span(candidate.instances).subspan(count)));
             candidate.instances.resize(count);
         }

@@ -21,7 +21,7 @@ struct PopulationCase {
 };
 
 // Returns records (bench/README.md lists their fields). For some fractions of the capacity, it times updates of a crowd
-// with as many permanent instances, of one where they are the first of their group, and of one where they are anywhere
+// with as many permanent instances, and of those where they are the first of their group, the last of it, and anywhere
 // in it. Then it times frames in which some instances get new playbacks, and frames in which as many die and as many
 // are born.
 //

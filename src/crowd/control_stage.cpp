@@ -71,19 +71,20 @@ void ControlStage::set(const Instances& instances, const Each<Playback>& playbac
     std::vector<io::InstancePlayback> all;
     all.reserve(instances.size());
     for (uint32_t i = 0; i < instances.size(); ++i) all.push_back(checked(instances.number(i), playback[i]));
-    for (uint32_t i = 0; i < all.size(); ++i) {
-        const uint32_t instance = instances.number(i);
-        io::InstancePlayback& known = playbacks_[instance];
-        if (const bool before = blends(known), after = blends(all[i]); before != after)
-            served_[served_of_batch_[batch_index_of(batches_, instance)]].blending_count += after ? 1u : ~0u;
-        known = all[i];
-        dirty_.add(instance, 1);
-    }
+    for (uint32_t i = 0; i < all.size(); ++i) put(instances.number(i), all[i]);
+}
+
+void ControlStage::put(uint32_t instance, const io::InstancePlayback& playback) {
+    io::InstancePlayback& known = playbacks_[instance];
+    if (const bool before = blends(known), after = blends(playback); before != after)
+        served_[served_of_batch_[batch_index_of(batches_, instance)]].blending_count += after ? 1u : ~0u;
+    known = playback;
+    dirty_.add(instance, 1);
 }
 
 void ControlStage::despawn(std::span<const InstanceHandle> gone) {
-    for (const InstanceHandle& one : gone)
-        if (served_of_batch_[batch_index_of(batches_, one.instance)] != kNone) set(one, Each(Playback()));
+    for (const auto& [instance, generation] : gone)
+        if (served_of_batch_[batch_index_of(batches_, instance)] != kNone) put(instance, checked(instance, Playback()));
 }
 
 void ControlStage::begin(const Update& update) {

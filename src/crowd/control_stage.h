@@ -31,6 +31,7 @@ private:
         Bindings bindings;
     };
     io::InstancePlayback checked(uint32_t instance, const Playback& playback) const;
+    void put(uint32_t instance, const io::InstancePlayback& playback);
 
     std::optional<Kernel> kernel_;
     std::vector<ServedBatch> served_;

@@ -6,9 +6,8 @@ WRITEONLY_BUFFER(kCountsBuffer, uint, counts);  // [workgroup][kCounters]
 
 #ifdef __cplusplus
 
-// Invocations run one after another here, so they count in the buffer itself.
+// One thread goes through a workgroup's instances, so it counts in the buffer itself.
 void count_begin() {
-    if (gl_LocalInvocationID.x > 0) return;
     for (uint k = 0; k < kCounters; ++k) counts[gl_WorkGroupID.x * kCounters + k] = 0;
 }
 
@@ -36,6 +35,7 @@ void count_end() {
 #endif
 
 void count(uint verdict) {
+    if (verdict == 0) return;
     if ((verdict & kVerdictDrawn) != 0) count_one(verdict & kVerdictLodMask);
     if ((verdict & kVerdictAnimated) != 0)
         count_one(kLodCount + (verdict >> kVerdictSectionShift & kVerdictSectionMask));

@@ -6,7 +6,7 @@
 #include "control/births.glsl"
 #include "cull/cull.glsl"
 
-WORKGROUP(kCullWorkgroupSize);
+WORKGROUP_OF_STRIDE(kCullWorkgroupSize);
 BUFFER(kStatesBuffer, uint, states);
 WRITEONLY_BUFFER(kVerdictsBuffer, uint, verdicts);
 READONLY_BUFFER(kCellsBuffer, Cell, cells);
@@ -50,7 +50,6 @@ void cull_instance(CullView view, uint instance, bool is_in_seen_cell) {
 
 // One thread goes through a workgroup's instances.
 void main() {
-    if (gl_LocalInvocationID.x > 0) return;
     count_begin();
     const CullView view = load_view();
     for (uint i = 0; i < push.cells_of_workgroup; ++i) {

@@ -4,7 +4,7 @@
 #include "gpu/buffers_io.h"
 #include "cull/cull_io.h"
 
-WORKGROUP(kCullWorkgroupSize);
+WORKGROUP_OF_STRIDE(kCullWorkgroupSize);
 READONLY_BUFFER(kVerdictsBuffer, uint, verdicts);
 READONLY_BUFFER(kCountsBuffer, uint, offsets);  // [workgroup][kCounters]
 WRITEONLY_BUFFER(kListBuffer, uint, list);
@@ -24,13 +24,13 @@ void list_animated(uint instance, uint at) {
 
 // One thread lists a workgroup's instances in order. It counts up from where the workgroup's part of each list begins.
 void main() {
-    if (gl_LocalInvocationID.x > 0) return;
     uint next[kCounters];
     for (uint k = 0; k < kCounters; ++k) next[k] = offsets[gl_WorkGroupID.x * kCounters + k];
     const uint count = push.cells_of_workgroup * kCullWorkgroupSize, first = gl_WorkGroupID.x * count,
                end = min(first + count, push.instance_count);
     for (uint instance = first; instance < end; ++instance) {
         const uint verdict = verdicts[instance], section = verdict >> kVerdictSectionShift & kVerdictSectionMask;
+        if (verdict == 0) continue;  // as where nobody is
         if ((verdict & kVerdictDrawn) != 0) list[next[verdict & kVerdictLodMask]++] = instance;
         if ((verdict & kVerdictAnimated) != 0) list_animated(instance, next[kLodCount + section]++);
         if ((verdict & kVerdictInterpolated) != 0) work[next[kLodCount + kInterpolated]++] = instance;

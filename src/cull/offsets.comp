@@ -3,7 +3,7 @@
 #include "gpu/buffers_io.h"
 #include "cull/cull_io.h"
 
-WORKGROUP(kCullWorkgroupSize);
+WORKGROUP_OF_STRIDE(kCullWorkgroupSize);
 // [workgroup][kCounters / 4]: read as counts, replaced by where each one's instances begin
 BUFFER(kCountsBuffer, uvec4, counts);
 WRITEONLY_BUFFER(kListBuffer, uint, list);
@@ -60,35 +60,39 @@ void tell(uint invocation) {
 
 // One thread goes through all workgroups.
 void main() {
-    if (gl_LocalInvocationID.x > 0) return;
     begin_rows();
+    uvec4 sums[kCounters / 4] = {};
+    for (uint i = 0; i < push.workgroup_count; ++i)
+        for (uint k = 0; k < kCounters / 4; ++k) sums[k] += counts[i * (kCounters / 4) + k];
     uint at = kFirstListed;
     for (uint k = 0; k < kCounters; ++k) {
         if (k == kLodCount) at = kFirstWork;
+        totals[k] = sums[k / 4][k % 4];
         begins[k] = at;
-        for (uint i = 0; i < push.workgroup_count; ++i) {
-            const uint count = counts[i * (kCounters / 4) + k / 4][k % 4];
-            counts[i * (kCounters / 4) + k / 4][k % 4] = at;
-            at += count;
-        }
-        totals[k] = at - begins[k];
+        sums[k / 4][k % 4] = at;
+        at += totals[k];
     }
+    for (uint i = 0; i < push.workgroup_count; ++i)
+        for (uint k = 0; k < kCounters / 4; ++k) {
+            const uvec4 count = counts[i * (kCounters / 4) + k];
+            counts[i * (kCounters / 4) + k] = sums[k];
+            sums[k] += count;
+        }
     for (uint invocation = 0; invocation < kCullWorkgroupSize; ++invocation) tell(invocation);
 }
 
 #else
 
-const uint kFours = kCounters / 4;
-shared uvec4 sums[kCullWorkgroupSize][kFours];
+shared uvec4 sums[kCullWorkgroupSize][kCounters / 4];
 
 void main() {
     const uint invocation = gl_LocalInvocationID.x;
     if (invocation == 0) begin_rows();
     const uint share = (push.workgroup_count + kCullWorkgroupSize - 1) / kCullWorkgroupSize;
     const uint begin = min(invocation * share, push.workgroup_count), end = min(begin + share, push.workgroup_count);
-    for (uint k = 0; k < kFours; ++k) {
+    for (uint k = 0; k < kCounters / 4; ++k) {
         uvec4 sum = uvec4(0);
-        for (uint i = begin; i < end; ++i) sum += counts[i * kFours + k];
+        for (uint i = begin; i < end; ++i) sum += counts[i * (kCounters / 4) + k];
         sums[invocation][k] = sum;
     }
     barrier();
@@ -105,12 +109,12 @@ void main() {
         begins[invocation] = at;
     }
     barrier();
-    for (uint k = 0; k < kFours; ++k) {
+    for (uint k = 0; k < kCounters / 4; ++k) {
         uvec4 at = uvec4(begins[4 * k], begins[4 * k + 1], begins[4 * k + 2], begins[4 * k + 3]);
         for (uint i = 0; i < invocation; ++i) at += sums[i][k];
         for (uint i = begin; i < end; ++i) {
-            const uvec4 count = counts[i * kFours + k];
-            counts[i * kFours + k] = at;
+            const uvec4 count = counts[i * (kCounters / 4) + k];
+            counts[i * (kCounters / 4) + k] = at;
             at += count;
         }
     }

@@ -323,7 +323,7 @@ TEST_F(CliBench, PopulationHasARecordForEachPartAndTurnover) {
         instances.insert(record["instances"]);
         EXPECT_EQ(keys(record), set_of(common + "instances memory_bytes ms stages"));
     }
-    for (const char* kind : {"for good", "together", "anywhere"}) EXPECT_EQ(instances.count(kind), 3u) << kind;
+    for (const char* kind : {"for good", "together", "last", "anywhere"}) EXPECT_EQ(instances.count(kind), 3u) << kind;
     EXPECT_EQ(frames, (std::multiset<std::string>{"births and deaths", "by shaders", "playbacks"}));
     const std::string text = succeed(command).out;
     EXPECT_TRUE(contains(text, "anywhere") && contains(text, "births and deaths")) << text;
