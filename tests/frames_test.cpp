@@ -320,6 +320,28 @@ TEST(Frames, InstancesSpawnedBeforeADiscardAreNewInTheNextUpdate) {
     }
 }
 
+// Also the last step, with which the fade would end.
+TEST(Frames, DiscardsTakeStepsOfPoseFadesBack) {
+    const Character character = creature(20, 8);
+    std::vector<Trs<float>> pose = character.rig.rest;
+    pose[0].translation.x += character.size;
+    Crowd crowd = create({.groups = {{.character = &character, .instance_count = 1, .pose_capacity = 1}}});
+    const InstanceHandle instance{0};
+    Recorder recorder;
+    const auto expect_step_taken_back = [&](const char* fade) {
+        ASSERT_TRUE(crowd.update(0.25f));
+        const std::vector<Affine> halfway = *crowd.read_skin_matrices(instance);
+        recorder.record([&](VkCommandBuffer commands) { EXPECT_TRUE(crowd.record(commands, 1)); });
+        ASSERT_TRUE(crowd.discard_last_record());
+        ASSERT_TRUE(crowd.update(0));
+        EXPECT_TRUE(same_bits(*crowd.read_skin_matrices(instance), halfway)) << fade;
+    };
+    ASSERT_TRUE(crowd.set_pose(instance, pose, 0.5f));
+    expect_step_taken_back("in");
+    ASSERT_TRUE(crowd.update(1) && crowd.clear_pose(instance, 0.5f));
+    expect_step_taken_back("out");
+}
+
 // Pose requests of a discarded record() are queued before later ones; together they are more than one update has
 // capacity for.
 TEST(Frames, PoseRequestsOfADiscardedRecordAreSaved) {
