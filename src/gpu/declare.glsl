@@ -2,7 +2,8 @@
 // same macros declare members of a class (gpu/native_text.h).
 
 #define WORKGROUP(size) layout(local_size_x = size) in
-// For invocations that share an item's elements: each takes every kStride-th one, starting at its own number.
+// For workgroups of which C++ runs one invocation alone. Where a loop is the same in both, each invocation takes every
+// kStride-th element, starting at its own number.
 #define WORKGROUP_OF_STRIDE(size)   \
     layout(local_size_x = size) in; \
     const uint kStride = size

@@ -11,7 +11,7 @@
 
 // As gpu/declare.glsl.
 #define WORKGROUP(size) static constexpr uint kWorkgroupSize = size
-// One invocation takes all elements in a loop, instead of one object for each of `size` invocations.
+// One invocation does the work of all, instead of one object for each of `size` invocations.
 #define WORKGROUP_OF_STRIDE(size) static constexpr uint kWorkgroupSize = 1, kStride = 1
 #define WORKGROUP_OF_CONSTANT static constexpr uint kWorkgroupSize = 0
 #define CONSTANT(number, type, name, value) const type name = constant<type>(number, value)
