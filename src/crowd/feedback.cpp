@@ -158,7 +158,7 @@ void FeedbackRing::read_watched(const Slot& slot, const std::byte*& at, Feedback
     std::array<const std::byte*, kWatchedParts.size()> next_of_parts{};
     for (size_t part = 0; part < kWatchedParts.size(); ++part) {
         next_of_parts[part] = at;
-        for (const WatchedRun& run : runs) at += slot.update.runs.size_bytes(run, kWatchedParts[part]);
+        for (const WatchedRun& run : runs) at += run.count * (batches[run.batch].*kWatchedParts[part]).instance_bytes;
     }
     auto& [placement, root, socket_bytes, parameter_bytes, layer_bytes] = next_of_parts;
     const auto take = [](const std::byte*& from, void* into, uint64_t size_bytes) {

@@ -35,7 +35,7 @@ struct WatchedBatch {
     uint32_t clip_count = 0;                 // of the character
 };
 
-// Those with consecutive numbers lie side by side, so they are copied together.
+// Watched instances with consecutive numbers. Feedback copies each of their parts at once.
 struct WatchedRun {
     uint32_t batch = 0;  // of WatchedRuns::batches
     uint32_t first = 0;  // of the batch's instances
@@ -46,10 +46,6 @@ struct WatchedRun {
 struct WatchedRuns {
     std::vector<WatchedBatch> batches;
     std::vector<WatchedRun> runs;
-
-    uint64_t size_bytes(const WatchedRun& run, WatchedBatch::Part WatchedBatch::*part) const {
-        return run.count * (batches[run.batch].*part).instance_bytes;
-    }
 };
 
 // An instance whose pose is read back, once.

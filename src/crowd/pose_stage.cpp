@@ -168,24 +168,28 @@ void PoseStage::follow(uint32_t batch, OverrideAt at) {
     known = now;
 }
 
+template <class Visit>
+void PoseStage::for_each_override(BatchPoses& poses, std::span<const DirtyRanges::Range> ranges, const Visit& visit) {
+    for (const auto& [first, count] : ranges)
+        for (uint32_t instance = first; instance < first + count; ++instance)
+            if (const OverrideAt at = poses.overrides.find(instance); at != poses.overrides.end()) visit(at);
+}
+
 // A slot becomes free one update after its pose has gone, when that can no longer be discarded.
 void PoseStage::begin(const Update& update) {
     for (uint32_t i = 0; i < of_batches_.size(); ++i) {
         BatchPoses& batch = of_batches_[i];
-        for (const auto& [first, count] : batch.unsettled.take())
-            for (uint32_t instance = first; instance < first + count; ++instance) {
-                const OverrideAt at = batch.overrides.find(instance);
-                if (at == batch.overrides.end()) continue;
-                Override& pose_override = at->second;
-                if (pose_override.fade.is_gone()) {
-                    erase(i, at);
-                    continue;
-                }
-                pose_override.before = pose_override.fade;
-                pose_override.fade.advance(update.time_step_s);
-                follow(i, at);
-                if (!pose_override.is_at_rest()) batch.unsettled.add(instance, 1);
+        for_each_override(batch, batch.unsettled.take(), [&](OverrideAt at) {
+            Override& pose_override = at->second;
+            if (pose_override.fade.is_gone()) {
+                erase(i, at);
+                return;
             }
+            pose_override.before = pose_override.fade;
+            pose_override.fade.advance(update.time_step_s);
+            follow(i, at);
+            if (!pose_override.is_at_rest()) batch.unsettled.add(at->first, 1);
+        });
         upload_changes(update.commands, batches_[i][io::kPoseOverridesBuffer], batch.changed, batch.instances, 1);
     }
     for (size_t i = 0; i < of_groups_.size(); ++i)
@@ -197,13 +201,10 @@ void PoseStage::discard() {
     for (uint32_t i = 0; i < of_batches_.size(); ++i) {
         BatchPoses& batch = of_batches_[i];
         batch.changed.put_back();
-        for (const auto& [first, count] : batch.unsettled.pending())
-            for (uint32_t instance = first; instance < first + count; ++instance) {
-                const OverrideAt at = batch.overrides.find(instance);
-                if (at == batch.overrides.end()) continue;
-                at->second.fade = at->second.before;
-                follow(i, at);
-            }
+        for_each_override(batch, batch.unsettled.pending(), [&](OverrideAt at) {
+            at->second.fade = at->second.before;
+            follow(i, at);
+        });
     }
     for (GroupPoses& poses : of_groups_) poses.changed.put_back();
 }

@@ -79,6 +79,9 @@ private:
     bool take_back_slot(uint32_t group);
     void erase(uint32_t batch, OverrideAt at);
     void follow(uint32_t batch, OverrideAt at);
+    // Calls visit(override_at) for each instance of the ranges that has one.
+    template <class Visit>
+    static void for_each_override(BatchPoses& poses, std::span<const DirtyRanges::Range> ranges, const Visit& visit);
     template <class T>
     void upload_changes(VkCommandBuffer commands, const Buffer& buffer, DirtyRanges& changed,
                         const std::vector<T>& items, uint64_t item_size) const;

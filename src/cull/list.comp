@@ -30,7 +30,7 @@ void main() {
                end = min(first + count, push.instance_count);
     for (uint instance = first; instance < end; ++instance) {
         const uint verdict = verdicts[instance], section = verdict >> kVerdictSectionShift & kVerdictSectionMask;
-        if (verdict == 0) continue;  // as where nobody is
+        if (verdict == 0) continue;  // neither drawn nor animated
         if ((verdict & kVerdictDrawn) != 0) list[next[verdict & kVerdictLodMask]++] = instance;
         if ((verdict & kVerdictAnimated) != 0) list_animated(instance, next[kLodCount + section]++);
         if ((verdict & kVerdictInterpolated) != 0) work[next[kLodCount + kInterpolated]++] = instance;
