@@ -49,15 +49,15 @@ std::vector<Vec3<double>> positions(const Character& character, uint32_t clip, f
     return skin_reference(character, pose.model_from_bind);
 }
 
-Character compiled(const Asset& asset) { return compile_character(asset, {.error = 0, .lods = false}).expect(); }
+Character without_lods(const Asset& asset) { return compile_character(asset, {.error = 0, .lods = false}).expect(); }
 
 // The meshes of `whole` have been added to it once more: both move in the same way.
 void expect_twins(const Asset& twice, const Asset& whole) {
     EXPECT_TRUE(twice.warnings.empty()) << twice.warnings[0];
-    const Character character = compiled(twice);
-    EXPECT_EQ(character.rig.joint_count(), compiled(whole).rig.joint_count());
+    const Character character = without_lods(twice);
+    EXPECT_EQ(character.rig.joint_count(), without_lods(whole).rig.joint_count());
     const size_t half = character.sections.size() / 2;
-    ASSERT_EQ(character.sections.size(), 2 * compiled(whole).sections.size());
+    ASSERT_EQ(character.sections.size(), 2 * without_lods(whole).sections.size());
     const uint32_t first = character.sections[half].first_vertex;
     for (uint32_t clip = 0; clip < whole.clips.size(); ++clip) {
         const std::vector<Vec3<double>> all = positions(character, clip, 0.31f);
@@ -144,7 +144,7 @@ TEST(AddMeshes, RigidMeshesHangOnTheirJoints) {
     sword.nodes[3].parent_from_node.translation = {0, 0, 6};
     const Asset armed = with_meshes(body(), sword);
     EXPECT_TRUE(armed.warnings.empty());
-    const Character character = compiled(armed);
+    const Character character = without_lods(armed);
     EXPECT_EQ(character.rig.joint_count(), 2u) << "nothing moves grip and sword by themselves";
     ASSERT_EQ(character.section_names, (std::vector<std::string>{"Body", "hand", "sword"}));
     EXPECT_EQ(corner(character, 1), (Vec3<double>{1, 0, 0}));
@@ -164,7 +164,7 @@ TEST(AddMeshes, OnlyTheRigIsMatchedByName) {
         asset.nodes[1].parent_from_node.translation = {x, 0, 0};
         return asset;
     };
-    const Character armed = compiled(with_meshes(with_meshes(body(), thing("sword", 5)), thing("axe", 7)));
+    const Character armed = without_lods(with_meshes(with_meshes(body(), thing("sword", 5)), thing("axe", 7)));
     ASSERT_EQ(armed.section_names, (std::vector<std::string>{"Body", "sword", "axe"}));
     EXPECT_EQ(corner(armed, 1), (Vec3<double>{6, 0, 0}));
     EXPECT_EQ(corner(armed, 2), (Vec3<double>{8, 0, 0}));
@@ -177,7 +177,7 @@ TEST(AddMeshes, OnlyTheRigIsMatchedByName) {
     tail.skins[0].joints = {3, 1};
     const Asset tailed = with_meshes(body(), tail);
     EXPECT_EQ(tailed.warnings.size(), 1u);
-    EXPECT_EQ(corner(compiled(tailed), 1), (Vec3<double>{1, 0, -1}));
+    EXPECT_EQ(corner(without_lods(tailed), 1), (Vec3<double>{1, 0, -1}));
 }
 
 // A bone of another length, such as one that ends in a weapon, is no other size.
@@ -205,8 +205,8 @@ TEST(AddMeshes, PrefixesAreFoundInFilesWithFewJoints) {
     glove.skins[0] = {.joints = {1}, .inverse_binds = std::vector<Affine>(1)};
     const Asset gloved = with_meshes(body(), glove);
     EXPECT_TRUE(gloved.warnings.empty());
-    EXPECT_EQ(compiled(gloved).rig.joint_count(), 2u);
-    EXPECT_EQ(corner(compiled(gloved), 1), (Vec3<double>{1, 0, 0}));
+    EXPECT_EQ(without_lods(gloved).rig.joint_count(), 2u);
+    EXPECT_EQ(corner(without_lods(gloved), 1), (Vec3<double>{1, 0, 0}));
 }
 
 // A joint that is added goes on moving the mesh at its node, and what hangs on a mesh goes on hanging on it.
@@ -225,7 +225,7 @@ TEST(AddMeshes, MeshesOfAddedNodesFollowThem) {
     const auto node_of_section = [&](const Character& character, uint32_t section) {
         return dressed.nodes[character.sections[section].node];
     };
-    const Character character = compiled(dressed);
+    const Character character = without_lods(dressed);
     ASSERT_EQ(character.section_names, (std::vector<std::string>{"Body", "clasp", "Cape", "box", "gem"}));
     ASSERT_NE(character.rig.find_joint("clasp"), kNone);
     EXPECT_EQ(node_of_section(character, 1).parent, character.rig.nodes[character.rig.find_joint("clasp")]);
@@ -245,7 +245,7 @@ TEST(AddMeshes, JointsThatAreMissingAreAdded) {
     EXPECT_EQ(dressed.warnings,
               std::vector<std::string>{
                   "cape.glb: 1 of its 2 joints ('cape') are not in body.glb and are added: no clip moves them"});
-    const Character character = compiled(dressed);
+    const Character character = without_lods(dressed);
     EXPECT_EQ(character.rig.names, (std::vector<std::string>{"hips", "hand", "cape"}));
     EXPECT_EQ(character.rig.parents[2], 1u);
     EXPECT_EQ(corner(character, 1), (Vec3<double>{1, 0, -1}));
@@ -269,7 +269,7 @@ TEST(AddMeshes, NamesImagesAndMaterialsDoNotMix) {
     other.mesh_instances.push_back({.node = 3, .mesh = 0, .skin = 0});
     add_meshes(asset, other).expect();
     add_meshes(asset, other).expect();
-    const Character character = compiled(asset);
+    const Character character = without_lods(asset);
     EXPECT_EQ(character.section_names,
               (std::vector<std::string>{"Body", "coat Body", "coat Body", "coat Body 2", "coat Body 2"}))
         << "those that share a name keep sharing one";
