@@ -23,11 +23,12 @@ std::vector<Affine> in_a_row(uint32_t count) {
 }
 
 // Agents without root motion, which walk as fast as they want.
-Crowd crowd_of_agents(const Character& character) {
+Crowd crowd_of_agents(const Character& character, UpdatePath path = UpdatePath::kAuto) {
     Crowd crowd = create({.groups = {{.character = &character,
                                       .instance_count = kCrowdBoundsCount,
                                       .steering = Steering{.radius = 0.1f, .speed = 5},
                                       .capacity = kCrowdBoundsCount + 4}},
+                          .path = path,
                           .culling = Culling{}});
     EXPECT_TRUE(crowd.set_placement(Instances::numbered(0, kCrowdBoundsCount), in_a_row(kCrowdBoundsCount)));
     for (uint32_t i = 0; i < kCrowdBoundsCount; ++i)
@@ -84,6 +85,18 @@ TEST_F(CrowdBoundsTest, FollowWhereUpdatesMoveInstances) {
         const auto spawned = crowd.spawn(0, std::vector{placed_at(80, 0, z)}).value();
         EXPECT_NEAR(world_bounds(crowd).max.x, 80, reach);
         EXPECT_GT(world_bounds(crowd).min.z, z - reach);
+    }
+}
+
+TEST_F(CrowdBoundsTest, FollowAfterASaveBeforeTheFirstUpdate) {
+    for (const UpdatePath path : {UpdatePath::kAuto, UpdatePath::kDevice}) {
+        Crowd crowd = crowd_of_agents(character_, path);
+        ASSERT_TRUE(crowd.save_state());
+        for (int update = 0; update < 150; ++update) ASSERT_TRUE(crowd.update(0.1f));
+        ASSERT_TRUE(renderer_.prepare(crowd));
+        const float z = farthest_z(crowd), reach = 2 * character_.size;
+        EXPECT_GT(z, 2 * reach);
+        EXPECT_NEAR(middle_z(world_bounds(crowd)), z, reach);
     }
 }
 

@@ -94,6 +94,49 @@ TEST(Crowd, WrongSettingsAreRefused) {
     EXPECT_TRUE(Crowd::create(test_device(), {.groups = {{&character, 0}, {&character, 1}, {&character, 0}}}));
 }
 
+// Such as a number from a file that was cast to an enumeration.
+TEST(Crowd, UnknownValuesOfEnumerationsAreRefused) {
+    const Character character = small_character();
+    for (const int value : {-1, 5, 77}) {
+        const auto create_with = [&](const auto& change) {
+            CrowdSettings settings{.groups = {{.character = &character, .instance_count = 2, .sockets = {0}}}};
+            change(settings);
+            return refusal(Crowd::create(test_device(), settings));
+        };
+        const std::string says = ": " + std::to_string(value) + " is none of its values, which are 0 to ";
+        EXPECT_EQ(create_with([&](CrowdSettings& s) { s.skin_format = static_cast<SkinFormat>(value); }),
+                  "skin format" + says + "2");
+        EXPECT_EQ(create_with([&](CrowdSettings& s) { s.skin_blend = static_cast<SkinBlend>(value); }),
+                  "skin blend" + says + "1");
+        EXPECT_EQ(create_with([&](CrowdSettings& s) { s.path = static_cast<UpdatePath>(value); }),
+                  "update path" + says + "4");
+        EXPECT_EQ(create_with([&](CrowdSettings& s) { s.groups[0].socket_space = static_cast<SocketSpace>(value); }),
+                  character.name + ": socket space" + says + "1");
+        EXPECT_EQ(refusal(Renderer::create(test_device(), {.path = static_cast<DrawPath>(value)})),
+                  "renderer: path" + says + "2");
+        EXPECT_EQ(refusal(Device::create({.validation = static_cast<Validation>(value)})),
+                  "device: validation" + says + "3");
+
+        const Controller controller = direct_layers(1);
+        Crowd crowd = create({.groups = {{.character = &character, .instance_count = 1, .controller = &controller}}});
+        EXPECT_EQ(refusal(crowd.play(InstanceHandle{0}, 0, LayerPlayback{.fade = static_cast<FadeKind>(value)})),
+                  "play of instance 0: the fade is neither of FadeKind");
+        EXPECT_EQ(refusal(crowd.set_layer(InstanceHandle{0}, 0, LayerBlend{.mode = static_cast<LayerMode>(value)})),
+                  "layer of instance 0: the mode is neither of LayerMode");
+    }
+}
+
+TEST(Crowd, CharactersWithoutANameAreNamedInErrors) {
+    Character character = small_character();
+    character.name.clear();
+    Crowd crowd = create({.groups = {{&character, 1}}});
+    EXPECT_EQ(refusal(crowd.spawn(0, Affine())), "(no name): spawn: CrowdGroup::capacity is not set");
+    EXPECT_EQ(refusal(crowd.set_parameter(InstanceHandle{0}, 0, 1.0f)),
+              "parameter of instance 0: (no name) has no controller");
+    EXPECT_EQ(refusal(crowd.set_target(InstanceHandle{0}, 0, TargetPlace{})),
+              "target of instance 0: (no name) has no procedural rules");
+}
+
 TEST(Crowd, MoreThanTheDevicesMemoryIsRefused) {
     const Character character = small_character();
     const CrowdSettings fits{.groups = {{.character = &character, .instance_count = 2, .sockets = {0}}}};

@@ -219,6 +219,18 @@ TEST(Frames, RepeatedUnreportedDropsAreRefused) {
     EXPECT_NE(last.find("discard_last_record()"), std::string::npos) << last;
 }
 
+TEST(Frames, UpdateTakesWhatWasNotSubmittedForDropped) {
+    DrivenCrowd driven;
+    Recorder recorder;
+    for (int frame = 0; frame < 4; ++frame)
+        recorder.record([&](VkCommandBuffer commands) { EXPECT_TRUE(driven.crowd.record(commands, 0.1f)); });
+    EXPECT_TRUE(driven.crowd.feedback()->empty());
+    for (int frame = 0; frame < 6; ++frame) EXPECT_EQ(refusal(driven.crowd.update(0.1f)), "") << frame;
+    const std::vector<Feedback> feedback = *driven.crowd.feedback();
+    ASSERT_EQ(feedback.size(), 4u) << "of the last four";
+    EXPECT_EQ(feedback.back().update, 10u);
+}
+
 TEST(Frames, OnlyTheLastRecordIsDiscarded) {
     DrivenCrowd driven;
     Recorder recorder;

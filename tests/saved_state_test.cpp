@@ -1,4 +1,5 @@
 // A crowd that restores a saved state goes on exactly as the crowd that saved it, bit for bit.
+#include "base/crc64.h"
 #include "tests/contents.h"
 #include "tests/kinds.h"
 #include "tests/recorder.h"
@@ -326,6 +327,66 @@ TEST_F(SavedState, RefusesTooManyPoseRequests) {
     EXPECT_EQ(refused.error().code, ErrorCode::kInvalidArgument);
     ASSERT_TRUE(narrow.update(0.1f));
     EXPECT_TRUE(feedback_of(narrow).poses.empty());
+}
+
+// Then generation_at() finds the right generations.
+TEST_F(SavedState, FeedbackContinuesTheNumbersOfACrowdWithout) {
+    const auto with = [&](uint32_t pose_request_capacity) {
+        CrowdSettings made = settings();
+        made.pose_request_capacity = pose_request_capacity;
+        return create(made);
+    };
+    Crowd without = with(0), crowd = with(4);
+    for (int update = 0; update < 5; ++update) ASSERT_TRUE(without.update(0.1f));
+    ASSERT_TRUE(crowd.restore_state(*without.save_state()));
+    ASSERT_TRUE(crowd.request_poses(InstanceHandle{1}) && crowd.update(0.1f));
+    EXPECT_EQ(feedback_of(crowd).update, 6u);
+}
+
+// Replaces numbers in a state, and its checksum.
+template <class Number>
+std::vector<std::byte> crafted(std::vector<std::byte> state, Number number, Number by) {
+    size_t replaced = 0;
+    for (size_t at = 0; at + sizeof number <= state.size(); ++at)
+        if (std::memcmp(&state[at], &number, sizeof number) == 0) {
+            std::memcpy(&state[at], &by, sizeof by);
+            ++replaced;
+        }
+    EXPECT_GT(replaced, 0u) << number;
+    const uint64_t checksum = crc64(std::span(state).first(state.size() - sizeof(uint64_t)));
+    std::memcpy(&state[state.size() - sizeof checksum], &checksum, sizeof checksum);
+    return state;
+}
+
+TEST_F(SavedState, RefusesNumbersThatCallsRefuse) {
+    constexpr float kPlace = 123.456f, kSpeed = 7.125f, kAside = 0.34375f;
+    const ProceduralRules rules{.targets = {"there"},
+                                .rules = {LookAtRule{.joint = character_.rig.names[2], .target = "there"}}};
+    Crowd crowd = create({.groups = {{.character = &character_,
+                                      .instance_count = 2,
+                                      .procedural = &rules,
+                                      .steering = Steering{},
+                                      .pose_capacity = 2}}});
+    std::vector<Trs<float>> pose(character_.rig.rest);
+    pose[1].translation.x = kAside;
+    ASSERT_TRUE(crowd.set_target(InstanceHandle{1}, 0, TargetPlace{{kPlace, 0, 0}, 1}));
+    ASSERT_TRUE(crowd.set_destination(InstanceHandle{1}, Vec3<float>{2 * kPlace, 0, 0}));
+    ASSERT_TRUE(crowd.set_wind({.velocity = {0, 0, kSpeed}}));
+    ASSERT_TRUE(crowd.set_pose(InstanceHandle{1}, pose, 1 / 4.625f));
+    ASSERT_TRUE(crowd.update(0.1f));
+    const std::vector<std::byte> saved = *crowd.save_state();
+    const auto nan = static_cast<float>(kNan);
+    const auto expect_refused = [&](const std::vector<std::byte>& state) {
+        const Result<void> restored = crowd.restore_state(state);
+        ASSERT_FALSE(restored);
+        EXPECT_EQ(restored.error().code, ErrorCode::kInvalidFile) << refusal(restored);
+    };
+    expect_refused(crafted(saved, kPlace, nan));
+    expect_refused(crafted(saved, 2 * kPlace, nan));
+    expect_refused(crafted(saved, double{kSpeed}, double{kNan}));
+    expect_refused(crafted(saved, kAside, nan));
+    expect_refused(crafted(saved, 1 / (1 / 4.625f), -1.0f));
+    EXPECT_TRUE(crowd.restore_state(saved));
 }
 
 // Another clip of the same length or another joint would go unnoticed until the result is seen.

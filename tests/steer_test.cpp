@@ -435,6 +435,34 @@ TEST(Steer, RootMotionMovesAgentsThatHaveIt) {
     EXPECT_EQ(all_of<float>(crowd, &OutputBlock::parameter, 2)[kSpeed], 0);
 }
 
+// As if on a slope.
+TEST(Steer, LeaningAgentsWalkOverTheGround) {
+    const Character character = body(false);
+    std::vector<Affine> places;
+    for (const double lean : {0.0, -0.5, 0.5, -1.4})
+        places.push_back(to_affine(Trs<double>{.rotation = axis_angle(Vec3<double>{1, 0, 0}, lean),
+                                               .translation = {10.0 * double(places.size()), 0.25, 0}})
+                             .as<float>());
+    const auto count = static_cast<uint32_t>(places.size());
+    std::vector<std::optional<Vec3<float>>> destinations;
+    for (uint32_t i = 0; i < count; ++i) destinations.push_back(Vec3<float>{10.0f * static_cast<float>(i), 0, 40});
+    const CrowdSettings settings{
+        .groups = {
+            {.character = &character, .instance_count = count, .steering = Steering{.radius = 0.4f, .speed = 1.5f}}}};
+    Followed followed(settings, places, destinations);
+    for (int update = 0; update < 10; ++update) followed.step(0.1f);
+    Crowd crowd = create(settings);
+    ASSERT_TRUE(crowd.set_placement(crowd.instances(), places));
+    send(crowd, destinations);
+    for (int update = 0; update < 40; ++update) ASSERT_TRUE(crowd.update(0.1f));
+    const std::vector<Affine> after = placements_of(crowd);
+    EXPECT_GT(after[0].row[2][3], 5);
+    for (uint32_t i = 0; i < count; ++i) {
+        EXPECT_EQ(after[i].row[1][3], 0.25f) << i;
+        EXPECT_NEAR(after[i].row[2][3], after[0].row[2][3], 1e-3) << i;
+    }
+}
+
 TEST(Steer, AgentsWithoutDestinationOrTimeStepDoNotMove) {
     const Mixture mixture(0, 0, 5);
     Crowd crowd = create(mixture.settings);

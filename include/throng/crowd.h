@@ -101,7 +101,8 @@ public:
     // that is gone, or one given twice), kLimit (more than there is room for).
     Result<std::vector<InstanceHandle>> spawn(GroupIndex group, std::span<const Affine> world_from_model);
     Result<void> despawn(std::span<const InstanceHandle> instances);
-    // The same for one instance. Templates, so that spawn(group, {a, b}) still means the calls above.
+    // The same for one instance. Templates, so that spawn(group, {first, end}) with pointers still means the calls
+    // above; several values are given as a vector or an array.
     template <std::same_as<Affine> One>
     Result<InstanceHandle> spawn(GroupIndex group, const One& world_from_model) {
         const Result<std::vector<InstanceHandle>> spawned = spawn(group, std::span<const Affine>(&world_from_model, 1));
@@ -152,7 +153,8 @@ public:
     // Carriers can be attached to others in turn, in chains of up to 64: each level takes a dispatch, and attaching to
     // such a carrier takes time in proportion to the number of all attachments. Errors: kInvalidArgument (a group
     // without CrowdGroup::is_carried, no such carrier or socket, sockets in model space, number not finite, an instance
-    // would be attached to itself or in a longer chain).
+    // would be attached to itself or in a longer chain). Detaching what is not attached does nothing, whatever its
+    // group.
     Result<void> attach(const Instances& instances, const Attachment& attachment);
     Result<void> attach(const Instances& instances, std::span<const Attachment> attachment);
     Result<void> detach(const Instances& instances);
@@ -208,14 +210,14 @@ public:
     //
     // Errors: kInvalidArgument (another number of joints, a number that is not finite, a rotation of length 0, a
     // negative fade; where Rig::uniform_scale is set, a scale that differs along the axes by more than 1e-5 of itself),
-    // kLimit (all CrowdGroup::pose_capacity slots are in use).
+    // kLimit (all CrowdGroup::pose_capacity slots are in use). Clearing where no pose is set does nothing.
     Result<void> set_pose(const Instances& instances, std::span<const Trs<float>> parent_from_joint, float fade_s = 0);
     Result<void> clear_pose(const Instances& instances, float fade_s = 0);
 
     // From the next record() on, feedback() reports the placement, move, sockets and controller state of each of these
     // instances (WatchedInstance); for the pose that one shows, call request_poses(). Replaces the instances watched
-    // before. Errors: kInvalidArgument (no group has a controller, sockets or steering), kLimit (more than
-    // CrowdSettings::watch_capacity).
+    // before; none ends it. Errors: kInvalidArgument (no group has a controller, sockets or steering, and
+    // CrowdSettings::pose_request_capacity is 0), kLimit (more than CrowdSettings::watch_capacity).
     Result<void> watch(const Instances& instances);
 
     // Requests the poses that these instances show after the next record(). They come once, in the feedback of that
@@ -288,9 +290,9 @@ public:
     // does not come back if CrowdGroup::pose_capacity was exhausted and its slot has been given to another pose.)
     //
     // If an update is dropped without this call, its changes are lost, and if it is the first one, so are the initial
-    // contents of the buffers. After four such updates in a row record() fails if there is feedback(). Errors:
-    // kInvalidArgument (nothing has been recorded since the last discard or update(), groups have been added or removed
-    // since, the commands have run, or the last record() failed).
+    // contents of the buffers. After four such updates in a row record() fails if there is feedback(), until this call
+    // or update(). Errors: kInvalidArgument (nothing has been recorded since the last discard or update(), groups have
+    // been added or removed since, the commands have run, or the last record() failed).
     Result<void> discard_last_record();
     // record(), submit to the device's queue, and wait; a native device computes here. Commands of record() that have
     // not been submitted are assumed to be dropped. After an error other than those of record(), for example from a

@@ -15,7 +15,7 @@ namespace throng {
 // received since that state was saved, for they may name other instances.
 struct InstanceHandle {
     uint32_t instance = kNone;
-    uint32_t generation = 0;  // how many instances had the number before; modulo 2^32
+    uint32_t generation = 0;  // differs between instances that have the number one after another; modulo 2^32
 
     bool operator==(const InstanceHandle&) const = default;
 };

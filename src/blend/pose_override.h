@@ -35,6 +35,7 @@ public:
         archive.value(is_set_);
         archive.value(fade_);
         archive.value(rate_);
+        Archive::require(fade_ >= 0 && fade_ <= 1 && rate_ >= 0, "the fade of a pose is out of range");
     }
 
 private:

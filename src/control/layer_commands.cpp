@@ -1,5 +1,6 @@
 #include "control/layer_commands.h"
 
+#include "base/enumeration.h"
 #include "base/failure.h"
 #include "control/playback.h"
 #include "controller/controller_arrays.h"
@@ -51,6 +52,7 @@ io::ControlCommand play_command(std::span<const LayerKind> kinds, std::span<cons
     const ClipPlayback& clip = playback.clip;
     check_layer(kinds, layer, place);
     check_clip(clip, clip_count, place);
+    if (!is_known(playback.fade, FadeKind::kInertial)) refuse(place, "the fade is neither of FadeKind");
     const bool is_inertial = playback.fade == FadeKind::kInertial;
     if (is_inertial && !kinds[layer].inertial_plays)
         refuse(place, "layer " + std::to_string(layer) +
@@ -87,6 +89,7 @@ io::ControlCommand layer_command(std::span<const LayerKind> kinds, uint32_t mask
                                  const LayerBlend& blend, const ErrorPlace& place) {
     check_layer(kinds, layer, place);
     if (!(blend.weight >= 0 && blend.weight <= 1)) refuse(place, "weight must lie within 0..1");
+    if (!is_known(blend.mode, LayerMode::kAdditive)) refuse(place, "the mode is neither of LayerMode");
     if (blend.mask != kNone && blend.mask >= mask_count)
         refuse(place, numbered("mask", blend.mask), " is out of range: the controller has ", mask_count);
     return {.instance = 0,

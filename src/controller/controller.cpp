@@ -2,6 +2,7 @@
 
 #include "base/failure.h"
 #include "base/find_name.h"
+#include "base/message_name.h"
 #include "controller/controller_rules.h"
 #include "json/json_view.h"
 #include "json/known_names.h"
@@ -94,7 +95,7 @@ Result<void> check_controller(const Controller& controller, const Character& cha
     })
                             : rules;
     if (fits) return {};
-    const std::string both = printable(controller.name, 120) + " with " + printable(character.name, 120);
+    const std::string both = message_name(controller.name) + " with " + message_name(character.name);
     return Error{fits.error().code, both + ": " + fits.error().place, fits.error().message};
 }
 

@@ -1,5 +1,6 @@
 #include "controller/controller_rules.h"
 
+#include "base/enumeration.h"
 #include "base/failure.h"
 #include "json/json_view.h"
 #include "json/known_names.h"
@@ -69,6 +70,7 @@ private:
         for (const ControllerParameter& parameter : controller_.parameters) {
             const std::string place = place_of("parameters", parameter.name);
             add_unique(parameters_, parameter.name, place);
+            if (!is_known(parameter.type, ParameterType::kTrigger)) refuse(place, "its type is none of ParameterType");
             require_finite(parameter.initial, place);
             if (parameter.type != ParameterType::kFloat && parameter.initial != 0 && parameter.initial != 1)
                 refuse(place, "the initial value must be 0 or 1");
@@ -108,6 +110,7 @@ private:
             const ControllerLayer& layer = controller_.layers[i];
             const std::string place = place_of("layers", i);
             add_unique(names, layer.name, place_of(place, "name"));
+            if (!is_known(layer.mode, LayerMode::kAdditive)) refuse(place_of(place, "mode"), "is neither of LayerMode");
             if (layer.model_space_rotations && layer.mode == LayerMode::kAdditive)
                 refuse(place_of(place, "rotations"),
                        "an additive layer turns joints relative to their parents; only an override blends in model "
@@ -208,6 +211,7 @@ private:
                                                       : states.require(transition.from, place_of(place, "from"));
         const uint32_t to = states.require(transition.to, place_of(place, "to"));
         require_between(0, kExitLimit, transition.exit, exit);
+        if (!is_known(transition.fade, FadeKind::kInertial)) refuse(place_of(place, "fade"), "is neither of FadeKind");
         if (transition.fade_s != 0) require_between(kMinFade_s, kMaxFade_s, transition.fade_s, fade);
         if (from != kNone && layer.states[from].points.empty() && transition.exit > 0)
             refuse(exit, "is never reached: state '", printable(transition.from),
@@ -233,6 +237,7 @@ private:
         const ParameterType type = controller_.parameters[parameters_.require(condition.parameter, place)].type;
         const bool compares = condition.test == Test::kAbove || condition.test == Test::kBelow;
         require_finite(condition.value, place);
+        if (!is_known(condition.test, Test::kTriggered)) refuse(place, "its test is none of ControllerCondition::Test");
         if (type == ParameterType::kFloat && !compares)
             refuse(place, name, R"( is a float; compare it: {"above": 0.1}, {"below": 2})");
         if (type == ParameterType::kBool && (compares || condition.test == Test::kTriggered))

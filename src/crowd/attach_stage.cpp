@@ -3,6 +3,7 @@
 #include "attach/attach.kernel.h"
 #include "base/failure.h"
 #include "base/finite.h"
+#include "base/message_name.h"
 #include "crowd/change_stage.h"
 #include "crowd/placement_stage.h"
 #include "crowd/state_archive.h"
@@ -23,7 +24,7 @@ bool has_world_sockets(const Group& group) { return group.sockets && group.socke
 
 void check_carried(const CrowdGroup& group) {
     if (!group.is_carried) return;
-    const std::string place = group.character->name + ": is_carried";
+    const std::string place = message_name(group.character->name) + ": is_carried";
     if (group.steering || group.terrain)
         throw Failure(ErrorCode::kInvalidArgument, place, "not together with steering or terrain");
     if (group.controller && group.moves_placements && !group.character->root_rows.empty())

@@ -1,6 +1,7 @@
 #include <throng/crowd.h>
 
 #include "base/failure.h"
+#include "base/message_name.h"
 #include "compile/file/character_check.h"
 #include "crowd/crowd_state.h"
 #include "crowd/path.h"
@@ -41,7 +42,7 @@ Result<ScanAdvice> advise_scan(const Device& device, const Rig& rig, uint32_t in
 Result<GroupPath> advise_path(const Device& device, const Character& character, uint32_t instance_count) {
     return as_result([&] {
         check_has_joints(character);
-        check_character(character, character.name, ErrorCode::kInvalidArgument);
+        check_character(character, message_name(character.name), ErrorCode::kInvalidArgument);
         const PathChoice choice = choose_path(*device.gpu(), {},
                                               {.character = &character, .instance_count = instance_count});
         return GroupPath{choice.fused.has_value(),

@@ -1,7 +1,9 @@
 // Makes a crowd: checks its settings and the memory they take, and makes groups and the buffers of batches.
 #include "crowd/crowd_state.h"
 
+#include "base/enumeration.h"
 #include "base/failure.h"
+#include "base/message_name.h"
 #include "bind/skin_format.h"
 #include "compile/file/character_check.h"
 #include "crowd/terrain_stage.h"
@@ -25,19 +27,23 @@ uint64_t pose_bytes(const CrowdSettings& settings) {
 }
 
 void CrowdState::check_groups(const CrowdSettings& settings) const {
+    check_known(settings.skin_format, SkinFormat::kSimilarity, "skin format");
+    check_known(settings.skin_blend, SkinBlend::kDualQuaternion, "skin blend");
+    check_known(settings.path, UpdatePath::kDevice, "update path");
     uint64_t total = 0;
     for (const CrowdGroup& group : settings.groups) {
         if (!group.character)
             throw Failure(ErrorCode::kInvalidArgument,
                           "groups[" + std::to_string(&group - settings.groups.data()) + "]", "it has no character");
         check_has_joints(*group.character);
-        check_character(*group.character, group.character->name, ErrorCode::kInvalidArgument);
+        check_character(*group.character, message_name(group.character->name), ErrorCode::kInvalidArgument);
+        check_known(group.socket_space, SocketSpace::kWorld, message_name(group.character->name) + ": socket space");
         check_steering(group);
         check_terrain(group);
         check_carried(group);
         check_command_settings(group);
         if (const float margin = group.pose_margin.value_or(0); !(margin >= 0 && margin <= kMaxPoseMargin))
-            throw Failure(ErrorCode::kInvalidArgument, group.character->name + ": pose margin", margin,
+            throw Failure(ErrorCode::kInvalidArgument, message_name(group.character->name) + ": pose margin", margin,
                           " is not within 0..", kMaxPoseMargin);
         total += group.instance_count;
     }
@@ -56,13 +62,15 @@ void CrowdState::make_groups(Uploads& uploads, const CrowdSettings& settings) {
     for (const CrowdGroup& group : settings.groups) {
         if (const std::string unsupported_reason = skin_format_unsupported_reason(skin_format, *group.character);
             !unsupported_reason.empty())
-            throw Failure(ErrorCode::kUnsupported, group.character->name + ": skin format", unsupported_reason);
+            throw Failure(ErrorCode::kUnsupported, message_name(group.character->name) + ": skin format",
+                          unsupported_reason);
         if (const std::string unsupported_reason = skin_blend_unsupported_reason(skin_blend, *group.character);
             !unsupported_reason.empty())
-            throw Failure(ErrorCode::kUnsupported, group.character->name + ": skin blend", unsupported_reason);
+            throw Failure(ErrorCode::kUnsupported, message_name(group.character->name) + ": skin blend",
+                          unsupported_reason);
         groups.emplace_back(uploads, rigs, group, choose_path(*gpu, settings, group), settings);
         if (groups.back().varies && settings.keep_previous_matrices && !groups.back().animates_drawn_only())
-            throw Failure(ErrorCode::kUnsupported, group.character->name + ": capacity",
+            throw Failure(ErrorCode::kUnsupported, message_name(group.character->name) + ": capacity",
                           "not together with keep_previous_matrices where a group has sockets or inertial transitions, "
                           "or is updated stage by stage");
     }

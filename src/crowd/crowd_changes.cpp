@@ -159,12 +159,13 @@ void CrowdState::set_parameter(const Instances& instances, uint32_t parameter, c
 
 void CrowdState::set_target(const Instances& instances, uint32_t target, const Each<TargetPlace>& place) {
     check_alive(instances, "target");
-    const auto target_count = [&](uint32_t instance) {
-        const Group& group = group_of(instance);
-        return group.procedural ? group.procedural->target_count : 0;
-    };
-    for (uint32_t i = 0; i < instances.size(); ++i)
-        check_target(target, target_count(instances.number(i)), place[i], ErrorPlace("target", instances.number(i)));
+    const auto target_count = [&](uint32_t instance) { return group_of(instance).procedural->target_count; };
+    for (uint32_t i = 0; i < instances.size(); ++i) {
+        const ErrorPlace of_instance("target", instances.number(i));
+        if (const Group& group = group_of(instances.number(i)); !group.procedural)
+            refuse(of_instance, group.name + " has no procedural rules");
+        check_target(target, target_count(instances.number(i)), place[i], of_instance);
+    }
     for (uint32_t i = 0; i < instances.size(); ++i) {
         const InBatch of = at(instances.number(i));
         const auto& [x, y, z] = place[i].world_place;

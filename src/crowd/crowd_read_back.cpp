@@ -14,7 +14,8 @@ namespace throng {
 void CrowdState::watch(const Instances& instances) {
     if (!feedback)
         throw Failure(ErrorCode::kInvalidArgument, "watch",
-                      "no group has a controller, sockets or steering: there is no feedback");
+                      "no group has a controller, sockets or steering, and CrowdSettings::pose_request_capacity is 0: "
+                      "there is no feedback");
     if (instances.size() > watch_capacity_)
         throw Failure(ErrorCode::kLimit, "watch",
                       std::to_string(instances.size()) + " instances; CrowdSettings::watch_capacity is " +

@@ -13,14 +13,13 @@ namespace throng {
 namespace {
 
 constexpr uint64_t kMagic = 0x6574617473676874;  // "thgstate"
-constexpr uint32_t kVersion = 7;
+constexpr uint32_t kVersion = 8;
 
 struct Head {
     uint64_t magic = kMagic;
     uint32_t version = kVersion;
     uint32_t flags = 0;
     StateFit fit{};
-    uint64_t update_count = 0;  // FeedbackRing::update_count()
     uint64_t buffers_bytes = 0;
 };
 constexpr uint32_t kHasUpdated = 1, kWasNative = 2;
@@ -138,6 +137,8 @@ std::vector<CrowdState::KeptBuffer> CrowdState::kept_buffers() const {
 
 void CrowdState::exchange(StateArchive& archive) {
     archive.value(full_rate_factor_);
+    StateArchive::require(full_rate_factor_ >= 1 && full_rate_factor_ <= kMaxFullRateFactor,
+                          "the budget's factor is out of range");
     for (const auto& stage : stages) stage->exchange(archive);
     for (uint32_t group = 0; group < groups.size(); ++group)
         for (const auto& stage : stages)
@@ -188,9 +189,7 @@ void CrowdState::save_state(std::vector<std::byte>& out) {
     check_last_has_run("crowd state");
     finish_uploads();
     const std::vector<KeptBuffer> kept = kept_buffers();
-    Head head{.flags = (has_updated_ ? kHasUpdated : 0) | (was_native_ ? kWasNative : 0),
-              .fit = state_fit(),
-              .update_count = feedback ? feedback->update_count() : 0};
+    Head head{.flags = (has_updated_ ? kHasUpdated : 0) | (was_native_ ? kWasNative : 0), .fit = state_fit()};
     for (const KeptBuffer& one : kept) head.buffers_bytes += one.buffer->size_bytes();
     StateArchive archive;
     archive.write_into(std::move(out));
@@ -277,7 +276,7 @@ void CrowdState::restore_state(std::span<const std::byte> state) {
     has_updated_ = had_updated_ = (head.flags & kHasUpdated) != 0;
     was_native_ = (head.flags & kWasNative) != 0;
     awaits_commands_ = can_discard_ = may_be_pending_ = is_half_recorded_ = false;
-    if (feedback) feedback->restart(head.update_count);
+    if (feedback) feedback->restart(population->update_count());
     if (!follows) return;
     try {
         follow_placements(true);

@@ -170,9 +170,13 @@ Update CrowdState::update_of(VkCommandBuffer commands, float time_step_s, const 
 bool CrowdState::updates_natively(bool occlusion) const { return gpu->is_native() || (natively_ && !occlusion); }
 
 void CrowdState::update(float time_step_s, const CrowdView* view) {
+    if (feedback && feedback->is_full()) {  // what has not run when the queue is idle was dropped
+        gpu->wait_idle();
+        feedback->drop_pending();
+    }
     if (!updates_natively(view && view->occlusion)) {
         gpu->submit_and_wait([&](VkCommandBuffer commands) { record(commands, time_step_s, view); });
-        can_discard_ = may_be_pending_ = false;
+        awaits_commands_ = can_discard_ = may_be_pending_ = false;
         free_what_may_go();
         return;
     }
@@ -214,16 +218,17 @@ void CrowdState::record(VkCommandBuffer commands, float time_step_s, const Crowd
     if (view && view->occlusion && gpu->is_native())
         throw Failure(ErrorCode::kUnsupported, "occlusion", "a native device has no depths to test");
     if (!std::isfinite(time_step_s)) throw Failure(ErrorCode::kInvalidArgument, "time step", "must be finite");
-    const io::CullView seen = cull_view_of(view, budgeted_full_rate_pixels(view));
+    io::CullView seen = cull_view_of(view, view ? view->full_rate_pixels : 0);
     // Readers of the last update's results must have finished. With several frames in flight the application ensures
     // that, and drawing may continue during this update.
     const Access readers = is_in_flight_ ? kShaderRead | kTransferRead : consumers();
     memory_barrier(*gpu, commands, readers | kShaderWrite | kTransferWrite,
                    kShaderRead | kShaderWrite | kTransferWrite);
     check_runs(commands == VK_NULL_HANDLE);
-    if (feedback) feedback->begin(commands);  // before pending changes are taken up, because it may throw
+    if (feedback) feedback->begin(commands);  // before anything changes, because it may throw
+    if (view) seen = cull_view_of(view, budgeted_full_rate_pixels(*view));
+    free_what_may_go();  // also uploads that have run: the next line would set their events
     for (const auto& uploads : first_uploads_) uploads->begin_update(commands);
-    free_what_may_go();
     had_native_ = std::exchange(was_native_, commands == VK_NULL_HANDLE);
     awaits_commands_ = commands != VK_NULL_HANDLE;  // a native update has run when this returns
     can_discard_ = false;                           // until all is recorded
@@ -309,18 +314,18 @@ void CrowdState::discard_last_record() {
 
 // Raises the factor by as much as the last update exceeded the budget, at most by half, and lowers it more slowly, so
 // that it settles.
-float CrowdState::budgeted_full_rate_pixels(const CrowdView* view) {
-    if (!view) return 0;
-    if (!(view->budget_ms > 0) || !timer) return view->full_rate_pixels;
-    constexpr float kSlack = 0.9f, kMaximum = 1e6f;
+float CrowdState::budgeted_full_rate_pixels(const CrowdView& view) {
+    if (!(view.budget_ms > 0) || !timer) return view.full_rate_pixels;
+    constexpr float kSlack = 0.9f;
     if (const std::optional<StageTimes> times = timer->take_newest()) {
-        const auto load = static_cast<float>(times->total()) / view->budget_ms;
+        const auto load = static_cast<float>(times->total()) / view.budget_ms;
         full_rate_factor_ = std::clamp(load > 1        ? full_rate_factor_ * std::min(load, 1.5f)
                                        : load < kSlack ? full_rate_factor_ * 0.95f
                                                        : full_rate_factor_,
-                                       1.0f, kMaximum);
+                                       1.0f, kMaxFullRateFactor);
     }
-    return full_rate_factor_ > 1 ? std::max(view->full_rate_pixels, 1.0f) * full_rate_factor_ : view->full_rate_pixels;
+    if (!(full_rate_factor_ > 1)) return view.full_rate_pixels;
+    return std::min(std::max(view.full_rate_pixels, 1.0f) * full_rate_factor_, kMaxFullRatePixels);
 }
 
 void CrowdState::free_what_may_go() {

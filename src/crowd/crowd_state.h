@@ -156,7 +156,7 @@ private:
     void go_to_slot(uint32_t next);
     Access consumers() const;
     void copy_shown(VkCommandBuffer commands) const;
-    float budgeted_full_rate_pixels(const CrowdView* view);
+    float budgeted_full_rate_pixels(const CrowdView& view);
     void send(uint32_t instance, io::ControlCommand command);
     template <class MakeCommand>
     void send_each(const Instances& instances, const char* what, const MakeCommand& make_command);
@@ -238,9 +238,10 @@ private:
     bool can_discard_ = false;  // the last record() has not been discarded, and groups have not changed since
     bool may_be_pending_ = false;    // commands of a record() that has not been discarded may not have run
     bool is_half_recorded_ = false;  // the last record() failed midway
-    float full_rate_factor_ = 1;     // the budget's factor on CrowdView::full_rate_pixels
-    std::vector<Watched> watched_;   // by instance
-    WatchedRuns watched_runs_;       // of the last update; kept to reuse the memory
+    static constexpr float kMaxFullRateFactor = 1e6f;
+    float full_rate_factor_ = 1;    // the budget's factor on CrowdView::full_rate_pixels; 1..kMaxFullRateFactor
+    std::vector<Watched> watched_;  // by instance
+    WatchedRuns watched_runs_;      // of the last update; kept to reuse the memory
     uint32_t watch_capacity_ = 0;
     std::vector<uint32_t> pose_requests_, recorded_pose_requests_;  // for the next record(), and of the last one
     uint32_t pose_request_capacity_ = 0;

@@ -26,7 +26,7 @@ io::CullView cull_view_of(const CrowdView* view, float full_rate_pixels) {
     if (!std::isfinite(view->pixels) && !(std::isfinite(view->lod_pixels) && std::isfinite(view->shared_pose_pixels)))
         throw Failure(ErrorCode::kInvalidArgument, "view",
                       "if pixels is infinite, lod_pixels and shared_pose_pixels must be finite");
-    if (!(full_rate_pixels >= 0 && full_rate_pixels <= kMaximum) || !(view->budget_ms >= 0))
+    if (!(full_rate_pixels >= 0 && full_rate_pixels <= kMaxFullRatePixels) || !(view->budget_ms >= 0))
         throw Failure(ErrorCode::kInvalidArgument, "view",
                       "full_rate_pixels must be from 0 to 1e30, and budget_ms must not be negative");
     // A point is inside where its clip coordinates are: -w <= x, y <= w and 0 <= z <= w (G. Gribb and K. Hartmann, Fast

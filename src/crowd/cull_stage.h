@@ -13,6 +13,7 @@ namespace throng {
 
 // The frustum planes of a view, and its eye. Without a view everything is seen, in full detail. `full_rate_pixels` is
 // CrowdView's, or what the budget makes of it.
+constexpr float kMaxFullRatePixels = 1e30f;
 io::CullView cull_view_of(const CrowdView* view, float full_rate_pixels);
 
 class CullStage : public Stage {

@@ -49,9 +49,19 @@ Buffer FeedbackRing::make_copy() const {
             MemoryKind::kReadback};
 }
 
+bool FeedbackRing::is_full() const {
+    return !is_free(slots_, slots_[update_count_ % slots_.size()], [](const Slot& any) { return any.update.number; });
+}
+
+void FeedbackRing::drop_pending() {
+    for (Slot& slot : slots_)
+        if (!slot.done.is_set()) slot.update = {.number = slot.update.number, .is_read = true};
+    slots_[(update_count_ - 1) % slots_.size()].done.set();  // so that all slots are free
+}
+
 void FeedbackRing::begin(VkCommandBuffer commands) {
     Slot& slot = slots_[update_count_ % slots_.size()];
-    if (!is_free(slots_, slot, [](const Slot& any) { return any.update.number; })) {
+    if (is_full()) {
         const std::string count = std::to_string(slots_.size());
         throw Failure(ErrorCode::kInvalidArgument, "crowd",
                       "the update recorded " + count + " record()s ago has not finished: at most " + count +
@@ -109,7 +119,8 @@ void FeedbackRing::end(VkCommandBuffer commands, std::span<const Watched> watche
             const auto& [instances, instance_bytes] = runs.batches[run.batch].*part_of;
             if (instance_bytes > 0) copy(instances, run.first * instance_bytes, run.count * instance_bytes);
         }
-    for (const RequestedPose& pose : poses) copy(pose.skin, 0, pose.skin.size_bytes);
+    for (const RequestedPose& pose : poses)
+        if (pose.skin.size_bytes > 0) copy(pose.skin, 0, pose.skin.size_bytes);  // 0: a character without palette
     record_copies(*gpu_, commands, copies_, slot.copy);
     slot.update.watched.assign(watched.begin(), watched.end());
     slot.update.runs = runs;

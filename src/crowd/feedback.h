@@ -75,6 +75,11 @@ public:
     // Continues after this many updates, as if all of them had been reported. No update may be under way.
     void restart(uint64_t update_count);
 
+    // Whether begin() would throw.
+    bool is_full() const;
+    // What has not finished was dropped. Nothing may be under way.
+    void drop_pending();
+
     // Called before the first kernel of an update that writes events; end() is called after the last. Throws
     // kInvalidArgument if the update that used the next slot is still under way.
     void begin(VkCommandBuffer commands);

@@ -14,7 +14,7 @@ void FirstUploads::record(VkCommandBuffer commands) {
 void FirstUploads::begin_update(VkCommandBuffer commands) {
     poll();
     if (state_ == State::kPending) record(commands);
-    recorded_event_ = state_ == State::kRecorded && !has_event_;
+    recorded_event_ = !has_event_;
     if (recorded_event_) have_run_.record_set(commands);
     has_event_ = has_event_ || recorded_event_;
 }
@@ -24,7 +24,7 @@ void FirstUploads::begin_update(VkCommandBuffer commands) {
 // since (OutputBlock::command).
 void FirstUploads::discard_update() {
     if (!std::exchange(recorded_event_, false)) return;
-    state_ = State::kPending;
+    if (state_ == State::kRecorded) state_ = State::kPending;
     has_event_ = false;
 }
 

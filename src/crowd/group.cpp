@@ -2,6 +2,7 @@
 
 #include "base/crc64.h"
 #include "base/failure.h"
+#include "base/message_name.h"
 #include "controller/controller_tables.h"
 #include "crowd/group_skin_pool.h"
 #include "crowd/look_stage.h"
@@ -155,7 +156,7 @@ Group::Group(Uploads& uploads, SharedRigs& rigs, const CrowdGroup& group, const 
 }
 
 Group::Group(Uploads& uploads, SharedRigs& rigs, const Character& character, const PathChoice& choice, bool varies_in)
-    : name(character.name),
+    : name(message_name(character.name)),
       varies(varies_in),
       joint_count(character.rig.joint_count()),
       palette_count(static_cast<uint32_t>(character.palette.size())),

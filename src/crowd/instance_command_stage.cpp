@@ -1,6 +1,7 @@
 #include "crowd/instance_command_stage.h"
 
 #include "base/failure.h"
+#include "base/message_name.h"
 #include "command/claim.kernel.h"
 #include "command/obey.kernel.h"
 #include "command/populate.kernel.h"
@@ -44,7 +45,7 @@ uint32_t flags_of(const Group& group, const Batch& batch) {
 
 void check_command_settings(const CrowdGroup& group) {
     if (!group.shader_commands) return;
-    const std::string place = group.character->name + ": shader_commands";
+    const std::string place = message_name(group.character->name) + ": shader_commands";
     const auto refuse = [&](const char* what) { throw Failure(ErrorCode::kInvalidArgument, place, what); };
     if (group.shader_commands->capacity == 0) refuse("their capacity must be above 0");
     if (group.shader_commands->capacity > kMaxCommands)

@@ -1,6 +1,7 @@
 #include "crowd/look_stage.h"
 
 #include "base/failure.h"
+#include "base/message_name.h"
 #include "crowd/change_stage.h"
 #include "crowd/state_archive.h"
 #include "crowd/state_checks.h"
@@ -27,7 +28,7 @@ std::vector<io::SectionLook> section_looks_of(const CrowdGroup& group) {
     for (size_t i = 1; i < group.outfits.size(); ++i) looks.insert(looks.end(), of_sections.begin(), of_sections.end());
     for (size_t i = 0; i < group.outfits.size(); ++i)
         for (const SectionLook& look : group.outfits[i].sections) {
-            const std::string place = character.name + ": outfit " + std::to_string(i);
+            const std::string place = message_name(character.name) + ": outfit " + std::to_string(i);
             if (look.section >= section_count)
                 throw Failure(ErrorCode::kInvalidArgument, place, "section ", look.section,
                               " is out of range: the mesh has ", section_count);

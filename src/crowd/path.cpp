@@ -1,6 +1,7 @@
 #include "crowd/path.h"
 
 #include "base/failure.h"
+#include "base/message_name.h"
 #include "native/native.h"
 #include "scan/scan_costs.h"
 #include "scan/scan_shaders.h"
@@ -59,7 +60,7 @@ PathChoice native_path(const Gpu& gpu, const CrowdSettings& settings, const Crow
         choice.path_reason = "fused: all stages in one pass, by " + std::string(name_of(native_isas().back()));
     } else {
         if (settings.path == UpdatePath::kFused)
-            throw Failure(ErrorCode::kUnsupported, character.name + ": fused update", reason);
+            throw Failure(ErrorCode::kUnsupported, message_name(character.name) + ": fused update", reason);
         choice.path_reason = "staged: " + reason;
     }
     return choice;
@@ -72,7 +73,7 @@ PathChoice device_path(const Gpu& gpu, const CrowdSettings& settings, const Crow
     std::string unsupported_reason = "asked for";
     if (const std::string reason = staged_only(group); settings.path != UpdatePath::kStaged && !reason.empty()) {
         if (settings.path == UpdatePath::kFused)
-            throw Failure(ErrorCode::kUnsupported, character.name + ": fused update", reason);
+            throw Failure(ErrorCode::kUnsupported, message_name(character.name) + ": fused update", reason);
         unsupported_reason = reason;
     } else if (settings.path != UpdatePath::kStaged) {
         const FusedRig rig(character);
@@ -98,7 +99,8 @@ PathChoice device_path(const Gpu& gpu, const CrowdSettings& settings, const Crow
                     .path_reason = "fused: all stages in one pass"};
         }
         if (settings.path == UpdatePath::kFused)
-            throw Failure(ErrorCode::kUnsupported, character.name + ": fused update", plan.unsupported_reason);
+            throw Failure(ErrorCode::kUnsupported, message_name(character.name) + ": fused update",
+                          plan.unsupported_reason);
         unsupported_reason = plan.unsupported_reason;
     }
     const ExplainedChoice staged = choose_scan(gpu, settings.scan, character.rig, group.instance_count);
@@ -113,10 +115,10 @@ PathChoice device_path(const Gpu& gpu, const CrowdSettings& settings, const Crow
 PathChoice vulkan_path(const Gpu& gpu, const CrowdSettings& settings, const CrowdGroup& group) {
     const bool is_native = settings.path == UpdatePath::kNative;
     if (is_native && !gpu.processor)
-        throw Failure(ErrorCode::kUnsupported, group.character->name + ": native update",
+        throw Failure(ErrorCode::kUnsupported, message_name(group.character->name) + ": native update",
                       gpu.info.name + " is not a software device");
     if (is_native && settings.scan != "auto")
-        throw Failure(ErrorCode::kUnsupported, group.character->name + ": native update",
+        throw Failure(ErrorCode::kUnsupported, message_name(group.character->name) + ": native update",
                       "it uses no scan method, but CrowdSettings::scan asks for '" + settings.scan + "'");
     PathChoice choice = device_path(gpu, settings, group);
     const bool may_be_native = settings.path == UpdatePath::kAuto && settings.scan == "auto";
@@ -132,7 +134,7 @@ PathChoice vulkan_path(const Gpu& gpu, const CrowdSettings& settings, const Crow
     }
     const std::string reason = natively_unsupported_reason(choice, settings, group);
     if (is_native && !reason.empty())
-        throw Failure(ErrorCode::kUnsupported, group.character->name + ": native update", reason);
+        throw Failure(ErrorCode::kUnsupported, message_name(group.character->name) + ": native update", reason);
     choice.native = reason.empty();
     if (!choice.native) choice.path_reason += "; not native: " + reason;
     return choice;
@@ -140,7 +142,7 @@ PathChoice vulkan_path(const Gpu& gpu, const CrowdSettings& settings, const Crow
 
 // Throws where the chosen path cannot compute sockets alone.
 void check_sockets_only(const PathChoice& choice, const CrowdGroup& group) {
-    const std::string place = group.character->name + ": sockets only";
+    const std::string place = message_name(group.character->name) + ": sockets only";
     if (group.sockets.empty()) throw Failure(ErrorCode::kInvalidArgument, place, "CrowdGroup::sockets is empty");
     if (!choice.native || !choice.fused)
         throw Failure(ErrorCode::kUnsupported, place,

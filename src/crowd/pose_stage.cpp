@@ -1,6 +1,7 @@
 #include "crowd/pose_stage.h"
 
 #include "base/failure.h"
+#include "base/finite.h"
 #include "crowd/state_archive.h"
 
 #include <algorithm>
@@ -232,6 +233,13 @@ void PoseStage::exchange_poses(StateArchive& archive, uint32_t group_index) {
     archive.list(poses.poses, uint64_t{group.pose_capacity} * group.joint_count);
     if (!archive.reads()) return;
     StateArchive::require(poses.poses.size() % group.joint_count == 0, "a pose lacks joints");
+    StateArchive::require(
+        std::ranges::all_of(poses.poses,
+                            [](const io::JointPose& joint) {
+                                const auto& [r, t, s] = joint;
+                                return all_finite(std::array{r.x, r.y, r.z, r.w, t.x, t.y, t.z, s.x, s.y, s.z});
+                            }),
+        "a pose is not finite");
     const auto slot_count = static_cast<uint32_t>(poses.poses.size() / group.joint_count);
     poses.changed = {};
     poses.changed.add(0, slot_count);

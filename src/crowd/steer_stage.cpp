@@ -1,6 +1,8 @@
 #include "crowd/steer_stage.h"
 
 #include "base/failure.h"
+#include "base/finite.h"
+#include "base/message_name.h"
 #include "crowd/change_stage.h"
 #include "crowd/state_archive.h"
 
@@ -17,7 +19,7 @@ void check_steering(const CrowdGroup& group) {
     const auto check = [&](const char* what, float value, float least) {
         constexpr float kMaximum = 1e6f;
         if (!(value >= least && value <= kMaximum))
-            throw Failure(ErrorCode::kInvalidArgument, group.character->name + ": steering",
+            throw Failure(ErrorCode::kInvalidArgument, message_name(group.character->name) + ": steering",
                           std::string(what) + " " + std::to_string(value) + "; give one from " +
                               (least > 0 ? "0.000001" : "0") + " to 1000000");
     };
@@ -26,7 +28,7 @@ void check_steering(const CrowdGroup& group) {
     check("turn", steering.turn, 0);
     const size_t parameter_count = group.controller ? group.controller->parameters.size() : 0;
     if (steering.speed_parameter != kNone && steering.speed_parameter >= parameter_count)
-        throw Failure(ErrorCode::kInvalidArgument, group.character->name + ": steering",
+        throw Failure(ErrorCode::kInvalidArgument, message_name(group.character->name) + ": steering",
                       "speed_parameter " + std::to_string(steering.speed_parameter) +
                           " is out of range: the group has " + std::to_string(parameter_count) + " parameters");
 }
@@ -150,6 +152,11 @@ void SteerStage::exchange_group(StateArchive& archive, uint32_t group) {
     for (ServedBatch& served : served_) {
         if (batches_[served.batch].group != group) continue;
         archive.values(std::span(served.destinations));
+        StateArchive::require(std::ranges::all_of(served.destinations,
+                                                  [](const io::vec4& at) {
+                                                      return all_finite(std::array{at.x, at.y, at.z, at.w});
+                                                  }),
+                              "a destination is not finite");
         archive.changes(served.dirty, 0, static_cast<uint32_t>(served.destinations.size()));
     }
 }

@@ -2,6 +2,7 @@
 
 #include "base/failure.h"
 #include "base/finite.h"
+#include "base/message_name.h"
 #include "steer/terrain.kernel.h"
 
 #include <cmath>
@@ -12,7 +13,7 @@ void check_terrain(const CrowdGroup& group) {
     if (!group.terrain) return;
     const Terrain& terrain = *group.terrain;
     const auto refuse = [&](const std::string& what) {
-        throw Failure(ErrorCode::kInvalidArgument, group.character->name + ": terrain", what);
+        throw Failure(ErrorCode::kInvalidArgument, message_name(group.character->name) + ": terrain", what);
     };
     if (terrain.columns == 0 || terrain.rows == 0 || terrain.heights.size() != uint64_t{terrain.columns} * terrain.rows)
         refuse(std::to_string(terrain.heights.size()) + " heights for " + std::to_string(terrain.columns) +

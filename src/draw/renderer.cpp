@@ -1,6 +1,7 @@
 #include <throng/draw.h>
 
 #include "base/failure.h"
+#include "base/enumeration.h"
 #include "draw/camera.h"
 #include "draw/native_renderer.h"
 #include "draw/vulkan_renderer.h"
@@ -32,6 +33,7 @@ std::vector<CrowdState*> checked(std::span<const Crowd* const> crowds) {
 }
 
 std::unique_ptr<RendererState> make_state(const std::shared_ptr<Gpu>& gpu, const RendererSettings& settings) {
+    check_known(settings.path, DrawPath::kDevice, "renderer: path");
     const std::string unsupported_reason = natively_undrawable_reason(*gpu);
     if (settings.path == DrawPath::kDevice && gpu->is_native())
         throw Failure(ErrorCode::kNoDevice, "renderer",

@@ -1,5 +1,6 @@
 #include "gpu/gpu.h"
 
+#include "base/enumeration.h"
 #include "base/failure.h"
 #include "gpu/device_list.h"
 #include "gpu/pipeline_cache.h"
@@ -94,6 +95,7 @@ std::vector<DeviceInfo> Gpu::list() {
 
 std::shared_ptr<Gpu> Gpu::create(const DeviceSettings& settings) {
     check_threads("device", settings.threads);
+    check_known(settings.validation, Validation::kGpuAssisted, "device: validation");
     std::shared_ptr<Gpu> gpu(new Gpu(true));  // before the lock, as in list()
     if (is_native_name(settings.select)) {    // does not load Vulkan
         gpu->make_native(settings, NativeDevice::info(0));

@@ -1,5 +1,6 @@
 #include "import/read_asset.h"
 
+#include "base/message_name.h"
 #include "base/read_file.h"
 #include "import/readers.h"
 #include "json/json_text.h"
@@ -137,8 +138,6 @@ Asset read_parts(std::span<const std::byte> bytes, const SideFiles& side_files, 
     return asset;
 }
 
-std::string message_name(std::string_view name) { return name.empty() ? "(no name)" : printable(name, 120); }
-
 // Runs `body`; puts the file's name in front of a Failure's place.
 template <class Body>
 auto in_file(const std::string& name, Body&& body) {
@@ -205,7 +204,7 @@ Result<Asset> load_asset(const std::filesystem::path& path, const LoadHooks& hoo
 
 Result<Asset> load_asset(std::span<const std::byte> bytes, std::string_view name, const AssetResolver& resolver,
                          const LoadHooks& hooks) {
-    const std::string place = gltf::message_name(name);
+    const std::string place = message_name(name);
     return as_result(
         [&] {
             if (bytes.size() > gltf::kFileLimitBytes) throw Failure(ErrorCode::kLimit, place, kLargerThanFiles);

@@ -1,6 +1,7 @@
 // The state of a crowd's wind over time.
 #pragma once
 
+#include "base/finite.h"
 #include "procedural/procedural_io.h"
 
 #include <throng/procedural.h>
@@ -39,6 +40,10 @@ public:
     template <class Archive>
     void exchange(Archive& archive) {
         archive.value(moment_);
+        const auto& [direction, speed, gust, gust_rate, phases, sway_time_s] = moment_;
+        Archive::require(
+            all_finite(direction) && all_finite(std::array{speed, gust, gust_rate, sway_time_s}) && all_finite(phases),
+            "the wind is not finite");
     }
 
 private:

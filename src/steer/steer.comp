@@ -116,6 +116,7 @@ void main() {
         for (uint row = 0; row < 3; ++row)
             placements[3 * instance + row] = placed_row(roots[instance].base[row], place);
     } else {
-        write_placement(x_axis, z_axis, z_axis.xyz * (state.speed * push.time_step_s / scale), turn);
+        const vec2 shift = agent.heading * (state.speed * push.time_step_s);
+        write_placement(x_axis, z_axis, vec3(shift.x, 0, shift.y), turn);
     }
 }

@@ -89,11 +89,10 @@ SteeredAgent step(std::span<const SteeredAgent> agents, uint32_t index, double t
                          (x_axis.x * wish.z - x_axis.z * wish.x) / determinant);
     const double max_yaw = std::min(double{steering.turn} * time_step_s, std::numbers::pi);
     yaw = std::clamp(yaw, -max_yaw, max_yaw);
-    const Vec3<double> shift = agent.is_carried ? Vec3<double>() : z_axis * (speed * time_step_s / scale);
+    const Ground shift = agent.is_carried ? Ground() : speed * time_step_s * heading;
     agent.world_from_model = agent.world_from_model *
                              to_affine(Trs<double>{.rotation = axis_angle(Vec3<double>{0, 1, 0}, yaw)});
     agent.world_from_model.row[0][3] += shift.x;
-    agent.world_from_model.row[1][3] += shift.y;
     agent.world_from_model.row[2][3] += shift.z;
     return agent;
 }

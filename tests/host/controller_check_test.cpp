@@ -99,6 +99,19 @@ TEST(CheckController, KeepsTheRulesOfFiles) {
                   c.parameters = {{"p", ParameterType::kBool, 2}};
               }),
               start + "parameters.p: the initial value must be 0 or 1");
+    EXPECT_EQ(after([](Controller& c) {
+                  c.parameters = {{"p", static_cast<ParameterType>(9)}};
+              }),
+              start + "parameters.p: its type is none of ParameterType");
+    EXPECT_EQ(after([](Controller& c) { c.layers[0].mode = static_cast<LayerMode>(-1); }),
+              start + "layers[0].mode: is neither of LayerMode");
+    EXPECT_EQ(after([](Controller& c) {
+                  c.parameters.push_back({"p"});
+                  c.layers[0].transitions[0].conditions = {{"p", static_cast<ControllerCondition::Test>(5)}};
+              }),
+              start + "layers[0].transitions[0].when.p: its test is none of ControllerCondition::Test");
+    EXPECT_EQ(after([](Controller& c) { c.layers[0].transitions[0].fade = static_cast<FadeKind>(2); }),
+              start + "layers[0].transitions[0].fade: is neither of FadeKind");
     EXPECT_EQ(after([](Controller& c) { c.layers.resize(17, {.name = "x"}); }),
               start + "layers: 17 layers, more than the limit of 16");
 }

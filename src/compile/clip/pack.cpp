@@ -1,6 +1,7 @@
 #include "compile/clip/pack.h"
 
 #include "base/failure.h"
+#include "base/message_name.h"
 #include "base/processor.h"
 #include "compile/clip/clip_grid.h"
 #include "compile/clip/clip_packer.h"
@@ -69,7 +70,7 @@ private:
         for (const ExactClip& clip : clips) row_count += clip.times_s.size();
         const uint64_t joint_rows = row_count * character.rig.joint_count();
         if (joint_rows > kPackingLimit)
-            throw Failure(ErrorCode::kLimit, printable(character.name, 120), "its clips have ", joint_rows,
+            throw Failure(ErrorCode::kLimit, message_name(character.name), "its clips have ", joint_rows,
                           " poses of a joint (rows times joints); the limit for packing is ", kPackingLimit,
                           "; exact keys have no such limit (error 0, or --error exact)");
         return row_count;

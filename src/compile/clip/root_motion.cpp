@@ -1,6 +1,7 @@
 #include "compile/clip/root_motion.h"
 
 #include "base/failure.h"
+#include "base/message_name.h"
 #include "compile/limits.h"
 #include "compile/rig/rig.h"
 #include "compile/clip/source_track.h"
@@ -227,7 +228,7 @@ private:
 class Extraction {
 public:
     Extraction(std::vector<ExactClip>& clips, std::string_view joint_name, Character& character)
-        : clips_(clips), character_(character), place_(printable(character.name, 120) + ": root motion") {
+        : clips_(clips), character_(character), place_(message_name(character.name) + ": root motion") {
         KnownNames names("joint");
         for (const std::string& name : character.rig.names) names.add(name);
         joint_ = names.require(joint_name, place_);

@@ -3,6 +3,7 @@
 #include "base/count.h"
 #include "base/crc64.h"
 #include "base/failure.h"
+#include "base/message_name.h"
 #include "compile/file/character_check.h"
 #include "compile/file/character_layout.h"
 
@@ -99,7 +100,7 @@ private:
 }  // namespace
 
 std::vector<std::byte> write_character(const Character& character, uint64_t limit_bytes) {
-    const std::string place = printable(character.name, 120);
+    const std::string place = message_name(character.name);
     check_character(character, place, ErrorCode::kInvalidArgument);
     return Writer(place, limit_bytes).run(character);
 }

@@ -107,9 +107,9 @@ std::vector<uint32_t> find_sources(const Asset& from, const std::vector<bool>& c
             if (step.is_unique && (nodes.size() > 1 || named.size() > 1)) continue;
             for (size_t i = 0; i < nodes.size(); ++i) {
                 const bool is_another = named.size() == 1 && i > 0;
-                // One below the other would move twice.
-                const bool is_below = is_another && to.nodes[nodes[i]].parent == nodes[0];
-                if (is_another ? !is_joint[nodes[i]] || is_below : i >= named.size()) break;
+                if (is_another ? !is_joint[nodes[i]] : i >= named.size()) break;
+                const uint32_t parent = to.nodes[nodes[i]].parent;
+                if (is_another && parent != kNone && sources[parent] == named[0]) continue;  // it would move twice
                 sources[nodes[i]] = named[is_another ? 0 : i];
                 is_taken[sources[nodes[i]]] = true;
             }
