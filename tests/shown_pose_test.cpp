@@ -59,12 +59,15 @@ TEST(ShownPose, IsTheRestPoseWithoutASkin) {
     const Rig rig = creature(8, 4).rig;
     const Character character{
         .name = "bones", .rig = rig, .keys = {{}}, .tracks = std::vector<JointTracks>(8), .size = 1};
-    Crowd crowd = create(
-        {.groups = {{.character = &character, .instance_count = 2, .pose_capacity = 2}}, .pose_request_capacity = 2});
-    ASSERT_TRUE(crowd.request_poses(crowd.instances()) && crowd.update(0.1f));
-    const Feedback feedback = feedback_of(crowd);
-    ASSERT_EQ(feedback.poses.size(), 2u);
-    EXPECT_EQ(feedback.poses[1].parent_from_joint.size(), 8u);
+    for (const UpdatePath path : {UpdatePath::kAuto, UpdatePath::kDevice}) {
+        Crowd crowd = create({.groups = {{.character = &character, .instance_count = 2, .pose_capacity = 2}},
+                              .path = path,
+                              .pose_request_capacity = 2});
+        ASSERT_TRUE(crowd.request_poses(crowd.instances()) && crowd.update(0.1f));
+        const Feedback feedback = feedback_of(crowd);
+        ASSERT_EQ(feedback.poses.size(), 2u);
+        EXPECT_EQ(feedback.poses[1].parent_from_joint.size(), 8u);
+    }
 }
 
 TEST(ShownPose, SetOnAnotherInstanceLooksTheSameForGoldens) {

@@ -513,6 +513,26 @@ TEST(ViewOrbit, ACameraShowsItsTargetInAPartOfAPicture) {
     }
 }
 
+TEST(ViewOrbit, FitsTheWholeCrowdBesideThePanels) {
+    for (const Vec3<float>& extent : {Vec3<float>{1, 2, 1}, Vec3<float>{20, 2, 20}, Vec3<float>{30, 2, 5}})
+        for (const float aspect_ratio : {4 / 3.0f, 16 / 9.0f, 2.5f})
+            for (const view::PicturePart& part :
+                 {view::PicturePart(), {.left = 0.31f, .bottom = 0.6f}, {.left = 0.5f, .bottom = 0.7f}}) {
+                const Bounds bounds{{}, extent};
+                view::Orbit orbit;
+                orbit.fit(bounds, part, aspect_ratio);
+                const view::Projection picture(view::camera_around(orbit.camera(), part, aspect_ratio), aspect_ratio);
+                for (size_t i = 0; i < 8; ++i) {
+                    const Vec3<float> corner{i & 1 ? extent.x : 0, i & 2 ? extent.y : 0, i & 4 ? extent.z : 0};
+                    const Vec3<float> at = picture.project(corner);
+                    EXPECT_GE(at.x, part.left);
+                    EXPECT_LE(at.x, part.right);
+                    EXPECT_GE(at.y, part.top);
+                    EXPECT_LE(at.y, part.bottom);
+                }
+            }
+}
+
 TEST(ViewProjection, RaysInvertTheProjection) {
     const Camera camera{.eye = {3, 4, 9}, .target = {0, 1, -2}};
     const view::Projection projection(camera, 1.6f);

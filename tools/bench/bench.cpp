@@ -55,7 +55,7 @@ Json files_of(const std::vector<Character>& characters) {
 }
 
 void print_update_row(const Json& record) {
-    std::printf("%-18s ", text(record, "scan").c_str());
+    std::printf("%-19s ", text(record, "scan").c_str());
     if (print_untimed(record, "does not apply")) return;
     std::printf("%-13s", text(record, "path").c_str());
     for (const char* name : stage_names())
@@ -191,7 +191,7 @@ private:
 void print_head(const Device& device, const std::vector<Character>& characters, const BenchOptions& options) {
     std::string keys;
     for (const Character& character : characters) keys += (keys.empty() ? "" : ", ") + keys_text(character);
-    std::printf("%u characters on %s, two clips blended, keys %s; medians of %u updates, ms\n%-18s %-13s",
+    std::printf("%u characters on %s, two clips blended, keys %s; medians of %u updates, ms\n%-19s %-13s",
                 options.count, device.info().name.c_str(), keys.c_str(), options.samples, "scan method", "path");
     for (const char* name : stage_names()) std::printf(" %9s", name);
     std::printf(" %9s %9s  %s\n", "total", "ns/joint", "error");

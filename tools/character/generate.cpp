@@ -19,6 +19,8 @@ struct GenerateOptions {
 
 // A mistyped --out could otherwise replace any file.
 void check_out(const std::string& out) {
+    if (!out.ends_with(".glb"))
+        throw UsageError("--out " + out + ": the output is a binary glTF file; give a name that ends in .glb");
     std::error_code unknown;
     if (!std::filesystem::exists(out, unknown)) return;
     std::string magic(4, '\0');

@@ -44,9 +44,10 @@ bool is_whole(const std::filesystem::path& path, uint32_t width, uint32_t height
 FrameRange parse_frames(const std::string& text) {
     const auto range = parse_pair(text, ':');
     if (!range || range->first >= range->second || range->second > kMaxFrames)
-        throw UsageError("--frames " + text +
-                         ": give it as FIRST:END, for example 0:240 for frames 0 to 239; END is at most " +
-                         std::to_string(kMaxFrames));
+        throw UsageError(
+            "--frames " + text +
+            ": give it as FIRST:END with FIRST below END, for example 0:240 for frames 0 to 239; END is at most " +
+            std::to_string(kMaxFrames));
     return {range->first, range->second};
 }
 

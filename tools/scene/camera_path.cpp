@@ -52,15 +52,15 @@ Camera orbit(double time_s, const CameraSubject& subject, const Values& values) 
 Camera flyover(double time_s, const CameraSubject& subject, const Values& values) {
     const double angle = angle_rad(time_s, values);
     const Vec3<float> centre = centre_of(subject.bounds), extent = subject.bounds.max - subject.bounds.min;
-    const auto above = [&](double turn_rad, double radius, double y) {
-        return Vec3<float>{centre.x + static_cast<float>(std::sin(turn_rad) * radius * (extent.x / 2 + extent.y)),
+    const auto above = [&](double turn_rad, double radius, float margin, double y) {
+        return Vec3<float>{centre.x + static_cast<float>(std::sin(turn_rad) * radius * (extent.x / 2 + margin)),
                            static_cast<float>(y),
-                           centre.z + static_cast<float>(std::cos(turn_rad) * radius * (extent.z / 2 + extent.y))};
+                           centre.z + static_cast<float>(std::cos(turn_rad) * radius * (extent.z / 2 + margin))};
     };
     constexpr double kAhead_rad = 1.3;
-    return {
-        .eye = above(angle, 0.75 + 0.2 * std::cos(2 * angle), subject.bounds.max.y + extent.y * values.at("height")),
-        .target = above(angle + kAhead_rad, 0.5, subject.bounds.min.y)};
+    return {.eye = above(angle, 0.75 + 0.2 * std::cos(2 * angle), extent.y,
+                         subject.bounds.max.y + extent.y * values.at("height")),
+            .target = above(angle + kAhead_rad, 0.5, 0, subject.bounds.min.y)};
 }
 
 // Goes round outside the crowd at eye level, on a rounded rectangle: |x|^4 + |z|^4 = 1 in half extents.

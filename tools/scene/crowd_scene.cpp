@@ -68,6 +68,7 @@ GivenValues given_values(const std::vector<std::string>& files, const std::vecto
                          const std::string& option) {
     GivenValues values{.of_all = {}, .of_one = std::vector<std::string>(files.size())};
     const auto set = [&](std::string& value, const std::string& one, const std::string& given_value) {
+        if (one.empty()) throw UsageError(option + ": the value is empty");
         if (given_value.empty()) throw UsageError(option + " " + one + ": nothing is given after '='");
         if (!value.empty()) throw UsageError(option + " " + one + ": '" + value + "' is given already");
         value = given_value;

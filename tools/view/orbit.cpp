@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
 namespace throng::view {
 namespace {
@@ -23,6 +24,29 @@ void Orbit::reset(const Camera& camera) {
     yaw_rad_ = std::atan2(unit.x, unit.z);
     pitch_rad_ = std::clamp(std::asin(std::clamp(unit.y, -1.0f, 1.0f)), -kSteepest_rad, kSteepest_rad);
     field_of_view_rad_ = camera.vertical_field_of_view_rad;
+}
+
+void Orbit::fit(const Bounds& bounds, const PicturePart& part, float aspect_ratio) {
+    const float ratio_of_part = aspect_ratio * part.width() / part.height();
+    reset(fit_camera(bounds, ratio_of_part));
+    const auto lies_in = [](const Vec3<float>& at, const PicturePart& within) {
+        return at.x >= within.left && at.x <= within.right && at.y >= within.top && at.y <= within.bottom;
+    };
+    const Projection alone(camera(), ratio_of_part);
+    std::vector<Vec3<float>> corners;  // except those that fit_camera() leaves out, of a vast crowd
+    for (size_t i = 0; i < 8; ++i) {
+        const Vec3<float> corner{(i & 1 ? bounds.max : bounds.min).x, (i & 2 ? bounds.max : bounds.min).y,
+                                 (i & 4 ? bounds.max : bounds.min).z};
+        if (lies_in(alone.project(corner), PicturePart())) corners.push_back(corner);
+    }
+    const auto shows_all = [&] {
+        const Projection picture(camera_around(camera(), part, aspect_ratio), aspect_ratio);
+        return std::ranges::all_of(corners,
+                                   [&](const Vec3<float>& corner) { return lies_in(picture.project(corner), part); });
+    };
+    constexpr int kMostSteps = 50;
+    for (int step = 0; step < kMostSteps && !shows_all(); ++step) distance_ *= 1.02f;
+    reach_ = distance_;
 }
 
 Vec3<float> Orbit::to_eye() const { return direction_of(yaw_rad_, pitch_rad_); }

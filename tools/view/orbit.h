@@ -7,10 +7,20 @@
 
 namespace throng::view {
 
+// A rectangle of a picture; 0 is its left or upper edge, 1 its right or lower one.
+struct PicturePart {
+    float left = 0, top = 0, right = 1, bottom = 1;
+
+    float width() const { return right - left; }
+    float height() const { return bottom - top; }
+};
+
 class Orbit {
 public:
     // Looks as `camera` does; its distance decides how fast fly() goes and how far zoom() can go.
     void reset(const Camera& camera);
+    // Looks as fit_camera() does, so that camera_around() shows within `part` what that shows.
+    void fit(const Bounds& bounds, const PicturePart& part, float aspect_ratio);
     Camera camera() const;
 
     // The ground's height: turn() and zoom() keep an eye that is above the ground there.
@@ -36,16 +46,9 @@ private:
     float ground_y_ = -std::numeric_limits<float>::infinity();
 };
 
-// A rectangle of a picture; 0 is its left or upper edge, 1 its right or lower one.
-struct PicturePart {
-    float left = 0, top = 0, right = 1, bottom = 1;
-
-    float width() const { return right - left; }
-    float height() const { return bottom - top; }
-};
-
-// A camera at the same eye, for a picture of this aspect ratio. Within `part` it shows what `camera` shows, as large as
-// if the part were a picture of its own, with the target in the middle of the part.
+// A camera at the same eye, for a picture of this aspect ratio. Within `part` it shows what `camera` shows, with the
+// target in the middle of the part, where all is as large as if the part were a picture of its own. Towards the
+// picture's edges perspective stretches it, so what is at the edge of the part may lie outside.
 Camera camera_around(const Camera& camera, const PicturePart& part, float aspect_ratio);
 
 // Converts points of the picture to rays and back. Points of the picture: 0..1 from the left and the top.

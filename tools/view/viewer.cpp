@@ -185,7 +185,7 @@ void Viewer::resize() {
 
 // A path leads the camera until the user takes over, and the user goes on from there.
 void Viewer::move_camera(float aspect_ratio) {
-    if (std::exchange(state_.resets_view, false)) state_.orbit.reset(fit_camera(scene_.bounds(), aspect_ratio));
+    if (std::exchange(state_.resets_view, false)) state_.orbit.fit(scene_.bounds(), state_.free_part, aspect_ratio);
     state_.orbit.stand_on(scene_.bounds().min.y);
     if (state_.camera == kByHand) {
         path_.reset();
@@ -198,8 +198,9 @@ void Viewer::move_camera(float aspect_ratio) {
     }
     const PlacedBox followed = scene_.box_of(
         state_.selected.value_or(std::min(path_->followed_character(), scene_.settings().count - 1)));
+    const float ratio_of_part = aspect_ratio * state_.free_part.width() / state_.free_part.height();
     state_.orbit.reset(path_->at(
-        path_time_s_, {scene_.bounds(), aspect_ratio, followed.world_from_model, {followed.min, followed.max}}));
+        path_time_s_, {scene_.bounds(), ratio_of_part, followed.world_from_model, {followed.min, followed.max}}));
     path_time_s_ += double{ImGui::GetIO().DeltaTime};
 }
 
@@ -209,7 +210,7 @@ void Viewer::draw_panels() {
     if (const std::optional<Click> click = take_commands(state_, window_.presses().take()))
         state_.selected = scene_.pick(Projection(state_.picture_camera, aspect_ratio).ray(click->x, click->y));
     state_.free_part = state_.shows_panels ? part_without_panels() : PicturePart();
-    move_camera(aspect_ratio * state_.free_part.width() / state_.free_part.height());
+    move_camera(aspect_ratio);
     state_.picture_camera = camera_around(state_.orbit.camera(), state_.free_part, aspect_ratio);
     if (state_.selected) draw_selection(state_, scene_);
     if (state_.shows_panels) {

@@ -44,7 +44,7 @@ private:
     bool is_scripted() const { return script_ || options_.frames; }
     void show_frame();
     void resize();
-    void move_camera(float aspect_ratio);
+    void move_camera(float aspect_ratio);  // of the whole picture
     void draw_panels();
     void record();
     bool shows_later() const;
