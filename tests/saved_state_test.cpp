@@ -169,6 +169,11 @@ protected:
     CrowdSettings settings(uint32_t count = 4) const {
         return {.groups = {{.character = &character_, .instance_count = count, .pose_capacity = 2}}};
     }
+    Crowd that_may_request(uint32_t pose_request_capacity) const {
+        CrowdSettings made = settings();
+        made.pose_request_capacity = pose_request_capacity;
+        return create(made);
+    }
     static std::string skin_of(const Crowd& crowd) { return contents_of(crowd.outputs()).at("0: skin"); }
     Character character_ = creature(20, 8);
 };
@@ -312,12 +317,7 @@ TEST_F(SavedState, RefusesOtherSocketsAndTooManyWatchedInstances) {
 }
 
 TEST_F(SavedState, RefusesTooManyPoseRequests) {
-    const auto with = [&](uint32_t pose_request_capacity) {
-        CrowdSettings made = settings();
-        made.pose_request_capacity = pose_request_capacity;
-        return create(made);
-    };
-    Crowd crowd = with(4), narrow = with(1);
+    Crowd crowd = that_may_request(4), narrow = that_may_request(1);
     ASSERT_TRUE(crowd.request_poses(Instances::numbered(0, 3)));
     const Result<void> refused = narrow.restore_state(*crowd.save_state());
     EXPECT_EQ(refusal(refused),
@@ -331,12 +331,7 @@ TEST_F(SavedState, RefusesTooManyPoseRequests) {
 
 // Then generation_at() finds the right generations.
 TEST_F(SavedState, FeedbackContinuesTheNumbersOfACrowdWithout) {
-    const auto with = [&](uint32_t pose_request_capacity) {
-        CrowdSettings made = settings();
-        made.pose_request_capacity = pose_request_capacity;
-        return create(made);
-    };
-    Crowd without = with(0), crowd = with(4);
+    Crowd without = that_may_request(0), crowd = that_may_request(4);
     for (int update = 0; update < 5; ++update) ASSERT_TRUE(without.update(0.1f));
     ASSERT_TRUE(crowd.restore_state(*without.save_state()));
     ASSERT_TRUE(crowd.request_poses(InstanceHandle{1}) && crowd.update(0.1f));

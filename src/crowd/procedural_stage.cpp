@@ -1,6 +1,5 @@
 #include "crowd/procedural_stage.h"
 
-#include "base/finite.h"
 #include "crowd/change_stage.h"
 #include "crowd/state_archive.h"
 
@@ -63,12 +62,7 @@ void ProceduralStage::exchange(StateArchive& archive) { wind_.exchange(archive);
 void ProceduralStage::exchange_group(StateArchive& archive, uint32_t group) {
     for_each_batch_of(group, [&](const Batch&, uint32_t index) {
         auto& [last, dirty] = targets_[index];
-        archive.values(std::span(last));
-        StateArchive::require(std::ranges::all_of(last,
-                                                  [](const io::vec4& at) {
-                                                      return all_finite(std::array{at.x, at.y, at.z, at.w});
-                                                  }),
-                              "a target is not finite");
+        archive.finite_values(last, "a target is not finite");
         archive.changes(dirty, 0, static_cast<uint32_t>(last.size()));
     });
 }

@@ -2,9 +2,12 @@
 #pragma once
 
 #include "base/failure.h"
+#include "base/finite.h"
 #include "base/populate.h"
 #include "crowd/dirty_ranges.h"
+#include "gpu/shader_types.h"
 
+#include <array>
 #include <cstddef>
 #include <cstring>
 #include <functional>
@@ -76,6 +79,11 @@ public:
         value(byte);
         require(byte <= 1, "a flag is neither 0 nor 1");
         one = byte != 0;
+    }
+    // As values(). Refuses vectors that are not finite, with `why`.
+    void finite_values(std::span<io::vec4> all, std::string_view why) {
+        values(all);
+        for (const io::vec4& v : all) require(all_finite(std::array{v.x, v.y, v.z, v.w}), why);
     }
     // Stores the number of values too. Reading refuses more than `most`.
     template <class T>

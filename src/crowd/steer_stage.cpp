@@ -1,7 +1,6 @@
 #include "crowd/steer_stage.h"
 
 #include "base/failure.h"
-#include "base/finite.h"
 #include "base/message_name.h"
 #include "crowd/change_stage.h"
 #include "crowd/state_archive.h"
@@ -151,12 +150,7 @@ void SteerStage::record_steps(VkCommandBuffer commands, const ServedBatch& serve
 void SteerStage::exchange_group(StateArchive& archive, uint32_t group) {
     for (ServedBatch& served : served_) {
         if (batches_[served.batch].group != group) continue;
-        archive.values(std::span(served.destinations));
-        StateArchive::require(std::ranges::all_of(served.destinations,
-                                                  [](const io::vec4& at) {
-                                                      return all_finite(std::array{at.x, at.y, at.z, at.w});
-                                                  }),
-                              "a destination is not finite");
+        archive.finite_values(served.destinations, "a destination is not finite");
         archive.changes(served.dirty, 0, static_cast<uint32_t>(served.destinations.size()));
     }
 }

@@ -28,6 +28,8 @@ TEST_F(CliRefusals, WrongInputIsRefusedInOneLineThatNamesIt) {
         {"render creature.glb --out x.png --placement circle", "'circle' is not one of disc, grid, path, random"},
         {"render creature.glb --out x.png --count abc", "'abc' is not a whole number from 1 to 10000000"},
         {"render creature.glb --out x.png --spacing 1x", "'1x' is not a number from 0.1 to 100"},
+        {"generate --joints -5 --out x.glb", "--joints: '-5' is not a number that this option can have"},
+        {"generate --out x.png", "--out x.png: the output is a binary glTF file; give a name that ends in .glb"},
         {"info", "file"},
         {"info missing.glb", "missing.glb"},
         {"info folder", "folder"},

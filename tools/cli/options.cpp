@@ -68,6 +68,15 @@ void refuse_before(const std::string& subcommand, const CLI::App& command) {
     }
 }
 
+// CLI11 says "Could not convert: --seed = abc".
+std::string unconverted(const std::string& message) {
+    constexpr std::string_view kBegin = "Could not convert: ", kEquals = " = ";
+    const size_t equals = message.find(kEquals);
+    if (!message.starts_with(kBegin) || equals == std::string::npos) return message;
+    return message.substr(kBegin.size(), equals - kBegin.size()) + ": '" + message.substr(equals + kEquals.size()) +
+           "' is not a number that this option can have";
+}
+
 }  // namespace
 
 Check range(uint32_t least, uint32_t most) {
@@ -221,6 +230,8 @@ void run_command_line(int argc, char** argv, void (*add_commands)(Command app)) 
     } catch (const CLI::ExtrasError&) {
         const std::string word = first_of(app.remaining(true), argc, argv);
         throw UsageError(unexpected(innermost(app), word) + help_of_command());
+    } catch (const CLI::ConversionError& error) {
+        throw UsageError(unconverted(error.what()) + help_of_command());
     } catch (const CLI::ParseError& error) {
         throw UsageError(error.what() + help_of_command());
     } catch (const UsageError& error) {
